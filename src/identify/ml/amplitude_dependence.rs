@@ -419,9 +419,10 @@ mod tests {
         let receptance = |k: usize| {
             let omega = AXIS.rad_s(k);
             let spring = mass_ratio * Complex64::new(tuned * tuned, 2.0 * damping * tuned * omega);
-            let own = Complex64::new(natural * natural - omega * omega, 0.012 * natural * omega);
+            let main_system =
+                Complex64::new(natural * natural - omega * omega, 0.012 * natural * omega);
             let absorber = spring - mass_ratio * omega * omega;
-            (own + spring - spring * spring / absorber).inv()
+            (main_system + spring - spring * spring / absorber).inv()
         };
         let receptance: Vec<Complex64> = (0..AXIS.len).map(receptance).collect();
         let model = modes_of(&receptance, 5);

@@ -97,15 +97,15 @@ fn second_terms(
     });
     let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &roots[j], 2) / course[k]);
     let basis = linalg::thin_qr(&others).ok()?.q;
-    let own = &second - &basis * (basis.adjoint() * &second);
-    let norm = own.norm_l2();
+    let unexplained = &second - &basis * (basis.adjoint() * &second);
+    let norm = unexplained.norm_l2();
     if norm < OWN * second.norm_l2() {
         return None;
     }
     let term = |f: usize| -> Complex64 {
         let products = lines
             .clone()
-            .map(|k| own[(k - lines.start, 0)].conj() * rest.at(f, k));
+            .map(|k| unexplained[(k - lines.start, 0)].conj() * rest.at(f, k));
         products.sum::<Complex64>() / norm
     };
     Some((0..data.functions()).map(term).collect())

@@ -104,8 +104,8 @@ impl PoleEstimator for Automatic {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
         };
-        let contradicts = |(own, _): &(Fit, Found)| {
-            own.relative_residual() < CONTRADICTED * fit.relative_residual()
+        let contradicts = |(unsmoothed, _): &(Fit, Found)| {
+            unsmoothed.relative_residual() < CONTRADICTED * fit.relative_residual()
         };
         let mut table = match plain.filter(contradicts) {
             Some((mut plain, found)) => {
@@ -164,9 +164,9 @@ impl Automatic {
             let mut fit = Fit::new(data, sides, self.options);
             fit.first_roots(&found)?;
             fit.moved = moved.clone();
-            let told = moved.told_by(&fit.data, &fit.roots);
+            let changed = moved.told_by(&fit.data, &fit.roots);
             fits.push((fit, found));
-            if !told {
+            if !changed {
                 break;
             }
         }
@@ -174,7 +174,7 @@ impl Automatic {
         let needed = |(fit, _): &(Fit, Found)| fit.roots.iter().filter(moves).count();
         let fewest = (0..fits.len())
             .rev()
-            .min_by_key(|place| needed(&fits[*place]));
+            .min_by_key(|index| needed(&fits[*index]));
         Ok(fits.swap_remove(fewest.unwrap_or(0)))
     }
 }
@@ -267,8 +267,8 @@ impl Fit {
         self.dropped.clear();
         self.sides = sides;
         let chance = self.options.false_alarm_probability / self.data.lines() as f64;
-        let own = (&self.data, &self.sides);
-        self.roots = completed(own, by_inputs, (&free, &standings), chance);
+        let frfs = (&self.data, &self.sides);
+        self.roots = completed(frfs, by_inputs, (&free, &standings), chance);
         Ok(())
     }
 
@@ -329,17 +329,17 @@ impl Fit {
         method: &dyn MultiModeMethod,
         found: &Found,
     ) -> Result<Vec<Root>, IdentifyError> {
-        let on = (&self.data, &self.sides);
-        let own = stabilised(method, on, (found, self.limits(), &[]))?;
-        self.listing.extend(own.poles);
-        Ok(roots_of(&own.seeds, self.data.functions()))
+        let frfs = (&self.data, &self.sides);
+        let stabilisation = stabilised(method, frfs, (found, self.limits(), &[]))?;
+        self.listing.extend(stabilisation.poles);
+        Ok(roots_of(&stabilisation.seeds, self.data.functions()))
     }
 
     pub fn refine(&mut self, stop: Stop) {
         let stop = if self.fixed { Stop::Residues } else { stop };
         let (roots, limits) = (std::mem::take(&mut self.roots), self.limits());
-        let on = (&self.data, &self.sides);
-        self.roots = refine(on, &mut self.windows, roots, (limits, stop));
+        let frfs = (&self.data, &self.sides);
+        self.roots = refine(frfs, &mut self.windows, roots, (limits, stop));
     }
 
     /// The residues of all roots, of which none is dropped; modes of the very same pole become one
@@ -462,11 +462,11 @@ impl Fit {
         if root.multiplicity() > 1 || near.count() > 1 {
             return None;
         }
-        let alike = self
+        let correlation_factor = self
             .data
             .correlation
             .of_amplitude(root.decay(), self.data.step);
-        let factor = standing.inflation() * (0.5 * alike).sqrt();
+        let factor = standing.inflation() * (0.5 * correlation_factor).sqrt();
         let stds = root.residue_variances.iter().map(|v| factor * v.sqrt());
         Some(stds.collect())
     }
@@ -481,7 +481,7 @@ impl Fit {
         let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
         let with_standing = self.roots.par_iter().zip(&mut standings);
         let modes = with_standing.filter(|(root, _)| is_mode(root));
-        modes.for_each(|(root, own)| own.band_deviation = narrower_bands.deviation(root));
+        modes.for_each(|(root, metrics)| metrics.band_deviation = narrower_bands.deviation(root));
         let modes = self.roots.iter().zip(&standings);
         let mut kept: Vec<(&Root, &Standing)> = modes.filter(|(root, _)| is_mode(root)).collect();
         if let Some(most) = self.options.max_modes {
@@ -505,11 +505,11 @@ impl Fit {
         PoleTable {
             candidates: kept
                 .iter()
-                .map(|(root, own)| Candidate {
-                    residue_stds: self.residue_stds(root, own),
+                .map(|(root, metrics)| Candidate {
+                    residue_stds: self.residue_stds(root, metrics),
                     ..self
                         .moved
-                        .merged(candidate(root, own), own.inflation() > 1.0)
+                        .merged(candidate(root, metrics), metrics.inflation() > 1.0)
                 })
                 .collect(),
             findings: evidence.findings(),

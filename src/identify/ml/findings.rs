@@ -118,8 +118,9 @@ impl Evidence<'_> {
 
     /// The run that is farthest from the others, where no check of the set told it.
     fn of_runs(&self) -> Option<Finding> {
-        let told = |own: &Finding| matches!(own.code, Code::RunsDisagree | Code::MassLoading);
-        if self.set.findings.iter().any(told) {
+        let is_reported =
+            |finding: &Finding| matches!(finding.code, Code::RunsDisagree | Code::MassLoading);
+        if self.set.findings.iter().any(is_reported) {
             return None;
         }
         let away = self.moved.farthest()?;
@@ -139,11 +140,11 @@ impl Evidence<'_> {
     /// Modes that share the runs with another one.
     fn of_parts(&self) -> Vec<Finding> {
         let kept: Vec<&Root> = self.kept.iter().map(|(root, _)| *root).collect();
-        let told = run_partners(&kept, &by_point(self.set.functions())).into_iter();
+        let partners = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
             Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
         };
-        told.map(finding).collect()
+        partners.map(finding).collect()
     }
 
     fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
@@ -194,14 +195,14 @@ impl Evidence<'_> {
 
     /// Roots above the noise that are no modes, the last word on each.
     fn of_doubts(&self) -> Vec<Finding> {
-        let mut told: Vec<(Complex64, Finding)> = Vec::new();
+        let mut reported: Vec<(Complex64, Finding)> = Vec::new();
         for dropped in self.dropped.iter().rev() {
             let Reason::Doubt(doubt) = dropped.reason else {
                 continue;
             };
             let lambda = dropped.lambda;
             let same = |(other, _): &(Complex64, Finding)| (other - lambda).norm() < -lambda.re;
-            if !self.in_band(lambda) || told.iter().any(same) {
+            if !self.in_band(lambda) || reported.iter().any(same) {
                 continue;
             }
             let (code, value, unit, limit) = match doubt {
@@ -215,10 +216,10 @@ impl Evidence<'_> {
                 ),
             };
             let finding = Finding::new(Severity::Info, code, self.place(lambda));
-            told.push((lambda, finding.value(value, unit).limit(limit)));
+            reported.push((lambda, finding.value(value, unit).limit(limit)));
         }
-        told.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
-        told.into_iter().map(|(_, finding)| finding).collect()
+        reported.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
+        reported.into_iter().map(|(_, finding)| finding).collect()
     }
 
     /// Peaks that are seen and have no mode.
@@ -231,14 +232,14 @@ impl Evidence<'_> {
                 (lambda.im - omega).abs() < reach
             };
             let doubted = |dropped: &&Dropped| matches!(dropped.reason, Reason::Doubt(_));
-            let mut told = self.dropped.iter().filter(doubted);
+            let mut rejected = self.dropped.iter().filter(doubted);
             let inside = self.band.lo_hz * TAU <= omega && omega <= self.band.hi_hz * TAU;
             inside
                 && !self
                     .kept
                     .iter()
                     .any(|(root, _)| at(root.width(), root.lambda))
-                && !told.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
+                && !rejected.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
         };
         let mut findings: Vec<Finding> = found
             .dropped
@@ -266,7 +267,13 @@ impl Evidence<'_> {
             Code::PeakWithoutMode,
             Place::Mode(omega / TAU),
         );
-        match self.dropped.iter().rev().find(near).map(|own| own.reason) {
+        match self
+            .dropped
+            .iter()
+            .rev()
+            .find(near)
+            .map(|dropped| dropped.reason)
+        {
             Some(Reason::Noise(value, limit)) => finding.value(value, "").limit(limit),
             Some(Reason::Unknown(value)) => finding.value(value, "decay rates"),
             Some(Reason::Twin(value)) => finding.value(value, "deviations"),

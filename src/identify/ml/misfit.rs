@@ -69,10 +69,10 @@ impl Consequence<'_> {
 impl Evidence<'_> {
     /// All modes whose misfit matters, the worst first.
     pub(in crate::identify) fn of_misfit(&self) -> Option<Finding> {
-        let missed = self.kept.iter().filter(|own| own.1.misfit > MOST_MISFIT);
+        let missed = self.kept.iter().filter(|mode| mode.1.misfit > MOST_MISFIT);
         let consequences = missed.map(|(root, standing)| self.consequence(root, standing));
         let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
-        let worth = |own: &Consequence| own.damping.max(own.residual);
+        let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
         all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let worst = all.first()?;
         let place = match all.len() {
@@ -81,7 +81,7 @@ impl Evidence<'_> {
         };
         let largest = all
             .iter()
-            .map(|own| own.standing.misfit)
+            .map(|consequence| consequence.standing.misfit)
             .fold(0.0, f64::max);
         let finding = Finding::new(Severity::Warning, Code::ModelMisfit, place);
         let finding = finding.value(largest.sqrt(), "").limit(MOST_MISFIT.sqrt());
@@ -120,9 +120,9 @@ impl Evidence<'_> {
     /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
     /// residual over noise, those of the worst mode.
     fn detail_of(&self, all: &[Consequence]) -> String {
-        let hz = |own: &Consequence| match self.place(own.root.lambda) {
-            Place::Mode(hz) => format!("{hz:.2} Hz: {}", own.figures()),
-            _ => own.figures(),
+        let hz = |consequence: &Consequence| match self.place(consequence.root.lambda) {
+            Place::Mode(hz) => format!("{hz:.2} Hz: {}", consequence.figures()),
+            _ => consequence.figures(),
         };
         let mut texts = vec![format!(
             "{} ({})",
@@ -140,7 +140,10 @@ impl Evidence<'_> {
     fn functions_of(&self, root: &Root) -> String {
         let rest = self.described.left_over(own_lines(self.data, root));
         let misfits = misfit_by_function(self.data, &rest, root);
-        let above = misfits.iter().filter(|own| **own > MOST_MISFIT).count();
+        let above = misfits
+            .iter()
+            .filter(|misfit| **misfit > MOST_MISFIT)
+            .count();
         let mut order: Vec<usize> = (0..misfits.len()).collect();
         order.sort_by(|a, b| misfits[*b].total_cmp(&misfits[*a]));
         let named = order

@@ -60,17 +60,18 @@ pub(in crate::identify) fn completed(
             None => completed.push(root),
         }
     }
-    for (place, own) in groups.into_iter().enumerate() {
-        if standings[place].misfit > MOST_MISFIT {
-            completed.extend(own);
+    for (index, group) in groups.into_iter().enumerate() {
+        if standings[index].misfit > MOST_MISFIT {
+            completed.extend(group);
             continue;
         }
-        let parts = participation((data, sides), (&free[place], &standings[place]), chance);
-        let keeps_own = parts.len() < own.len() || (parts.len() == own.len() && own.len() > 1);
-        if keeps_own {
-            completed.extend(own);
+        let parts = participation((data, sides), (&free[index], &standings[index]), chance);
+        let keep_group =
+            parts.len() < group.len() || (parts.len() == group.len() && group.len() > 1);
+        if keep_group {
+            completed.extend(group);
         } else {
-            completed.extend(sharing(&free[place], parts));
+            completed.extend(sharing(&free[index], parts));
         }
     }
     completed
@@ -137,8 +138,8 @@ fn parts_above_noise(
     let Ok(svd) = linalg::singular_vectors(&whitened) else {
         return Vec::new();
     };
-    let own = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
-    let limit = norm_of_uneven_noise((outputs, inputs), own, chance);
+    let uneven = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
+    let limit = norm_of_uneven_noise((outputs, inputs), uneven, chance);
     let count = svd.values.iter().take_while(|s| **s > limit).count();
     // A = U S Vᴴ, so that the row space is that of conj(V).
     let factor = |rank: usize, i: usize| svd.right[(i, rank)].conj() * by_input[i];
@@ -243,11 +244,12 @@ mod tests {
         // Every true factor is a combination of the parts.
         let basis = linalg::complex_matrix(INPUTS, 3, |i, part| parts[part][i]);
         for mode in 0..3 {
-            let own = linalg::complex_matrix(INPUTS, 1, |i, _| Complex64::from(factor(mode, i)));
-            let fitted = &basis * linalg::least_squares(&basis, &own).unwrap();
+            let expected =
+                linalg::complex_matrix(INPUTS, 1, |i, _| Complex64::from(factor(mode, i)));
+            let fitted = &basis * linalg::least_squares(&basis, &expected).unwrap();
             let column =
                 |m: &ComplexMatrix| -> Vec<Complex64> { (0..INPUTS).map(|i| m[(i, 0)]).collect() };
-            assert!(mac(&column(&own), &column(&fitted)) > Some(1.0 - 1e-9));
+            assert!(mac(&column(&expected), &column(&fitted)) > Some(1.0 - 1e-9));
         }
     }
 

@@ -82,7 +82,8 @@ impl<'a> NarrowerBands<'a> {
     /// does not explain; 0 where noise explains all.
     pub fn deviation(&self, root: &Root) -> f64 {
         let shifts = self.shifts(root).into_iter().flatten();
-        let beyond = shifts.filter(|own| own.mean_square > MIN_SHIFT_RATIO * own.noise_variance);
+        let beyond =
+            shifts.filter(|shift| shift.mean_square > MIN_SHIFT_RATIO * shift.noise_variance);
         let variance = beyond.map(|shift| shift.mean_square - shift.noise_variance);
         let longest = 0.5 * (MAX_LINEAR_DECAY_RATES * root.decay()).powi(2);
         variance.fold(0.0, f64::max).min(longest).sqrt()
@@ -392,10 +393,10 @@ mod tests {
             }
             let longest = shifts
                 .iter()
-                .fold(0.0, |longest: f64, own| longest.max(own.0));
+                .fold(0.0, |longest: f64, shift| longest.max(shift.0));
             assert!(deviation < 2.0 * longest, "{beside}: {deviation} {longest}");
             // Noise alone does not explain them.
-            let unexplained = shifts.iter().filter(|own| own.1 > 5.0).count();
+            let unexplained = shifts.iter().filter(|shift| shift.1 > 5.0).count();
             assert_eq!(unexplained >= 3, beside >= 0.01, "{beside}: {unexplained}");
         }
     }
@@ -433,7 +434,11 @@ mod tests {
             assert!(std_hz.contains(&std), "{ratio}: {std}");
             assert!((mode.frequency_hz - 120.0).abs() < 3.0 * std, "{ratio}");
             let of_bands = |finding: &&Finding| finding.code == Code::BandDependent;
-            let value = model.findings.iter().find(of_bands).map(|own| own.value);
+            let value = model
+                .findings
+                .iter()
+                .find(of_bands)
+                .map(|finding| finding.value);
             match percent {
                 Some(percent) => assert!(percent.contains(&value.unwrap().unwrap())),
                 None => assert_eq!(value, None, "{ratio}"),

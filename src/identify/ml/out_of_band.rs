@@ -40,7 +40,7 @@ impl Fit {
 
     /// Whether so many courses describe what is outside; nothing changes where they do not.
     fn suffices(&mut self, courses: Vec<Course>) -> bool {
-        let (before, told) = (self.roots.clone(), self.dropped.len());
+        let (before, drops_before) = (self.roots.clone(), self.dropped.len());
         self.follow(courses);
         if self.needs_outside() && self.search().is_some() {
             self.settle(Stop::Judging);
@@ -49,7 +49,7 @@ impl Fit {
         if !enough {
             self.data.set_outside(Outside::Anywhere);
             self.roots = before;
-            self.dropped.truncate(told);
+            self.dropped.truncate(drops_before);
         }
         enough
     }
@@ -123,11 +123,11 @@ impl Fit {
 
     /// The roots where they are, as a fit with free poles outside sees them.
     fn with_free_poles(&mut self) -> Vec<Root> {
-        let own = self.data.set_outside(Outside::Anywhere);
+        let terms = self.data.set_outside(Outside::Anywhere);
         let roots = self.roots.clone();
         unsettle(&mut self.roots);
         self.refine(Stop::Residues);
-        self.data.set_outside(own);
+        self.data.set_outside(terms);
         std::mem::replace(&mut self.roots, roots)
     }
 }
@@ -163,10 +163,14 @@ impl Quality {
 fn held(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
     let line = data.line_of(root.lambda);
     let over = |f: usize| root.residues[f] / data.deviation(f, line);
-    let own: Vec<Complex64> = (0..data.functions()).map(over).collect();
-    let all: f64 = own.iter().map(Complex64::norm_sqr).sum();
+    let residues: Vec<Complex64> = (0..data.functions()).map(over).collect();
+    let all: f64 = residues.iter().map(Complex64::norm_sqr).sum();
     let along = |course: &Course| {
-        let terms = course.shares.iter().zip(&own).map(|(v, a)| v.conj() * a);
+        let terms = course
+            .shares
+            .iter()
+            .zip(&residues)
+            .map(|(v, a)| v.conj() * a);
         terms.sum::<Complex64>().norm_sqr()
     };
     if all > 0.0 {
@@ -236,10 +240,10 @@ mod tests {
         fit.reckon_with_outside();
         for (root, truth) in fit.roots.iter().zip(truth()) {
             let made = truth - root.lambda;
-            let told = root.quality.bias.unwrap();
+            let bias = root.quality.bias.unwrap();
             // Noise moves a pole by its deviation, free poles outside by several.
             assert!(made.norm() > 20.0 * root.quality.pole_bound);
-            assert!((told - made).norm() < 0.2 * made.norm(), "{told} {made}");
+            assert!((bias - made).norm() < 0.2 * made.norm(), "{bias} {made}");
         }
     }
 
@@ -251,8 +255,9 @@ mod tests {
         free.look_outside();
         free.refine(Stop::Fine);
         free.reckon_with_outside();
-        let told = |root: &Root| root.quality.bias.unwrap().norm() / root.quality.pole_bound;
-        assert!(free.roots.iter().all(|root| told(root) < 1.0));
+        let relative_bias =
+            |root: &Root| root.quality.bias.unwrap().norm() / root.quality.pole_bound;
+        assert!(free.roots.iter().all(|root| relative_bias(root) < 1.0));
     }
 
     #[test]
@@ -268,8 +273,8 @@ mod tests {
         let known: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.reckon_with_outside();
         for ((root, free), known) in fit.roots.iter().zip(free).zip(known) {
-            let own = root.quality.pole_bound;
-            assert!(known < own && own < free, "{known} {own} {free}");
+            let std = root.quality.pole_bound;
+            assert!(known < std && std < free, "{known} {std} {free}");
         }
         for (root, truth) in fit.roots.iter().zip(truth()) {
             // Four deviations of each part: six parts in 100,000 seeds are beyond.

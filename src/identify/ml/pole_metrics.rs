@@ -86,10 +86,10 @@ pub(in crate::identify) fn standings(
 ) -> Vec<Standing> {
     let described = data.far().beside(data, roots);
     let standing = |root: &Root| {
-        let own = own_lines(data, root);
+        let lines = own_lines(data, root);
         let of = |f: usize| {
             let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
-            own.clone().map(power).sum::<f64>()
+            lines.clone().map(power).sum::<f64>()
         };
         let whole: f64 = (0..data.functions()).map(of).sum();
         Standing {
@@ -103,9 +103,9 @@ pub(in crate::identify) fn standings(
     let echo = |j: usize| {
         let least = |i: usize| ECHO * standings[i].share;
         let repeated = |i: &usize| {
-            let (own, other) = (&roots[j], &roots[*i]);
-            let weaker = standings[j].share < least(*i) && lies_within(own, other);
-            weaker && (repeats_shape(own, other) || repeats_side(sides, own, other))
+            let (weak, other) = (&roots[j], &roots[*i]);
+            let weaker = standings[j].share < least(*i) && lies_within(weak, other);
+            weaker && (repeats_shape(weak, other) || repeats_side(sides, weak, other))
         };
         let others = (0..roots.len()).filter(repeated).map(least);
         others.fold(0.0, f64::max)
@@ -137,17 +137,17 @@ fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
         return false;
     }
     let of = |root: &Root| linalg::singular_vectors(&sides.matrix(|f| root.residues[f]));
-    let (Ok(own), Ok(other_side)) = (of(root), of(other)) else {
+    let (Ok(vectors), Ok(other_vectors)) = (of(root), of(other)) else {
         return false;
     };
     let modes = other.multiplicity();
-    let within = |own: &ComplexMatrix, others: &ComplexMatrix| {
-        let values = own.nrows();
+    let within = |vector: &ComplexMatrix, others: &ComplexMatrix| {
+        let values = vector.nrows();
         if values <= modes {
             return false;
         }
         let product = |m: usize| -> Complex64 {
-            let terms = (0..values).map(|i| others[(i, m)].conj() * own[(i, 0)]);
+            let terms = (0..values).map(|i| others[(i, m)].conj() * vector[(i, 0)]);
             terms.sum()
         };
         let part: f64 = (0..modes).map(|m| product(m).norm_sqr()).sum();
@@ -155,7 +155,7 @@ fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
         let limit = chance.map_or(1.0, |beta| beta.inverse_cdf(1.0 - BY_CHANCE));
         part > limit.max(SAME_SHAPE)
     };
-    within(&own.left, &other_side.left) || within(&own.right, &other_side.right)
+    within(&vectors.left, &other_vectors.left) || within(&vectors.right, &other_vectors.right)
 }
 
 /// Mean square of what a model leaves over (over the noise) on the own lines of a root.
@@ -165,10 +165,10 @@ pub(in crate::identify) fn missed(data: &Receptances, described: &Described, roo
 
 /// The same of what is left over, on those lines at least.
 pub(in crate::identify) fn misfit(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
-    let own = own_lines(data, root);
-    let values = (own.len() * data.functions()) as f64;
+    let lines = own_lines(data, root);
+    let values = (lines.len() * data.functions()) as f64;
     let held = |k: usize| data.shared.held((data, rest), k, |f| rest.at(f, k));
-    own.map(held).sum::<f64>() / values
+    lines.map(held).sum::<f64>() / values
 }
 
 /// The same of each function, without the noise that functions share.
@@ -177,10 +177,10 @@ pub(in crate::identify) fn misfit_by_function(
     rest: &Rest,
     root: &Root,
 ) -> Vec<f64> {
-    let own = own_lines(data, root);
+    let lines = own_lines(data, root);
     let of = |f: usize| {
-        let squares = own.clone().map(|k| rest.at(f, k).norm_sqr());
-        squares.sum::<f64>() / own.len() as f64
+        let squares = lines.clone().map(|k| rest.at(f, k).norm_sqr());
+        squares.sum::<f64>() / lines.len() as f64
     };
     (0..data.functions()).map(of).collect()
 }
@@ -262,37 +262,37 @@ pub(in crate::identify) fn doubt(
     standings: &[Standing],
     (j, scrutiny): (usize, Scrutiny),
 ) -> Option<Doubt> {
-    let (root, own) = (&roots[j], &standings[j]);
+    let (root, metrics) = (&roots[j], &standings[j]);
     let strict = scrutiny == Scrutiny::Strict;
     let least = if root.multiplicity() > 1 {
         REPEATED
     } else {
         LINEAR
     };
-    if own.share < least {
-        return Some(Doubt::Tiny(own.share, least));
+    if metrics.share < least {
+        return Some(Doubt::Tiny(metrics.share, least));
     }
     let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
-    let misses = own.misfit > most || scrutiny == Scrutiny::Scattered;
-    if misses && own.share < LEAST_SHARE {
-        return Some(Doubt::Share(own.share));
+    let misses = metrics.misfit > most || scrutiny == Scrutiny::Scattered;
+    if misses && metrics.share < LEAST_SHARE {
+        return Some(Doubt::Share(metrics.share));
     }
     let distance = |i: &usize| apart(root, &roots[*i]);
-    if own.share < own.echo {
-        return Some(Doubt::Tiny(own.share, own.echo));
+    if metrics.share < metrics.echo {
+        return Some(Doubt::Tiny(metrics.share, metrics.echo));
     }
     let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
     let nearest = (0..roots.len())
         .filter(strong)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     let repeats = distance(&nearest) < BESIDE && repeats_shape(root, &roots[nearest]);
-    if own.share >= OWN_MODE || !(strict || repeats) {
+    if metrics.share >= OWN_MODE || !(strict || repeats) {
         return None;
     }
     let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
     // A delay of a channel turns both.
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
-    (apart > MOST_PHASE + unknown(root, own)).then_some(Doubt::Phase(apart))
+    (apart > MOST_PHASE + unknown(root, metrics)).then_some(Doubt::Phase(apart))
 }
 
 /// The root whose phase a root's is held against: the nearest of those that are modes of their own,
@@ -308,8 +308,8 @@ fn reference(roots: &[Root], standings: &[Standing], j: usize) -> Option<usize> 
 }
 
 /// Deviation of a root's phase, rad, with what the model misses as noise.
-fn unknown(root: &Root, own: &Standing) -> f64 {
-    root.quality.pole_std * own.misfit.max(1.0).sqrt() / root.decay()
+fn unknown(root: &Root, metrics: &Standing) -> f64 {
+    root.quality.pole_std * metrics.misfit.max(1.0).sqrt() / root.decay()
 }
 
 /// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter
@@ -334,11 +334,11 @@ pub(in crate::identify) fn phases_scatter(roots: &[Root], standings: &[Standing]
     let few = strongest.residues.len() < FEWEST_FUNCTIONS;
     let limit = if few { 0.0 } else { HALF_REAL };
     let scattered = |j: &usize| {
-        let (root, own) = (&roots[*j], &standings[*j]);
+        let (root, metrics) = (&roots[*j], &standings[*j]);
         let other = reference(roots, standings, *j).map_or(0.0, |i| residue_phase(&roots[i]));
         let most = in_phase(root, other).max(in_phase(root, 0.0));
         // cos 2φ moves by 2 for each radian at most.
-        own.share < OWN_MODE && most + 2.0 * unknown(root, own) < limit
+        metrics.share < OWN_MODE && most + 2.0 * unknown(root, metrics) < limit
     };
     let count = (0..roots.len()).filter(scattered).count();
     count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))

@@ -75,9 +75,9 @@ impl LeftOver<'_> {
             .iter()
             .filter(|root| distance(root) < root.decay().max(decay));
         let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let more = there.and_then(|own| {
-            let most = self.room(own.lambda, roots);
-            self.root_at((own.lambda, most), stretch, roots)
+        let more = there.and_then(|existing| {
+            let most = self.room(existing.lambda, roots);
+            self.root_at((existing.lambda, most), stretch, roots)
         });
         more.or_else(|| self.root_at((middle, 1), stretch, roots))
             .filter(|root| resonates(root.lambda))
@@ -86,7 +86,7 @@ impl LeftOver<'_> {
     /// Modes that a pole can have beside those that are there: inputs and outputs tell no more
     /// apart.
     fn room(&self, lambda: Complex64, roots: &[Root]) -> usize {
-        let there = roots.iter().filter(|own| same_pole(own, lambda));
+        let there = roots.iter().filter(|existing| same_pole(existing, lambda));
         let modes: usize = there.map(Root::multiplicity).sum();
         let most = self.sides.inputs.min(self.sides.outputs.len());
         most.saturating_sub(modes)
@@ -123,7 +123,7 @@ impl LeftOver<'_> {
         let above = strengths.iter().filter(|s| **s > limit).count();
         let physical = |f: usize| amplitudes[f] * self.data.deviation(f, stretch.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
-        parts.retain(|part| !roots.iter().any(|own| repeats(own, lambda, part)));
+        parts.retain(|part| !roots.iter().any(|existing| repeats(existing, lambda, part)));
         parts.truncate(most);
         let first = parts.first()?;
         let mut root = Root::single(lambda, first, self.data.functions());
@@ -133,13 +133,13 @@ impl LeftOver<'_> {
 }
 
 /// Whether a root has a pole and participation factors already.
-fn repeats(own: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
+fn repeats(existing: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
     let alike = |other: &Vec<Complex64>| mac(other, part) > Some(SAME_PARTICIPATION);
-    same_pole(own, lambda) && own.parts.iter().any(alike)
+    same_pole(existing, lambda) && existing.parts.iter().any(alike)
 }
 
-fn same_pole(own: &Root, lambda: Complex64) -> bool {
-    (own.lambda - lambda).norm() < SAME * own.decay()
+fn same_pole(existing: &Root, lambda: Complex64) -> bool {
+    (existing.lambda - lambda).norm() < SAME * existing.decay()
 }
 
 /// Stretches of doubling widths that noise does not explain, the highest first, none near a higher
@@ -232,10 +232,10 @@ mod tests {
         let sides = Sides::new(set.functions());
         assert_eq!(sides.inputs, 2);
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
-        let own = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
+        let fitted = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
         // Beside a fit of one mode two independent ones stand out, far above the noise.
         let rest = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
-            let course = own.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
+            let course = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
             1e3 * (1.0 + (f * f) as f64).sin() * course
         });
         let rest = Rest::of_all(rest);
@@ -244,9 +244,9 @@ mod tests {
             let at_pole = |root: &&Root| (root.lambda - lambda).norm() < 1e-9 * lambda.norm();
             found.iter().find(at_pole).map(Root::multiplicity)
         };
-        assert_eq!(tried(std::slice::from_ref(&own)), Some(1));
+        assert_eq!(tried(std::slice::from_ref(&fitted)), Some(1));
         // None where both are there.
         let other = Root::single(lambda, &[Complex64::ZERO, Complex64::ONE], set.len());
-        assert_eq!(tried(&[own.clone(), other]), None);
+        assert_eq!(tried(&[fitted.clone(), other]), None);
     }
 }

@@ -34,7 +34,8 @@ impl Fit {
     /// back what they took; what stands out all the same, the search finds. Where what is left over
     /// without them is no noise any more, nothing of that holds.
     pub fn lines_share_noise(&mut self) -> bool {
-        let (noise, roots, told) = (self.data.noise(), self.roots.clone(), self.dropped.len());
+        let (noise, roots, drops_before) =
+            (self.data.noise(), self.roots.clone(), self.dropped.len());
         if !self.data.lines_share_noise(&mut self.rest()) {
             return false;
         }
@@ -43,13 +44,13 @@ impl Fit {
             if !Correlation::functions_differ(&self.rest()) {
                 self.data.set_noise(noise);
                 self.roots = roots;
-                self.dropped.truncate(told);
+                self.dropped.truncate(drops_before);
                 self.settle(Stop::Judging);
                 return false;
             }
             let unknown = |root: &Root| root.quality.pole_std / root.decay();
             let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
-            doubtful.retain(|own| *own >= WELL_KNOWN);
+            doubtful.retain(|ratio| *ratio >= WELL_KNOWN);
             doubtful.sort_by(f64::total_cmp);
             let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
                 return true;
@@ -75,8 +76,8 @@ impl Fit {
     pub fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let rest = self.rest();
-        let own = (&self.data, &self.sides);
-        let found = roots_to_try(own, &self.roots, &rest, (chance, self.most_tried()));
+        let frfs = (&self.data, &self.sides);
+        let found = roots_to_try(frfs, &self.roots, &rest, (chance, self.most_tried()));
         if found.is_empty() {
             return self.double(&rest);
         }
@@ -87,9 +88,9 @@ impl Fit {
     /// Whether what the fit leaves over is more than noise: in some stretch, or of a double pole.
     pub fn leaves_more_than_noise(&self) -> bool {
         let chance = self.options.false_alarm_probability;
-        let (own, rest) = ((&self.data, &self.sides), self.rest());
-        !roots_to_try(own, &self.roots, &rest, (chance, 1)).is_empty()
-            || !roots_to_double(own, &self.roots, &rest, chance).is_empty()
+        let (frfs, rest) = ((&self.data, &self.sides), self.rest());
+        !roots_to_try(frfs, &self.roots, &rest, (chance, 1)).is_empty()
+            || !roots_to_double(frfs, &self.roots, &rest, chance).is_empty()
     }
 
     fn most_tried(&self) -> usize {
@@ -102,7 +103,7 @@ impl Fit {
 
     /// As [`Self::search`], with these roots, from what is left over without them.
     fn try_roots(&mut self, found: Vec<Root>, rest: &Rest) -> Option<f64> {
-        let (before, modes, told) = (self.roots.clone(), self.modes(), self.dropped.len());
+        let (before, modes, drops_before) = (self.roots.clone(), self.modes(), self.dropped.len());
         self.roots.extend(found.into_iter().map(|root| Root {
             suspect: true,
             ..root
@@ -122,7 +123,7 @@ impl Fit {
         if now < 1.0 {
             // New roots drove others away, or none of them stayed.
             self.roots = before;
-            self.dropped.truncate(told);
+            self.dropped.truncate(drops_before);
             return None;
         }
         for root in &mut self.roots {
@@ -139,14 +140,14 @@ impl Fit {
     /// of noise.
     fn double(&mut self, rest: &Rest) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
-        let own = (&self.data, &self.sides);
-        let found = roots_to_double(own, &self.roots, rest, chance);
+        let frfs = (&self.data, &self.sides);
+        let found = roots_to_double(frfs, &self.roots, rest, chance);
         let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
         let chance = chance / lambdas.len().max(1) as f64;
         let (first, most) = (self.left(rest), self.most_tried());
         let mut left = first;
-        for (place, second) in found.into_iter().take(most) {
-            let distance = |root: &Root| (root.lambda - lambdas[place]).norm();
+        for (index, second) in found.into_iter().take(most) {
+            let distance = |root: &Root| (root.lambda - lambdas[index]).norm();
             let free = |j: &usize| self.roots[*j].pair.is_none();
             let nearest = (0..self.roots.len())
                 .filter(free)
@@ -156,12 +157,12 @@ impl Fit {
             let Some(j) = nearest.filter(near) else {
                 continue;
             };
-            let (before, told) = (self.roots.clone(), self.dropped.len());
+            let (before, drops_before) = (self.roots.clone(), self.dropped.len());
             match self.doubled((j, second), (left, chance)) {
                 Some(now) => left = now,
                 None => {
                     self.roots = before;
-                    self.dropped.truncate(told);
+                    self.dropped.truncate(drops_before);
                 }
             }
         }
@@ -182,8 +183,8 @@ impl Fit {
             ..second
         });
         self.settle(Stop::Judging);
-        let own: Vec<&Root> = self.roots.iter().filter(|root| root.pair == pair).collect();
-        let [a, b] = own[..] else { return None };
+        let members: Vec<&Root> = self.roots.iter().filter(|root| root.pair == pair).collect();
+        let [a, b] = members[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
         let now = self.left(&self.rest());
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);

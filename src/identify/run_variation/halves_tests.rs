@@ -9,7 +9,7 @@ use crate::finding::Code;
 use crate::frf::{FrfSet, FunctionData};
 use crate::identify::synthetic::{Measurement, Structure, white_noise};
 
-use crate::identify::run_variation::tests::{found, told};
+use crate::identify::run_variation::tests::{findings_of, found};
 
 /// Two halves of six points: three families of a mode of each half, so many half-power widths
 /// apart, of which the other half has some part.
@@ -51,7 +51,7 @@ fn halves(seed: u64, widths: f64, part: f64) -> (Structure, Measurement) {
     let of = |hit: &Dof| {
         sensors
             .iter()
-            .map(|own| (own.clone(), hit.clone()))
+            .map(|sensor| (sensor.clone(), hit.clone()))
             .collect::<Vec<_>>()
     };
     how.pairs = hits.iter().flat_map(of).collect();
@@ -64,7 +64,10 @@ fn modes_of_two_halves_are_no_modes_that_move() {
         for seed in 0..4 {
             let (structure, how) = halves(seed, widths, 0.03);
             let model = found(&structure.measured(&how));
-            assert!(told(&model, Code::RunsMerged).is_empty(), "{widths} {seed}");
+            assert!(
+                findings_of(&model, Code::RunsMerged).is_empty(),
+                "{widths} {seed}"
+            );
             assert_eq!(model.modes.len(), structure.modes.len(), "{widths} {seed}");
         }
     }
@@ -99,7 +102,7 @@ fn runs_that_see_one_of_two_modes_each_are_no_modes_that_move() {
             ..how
         };
         let model = found(&in_common_noise(&structure.measured(&how), 3e-3, seed));
-        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+        assert!(findings_of(&model, Code::RunsMerged).is_empty(), "{seed}");
         let true_hz = structure.modes.iter().map(|mode| mode.0);
         assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
         for (mode, hz) in model.modes.iter().zip(true_hz) {

@@ -85,7 +85,7 @@ fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
 
 #[test]
 fn of_modes_that_move_together_one_that_does_not_is_left_out() {
-    let told = |shifts: [f64; 5], group: usize| Told {
+    let decision = |shifts: [f64; 5], group: usize| Told {
         mode: Moving {
             lambda: Complex64::new(-1.0, 100.0),
             scatter: 1.0,
@@ -101,19 +101,19 @@ fn of_modes_that_move_together_one_that_does_not_is_left_out() {
     };
     // The last two are one resonance, one of whose modes stays.
     let all = [
-        told([1.0, -1.0, 2.0, 0.0, -2.0], 0),
-        told([1.1, -0.9, 2.2, 0.0, -2.1], 1),
-        told([2.0, 2.0, -2.0, -2.0, 0.0], 2),
-        told([0.5, -0.6, 1.0, 0.1, -1.0], 3),
-        told([0.5, -0.6, 1.0, 0.1, -1.0], 4),
-        told([0.0; 5], 4),
+        decision([1.0, -1.0, 2.0, 0.0, -2.0], 0),
+        decision([1.1, -0.9, 2.2, 0.0, -2.1], 1),
+        decision([2.0, 2.0, -2.0, -2.0, 0.0], 2),
+        decision([0.5, -0.6, 1.0, 0.1, -1.0], 3),
+        decision([0.5, -0.6, 1.0, 0.1, -1.0], 4),
+        decision([0.0; 5], 4),
     ];
     let moved = Moved {
         runs: (0..5).map(|run| vec![run]).collect(),
         ..Moved::default()
     };
     let taken = moved.agreeing(all.iter().collect());
-    let groups: Vec<usize> = taken.iter().map(|told| told.group).collect();
+    let groups: Vec<usize> = taken.iter().map(|decision| decision.group).collect();
     assert_eq!(groups, [0, 1, 3]);
     // One resonance alone has nothing to agree with.
     assert!(moved.agreeing(all[4..].iter().collect()).is_empty());

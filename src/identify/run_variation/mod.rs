@@ -126,8 +126,8 @@ impl Moved {
             for f in functions {
                 let line_shape = data.line_shape;
                 data.correct(*f, |omega| {
-                    let own = |mode: &Moving| mode.correction(line_shape, (*f, run), omega);
-                    self.modes.iter().map(own).sum()
+                    let correction = |mode: &Moving| mode.correction(line_shape, (*f, run), omega);
+                    self.modes.iter().map(correction).sum()
                 });
             }
         }
@@ -142,9 +142,9 @@ impl Moved {
         self.rounds += 1;
         let modes = self.moving(data, roots);
         let same = |(now, before): (&Moving, &Moving)| now.stays(before);
-        let told = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
+        let changed = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
-        told
+        changed
     }
 
     /// Whether runs disagree.
@@ -192,8 +192,8 @@ impl Moved {
 
     /// Median of the scatter of those that move over their frequencies; 0 where none does.
     fn usual_scatter(&self) -> f64 {
-        let own = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
-        let mut parts: Vec<f64> = own.collect();
+        let ratios = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
+        let mut parts: Vec<f64> = ratios.collect();
         parts.sort_by(f64::total_cmp);
         parts.get(parts.len() / 2).copied().unwrap_or(0.0)
     }
@@ -239,15 +239,15 @@ impl Moved {
     /// The modes that move, by one grouping of the roots, and how much speaks for them: where half
     /// of the resonances that could tell it say so, and what moves them has one cause.
     fn moving_by(&self, groups: Vec<Vec<usize>>, data: &Receptances, roots: &[Root]) -> Way {
-        let owners: Vec<Vec<&Moving>> = self.owned(&groups, roots);
+        let group_modes: Vec<Vec<&Moving>> = self.owned(&groups, roots);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), self);
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
-        let look = |(known, own): (&Vec<&Moving>, &Option<Resonance>)| match own {
-            _ if !known.is_empty() => FirstLook::Worthwhile,
-            Some(own) => own.first_look(&self.runs),
+        let look = |(modes, resonance): (&Vec<&Moving>, &Option<Resonance>)| match resonance {
+            _ if !modes.is_empty() => FirstLook::Worthwhile,
+            Some(resonance) => resonance.first_look(&self.runs),
             None => FirstLook::Unclear,
         };
-        let looks = owners.par_iter().zip(&resonances);
+        let looks = group_modes.par_iter().zip(&resonances);
         let looks: Vec<FirstLook> = looks.map(look).collect();
         if !looks.contains(&FirstLook::Worthwhile) {
             return Way {
@@ -256,99 +256,113 @@ impl Moved {
                 gain: 0.0,
             };
         }
-        let known = |owners: &Vec<&Moving>| {
-            let poles: Poles = owners.iter().map(|mode| mode.poles()).collect();
+        let known = |group_modes: &Vec<&Moving>| {
+            let poles: Poles = group_modes.iter().map(|mode| mode.poles()).collect();
             (!poles.is_empty()).then_some(poles)
         };
-        let mut poles: Vec<Option<Poles>> = owners.iter().map(known).collect();
+        let mut poles: Vec<Option<Poles>> = group_modes.iter().map(known).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
         for _ in 0..SWEEPS {
-            let fit = |place: usize| {
-                let own = resonances[place].as_ref();
-                let own = own.filter(|_| looks[place] == FirstLook::Worthwhile)?;
-                let beside = |run| poles_beside(roots, (&groups, &poles), (place, run));
+            let fit = |index: usize| {
+                let resonance = resonances[index].as_ref();
+                let resonance = resonance.filter(|_| looks[index] == FirstLook::Worthwhile)?;
+                let beside = |run| poles_beside(roots, (&groups, &poles), (index, run));
                 let one = |root: usize| vec![vec![roots[root].lambda; self.runs.len()]];
-                match (&poles[place], &groups[place][..]) {
-                    (Some(poles), _) => own.fitted(&own.runs(&self.runs, beside), poles.clone()),
-                    (None, [root]) => own.fitted(&own.runs(&self.runs, beside), one(*root)),
-                    (None, _) => own.searched(&self.runs, beside),
+                match (&poles[index], &groups[index][..]) {
+                    (Some(poles), _) => {
+                        resonance.fitted(&resonance.runs(&self.runs, beside), poles.clone())
+                    }
+                    (None, [root]) => {
+                        resonance.fitted(&resonance.runs(&self.runs, beside), one(*root))
+                    }
+                    (None, _) => resonance.searched(&self.runs, beside),
                 }
             };
             fitted = (0..groups.len()).into_par_iter().map(fit).collect();
-            let moved = |(own, owners): (&Option<Fitted>, &Vec<&Moving>)| match own {
-                Some(own) => Some(own.tracks.iter().map(|track| track.poles.clone()).collect()),
-                None => known(owners),
+            let moved = |(shifted, group_modes): (&Option<Fitted>, &Vec<&Moving>)| match shifted {
+                Some(shifted) => Some(
+                    shifted
+                        .tracks
+                        .iter()
+                        .map(|track| track.poles.clone())
+                        .collect(),
+                ),
+                None => known(group_modes),
             };
-            poles = fitted.iter().zip(&owners).map(moved).collect();
+            poles = fitted.iter().zip(&group_modes).map(moved).collect();
         }
         // Of those that could tell it, what they tell.
-        let judge = |place: usize| match (&resonances[place], looks[place]) {
+        let judge = |index: usize| match (&resonances[index], looks[index]) {
             (_, FirstLook::Unclear) => None,
             (_, FirstLook::Still) => Some(Vec::new()),
-            (Some(own), FirstLook::Worthwhile) => own.judged(
-                fitted[place].as_ref(),
+            (Some(resonance), FirstLook::Worthwhile) => resonance.judged(
+                fitted[index].as_ref(),
                 (&self.runs, self.factors),
-                (&owners[place], place),
+                (&group_modes[index], index),
             ),
-            (None, FirstLook::Worthwhile) => Told::as_known(owners[place].iter().copied(), place),
+            (None, FirstLook::Worthwhile) => {
+                Told::as_known(group_modes[index].iter().copied(), index)
+            }
         };
-        let told: Vec<Option<Vec<Told>>> = (0..groups.len()).map(judge).collect();
-        let all: Vec<&Told> = told.iter().flatten().flatten().collect();
+        let decisions: Vec<Option<Vec<Told>>> = (0..groups.len()).map(judge).collect();
+        let all: Vec<&Told> = decisions.iter().flatten().flatten().collect();
         let doubt = all
             .iter()
-            .all(|told| told.group == all[0].group && !told.alone);
+            .all(|decision| decision.group == all[0].group && !decision.alone);
         let agreeing = self.agreeing(if doubt { Vec::new() } else { all.clone() });
-        let moves = |taken: &[&Told], place: usize| taken.iter().any(|told| told.group == place);
-        let places = 0..groups.len();
-        let agree = places.filter(|place| moves(&agreeing, *place)).count();
-        let taken = match agree > 0 && 2 * agree >= told.iter().flatten().count() {
+        let moves =
+            |taken: &[&Told], index: usize| taken.iter().any(|decision| decision.group == index);
+        let indices = 0..groups.len();
+        let agree = indices.filter(|index| moves(&agreeing, *index)).count();
+        let taken = match agree > 0 && 2 * agree >= decisions.iter().flatten().count() {
             true => agreeing,
             // What is known already does not hang on what more was tried.
-            false => self.agreeing(all.into_iter().filter(|told| told.known).collect()),
+            false => self.agreeing(all.into_iter().filter(|decision| decision.known).collect()),
         };
-        let stay = (0..groups.len()).filter(|place| !moves(&taken, *place));
-        let stay: usize = stay.map(|place| groups[place].len()).sum();
+        let stay = (0..groups.len()).filter(|index| !moves(&taken, *index));
+        let stay: usize = stay.map(|index| groups[index].len()).sum();
         Way {
             left: stay + taken.len(),
-            gain: taken.iter().map(|told| told.gain).sum(),
-            moving: taken.iter().map(|told| told.mode.clone()).collect(),
+            gain: taken.iter().map(|decision| decision.gain).sum(),
+            moving: taken.iter().map(|decision| decision.mode.clone()).collect(),
         }
     }
 
     /// The known modes of each group: those to which one of its roots is the nearest of all.
     fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&Moving>> {
-        let mut owners = vec![Vec::new(); groups.len()];
+        let mut group_modes = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
             let near = |j: &usize| (roots[*j].lambda.im - mode.lambda.im).abs();
-            let distance = |place: &usize| {
-                let own = groups[*place].iter().map(near);
-                own.fold(f64::INFINITY, f64::min)
+            let distance = |index: &usize| {
+                let distances = groups[*index].iter().map(near);
+                distances.fold(f64::INFINITY, f64::min)
             };
             let nearest = (0..groups.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let within =
-                |place: &usize| groups[*place].iter().any(|j| mode.holds(roots[*j].lambda));
-            if let Some(place) = nearest.filter(within) {
-                owners[place].push(mode);
+                |index: &usize| groups[*index].iter().any(|j| mode.holds(roots[*j].lambda));
+            if let Some(index) = nearest.filter(within) {
+                group_modes[index].push(mode);
             }
         }
-        owners
+        group_modes
     }
 
     /// The modes whose shifts have one cause: a state of the structure that changes from run to run
     /// moves all modes together, and the mass of a sensor lowers a mode by so much as its point
     /// moves in it. Pairs of close modes, which look as if one of them moved, do neither.
-    fn agreeing<'a>(&self, told: Vec<&'a Told>) -> Vec<&'a Told> {
-        let together = of_one_cause(told.clone(), together);
+    fn agreeing<'a>(&self, decisions: Vec<&'a Told>) -> Vec<&'a Told> {
+        let together = of_one_cause(decisions.clone(), together);
         if !self.roving_sensor {
             return together;
         }
-        let by_mass = of_one_cause(told, |told| {
-            let own = told
+        let by_mass = of_one_cause(decisions, |decisions| {
+            let parts = decisions
                 .iter()
-                .map(|told| moved_by_mass(&told.mode, &self.runs));
-            own.collect()
+                .map(|decision| moved_by_mass(&decision.mode, &self.runs));
+            parts.collect()
         });
-        let gain = |told: &[&Told]| told.iter().map(|told| told.gain).sum::<f64>();
+        let gain =
+            |decisions: &[&Told]| decisions.iter().map(|decision| decision.gain).sum::<f64>();
         match (together.len(), gain(&together)) < (by_mass.len(), gain(&by_mass)) {
             true => by_mass,
             false => together,
@@ -358,53 +372,54 @@ impl Moved {
 
 /// Those modes that one cause explains, so much of the scatter of all, without the groups of the
 /// least explained ones.
-fn of_one_cause(mut told: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) -> Vec<&Told> {
-    while !told.is_empty() {
-        let parts = explained(&told);
+fn of_one_cause(mut decisions: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) -> Vec<&Told> {
+    while !decisions.is_empty() {
+        let parts = explained(&decisions);
         if parts.iter().sum::<f64>() > ONE_CAUSE * parts.len() as f64 {
             break;
         }
         let least = (0..parts.len()).min_by(|a, b| parts[*a].total_cmp(&parts[*b]));
-        let group = told[least.unwrap_or(0)].group;
-        told.retain(|told| told.group != group);
+        let group = decisions[least.unwrap_or(0)].group;
+        decisions.retain(|decision| decision.group != group);
     }
-    told
+    decisions
 }
 
 /// Mean correlation of the shifts of each mode with those of other resonances; 0 where there are
 /// none.
-fn together(told: &[&Told]) -> Vec<f64> {
+fn together(decisions: &[&Told]) -> Vec<f64> {
     // Vectors of length 1, or 0 where a mode stays.
-    let direction = |told: &&Told| -> Vec<f64> {
+    let direction = |decision: &&Told| -> Vec<f64> {
         let shift = |run: usize| {
-            let (shift, squares) = told.mode.centred(run);
+            let (shift, squares) = decision.mode.centred(run);
             if squares > 0.0 {
                 shift / squares.sqrt()
             } else {
                 0.0
             }
         };
-        (0..told.mode.shifts.len()).map(shift).collect()
+        (0..decision.mode.shifts.len()).map(shift).collect()
     };
-    let directions: Vec<Vec<f64>> = told.iter().map(direction).collect();
-    let mean = |own: usize| {
-        let others = (0..told.len()).filter(|other| told[*other].group != told[own].group);
+    let directions: Vec<Vec<f64>> = decisions.iter().map(direction).collect();
+    let mean = |index: usize| {
+        let others =
+            (0..decisions.len()).filter(|other| decisions[*other].group != decisions[index].group);
         let product = |other: usize| -> f64 {
-            let pairs = directions[own].iter().zip(&directions[other]);
+            let pairs = directions[index].iter().zip(&directions[other]);
             pairs.map(|(a, b)| a * b).sum()
         };
         let products: Vec<f64> = others.map(product).collect();
         products.iter().sum::<f64>() / products.len().max(1) as f64
     };
-    (0..told.len()).map(mean).collect()
+    (0..decisions.len()).map(mean).collect()
 }
 
 /// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of
 /// the run.
 fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
     let power = |run: &Vec<usize>| {
-        let own = run.iter().map(|f| mode.residues[*f].norm_sqr());
-        own.sum::<f64>() / run.len().max(1) as f64
+        let squares = run.iter().map(|f| mode.residues[*f].norm_sqr());
+        squares.sum::<f64>() / run.len().max(1) as f64
     };
     let powers: Vec<f64> = runs.iter().map(power).collect();
     let mean = powers.iter().sum::<f64>() / powers.len() as f64;
@@ -459,8 +474,9 @@ impl Moving {
     fn correction(&self, shape: LineShape, (f, run): (usize, usize), omega: f64) -> Complex64 {
         let pole = |lambda: Complex64| shape.pole(omega, lambda);
         let (a, lambda) = (self.residues[f], self.lambda);
-        let own = lambda + self.shifts[run];
-        a * (pole(lambda) - pole(own)) + a.conj() * (pole(lambda.conj()) - pole(own.conj()))
+        let run_pole = lambda + self.shifts[run];
+        a * (pole(lambda) - pole(run_pole))
+            + a.conj() * (pole(lambda.conj()) - pole(run_pole.conj()))
     }
 }
 
@@ -489,13 +505,13 @@ fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
 fn poles_beside(
     roots: &[Root],
     (groups, moved): (&[Vec<usize>], &[Option<Poles>]),
-    (own, run): (usize, usize),
+    (excluded, run): (usize, usize),
 ) -> Vec<Complex64> {
-    let others = (0..groups.len()).filter(|place| *place != own);
-    let poles = |place: usize| -> Vec<Complex64> {
-        match &moved[place] {
+    let others = (0..groups.len()).filter(|group| *group != excluded);
+    let poles = |index: usize| -> Vec<Complex64> {
+        match &moved[index] {
             Some(poles) => poles.iter().map(|poles| poles[run]).collect(),
-            None => groups[place].iter().map(|j| roots[*j].lambda).collect(),
+            None => groups[index].iter().map(|j| roots[*j].lambda).collect(),
         }
     };
     others.flat_map(poles).collect()

@@ -64,7 +64,7 @@ impl Resonance<'_> {
 
     /// Poles with a frequency of their own in every run, by Gauss-Newton steps; `None` where one
     /// leaves the lines or damping.
-    pub fn fitted(&self, own: &[Run], poles: Poles) -> Option<Fitted> {
+    pub fn fitted(&self, runs: &[Run], poles: Poles) -> Option<Fitted> {
         let line = Line {
             middle: self.strong(),
             slope: 0.0,
@@ -72,7 +72,7 @@ impl Resonance<'_> {
         let path = |poles| Path { poles, line };
         let mut paths: Vec<Path> = poles.into_iter().map(path).collect();
         for _ in 0..TURNS {
-            let steps = steps(own, &paths);
+            let steps = steps(runs, &paths);
             let pairs = paths.iter().zip(&steps);
             let moved = pairs.map(|(path, steps)| self.moved(&path.poles, steps));
             let now = moved.collect::<Option<Vec<Path>>>()?;
@@ -83,13 +83,13 @@ impl Resonance<'_> {
                 break;
             }
         }
-        Some(self.told(own, paths))
+        Some(self.evaluate(runs, paths))
     }
 
     /// What the runs say of poles where they are.
-    fn told(&self, own: &[Run], paths: Vec<Path>) -> Fitted {
+    fn evaluate(&self, runs: &[Run], paths: Vec<Path>) -> Fitted {
         let track = |path: Path| Track {
-            variances: Vec::with_capacity(own.len()),
+            variances: Vec::with_capacity(runs.len()),
             amplitudes: vec![Complex64::ZERO; self.functions()],
             slope: path.line.slope,
             poles: path.poles,
@@ -98,7 +98,7 @@ impl Resonance<'_> {
             tracks: paths.into_iter().map(track).collect(),
             left: 0.0,
         };
-        for (number, run) in own.iter().enumerate() {
+        for (number, run) in runs.iter().enumerate() {
             let poles: Vec<Complex64> = (fitted.tracks.iter())
                 .map(|track| track.poles[number])
                 .collect();
@@ -107,8 +107,8 @@ impl Resonance<'_> {
             let steps = look.steps(0..run.functions.len());
             for (j, (track, step)) in fitted.tracks.iter_mut().zip(steps).enumerate() {
                 track.variances.push(0.5 / step.weight);
-                for (place, f) in run.functions.iter().enumerate() {
-                    track.amplitudes[*f] = look.amplitudes[(j, place)];
+                for (index, f) in run.functions.iter().enumerate() {
+                    track.amplitudes[*f] = look.amplitudes[(j, index)];
                 }
             }
         }
@@ -120,17 +120,17 @@ impl Resonance<'_> {
     /// A run of which one pole says no more than where it is in most runs has it there. Of two, a
     /// run that has only one says nothing of the other, which begins at the median of the runs that
     /// have both; the one that it has is that whose median is nearer.
-    pub fn beginnings(&self, own: &[Run]) -> Vec<Poles> {
+    pub fn beginnings(&self, runs: &[Run]) -> Vec<Poles> {
         let tried = self.tried();
-        let best: Vec<Best> = own.iter().map(|run| run.best(&tried)).collect();
+        let best: Vec<Best> = runs.iter().map(|run| run.best(&tried)).collect();
         let one = |(best, run): (&Best, &Run)| {
             let clear = best.by_one > SECOND * run.functions.len() as f64;
             clear.then_some(best.one)
         };
-        let ones: Vec<Option<Complex64>> = best.iter().zip(own).map(one).collect();
+        let ones: Vec<Option<Complex64>> = best.iter().zip(runs).map(one).collect();
         let mut beginnings = Vec::new();
         if let Some(median) = median(ones.iter().flatten().copied()) {
-            let at = |own: &Option<Complex64>| own.unwrap_or(median);
+            let at = |pole: &Option<Complex64>| pole.unwrap_or(median);
             beginnings.push(vec![ones.iter().map(at).collect()]);
         }
         let both = |(best, run): (&Best, &Run)| {
@@ -138,19 +138,19 @@ impl Resonance<'_> {
             let least = (SECOND * run.functions.len() as f64).max(LEAST_SECOND * by_two);
             (by_two - best.by_one > least).then_some(pair)
         };
-        let pairs: Vec<Option<[Complex64; 2]>> = best.iter().zip(own).map(both).collect();
+        let pairs: Vec<Option<[Complex64; 2]>> = best.iter().zip(runs).map(both).collect();
         let median = |j: usize| median(pairs.iter().flatten().map(|pair| pair[j]));
         let (Some(first), Some(second)) = (median(0), median(1)) else {
             return beginnings;
         };
         let medians = [first, second];
         let pair = |(pair, one): (&Option<[Complex64; 2]>, &Option<Complex64>)| {
-            let mut own = pair.unwrap_or(medians);
+            let mut beginning = pair.unwrap_or(medians);
             if let (None, Some(one)) = (pair, one) {
                 let distance = |j: usize| (one.im - medians[j].im).abs();
-                own[usize::from(distance(1) < distance(0))] = *one;
+                beginning[usize::from(distance(1) < distance(0))] = *one;
             }
-            own
+            beginning
         };
         let pairs: Vec<[Complex64; 2]> = pairs.iter().zip(&ones).map(pair).collect();
         let of = |j: usize| pairs.iter().map(|pair| pair[j]).collect();
@@ -211,13 +211,13 @@ fn median(poles: impl Iterator<Item = Complex64>) -> Option<Complex64> {
 }
 
 /// Of each pole, the step in each run.
-fn steps(own: &[Run], paths: &[Path]) -> Vec<Vec<Step>> {
-    let mut steps = vec![Vec::with_capacity(own.len()); paths.len()];
-    for (number, run) in own.iter().enumerate() {
+fn steps(runs: &[Run], paths: &[Path]) -> Vec<Vec<Step>> {
+    let mut steps = vec![Vec::with_capacity(runs.len()); paths.len()];
+    for (number, run) in runs.iter().enumerate() {
         let poles: Vec<Complex64> = paths.iter().map(|path| path.poles[number]).collect();
-        let told = run.look(&poles).steps(0..run.functions.len());
-        for (own, step) in steps.iter_mut().zip(told) {
-            own.push(step);
+        let run_steps = run.look(&poles).steps(0..run.functions.len());
+        for (pole_steps, step) in steps.iter_mut().zip(run_steps) {
+            pole_steps.push(step);
         }
     }
     steps

@@ -83,15 +83,15 @@ impl Told {
         known: impl IntoIterator<Item = &'a Moving>,
         group: usize,
     ) -> Option<Vec<Self>> {
-        let told = |mode: &Moving| Self {
+        let decision = |mode: &Moving| Self {
             mode: mode.clone(),
             group,
             alone: true,
             known: true,
             gain: 0.0,
         };
-        let told: Vec<Self> = known.into_iter().map(told).collect();
-        (!told.is_empty()).then_some(told)
+        let decisions: Vec<Self> = known.into_iter().map(decision).collect();
+        (!decisions.is_empty()).then_some(decisions)
     }
 }
 
@@ -152,10 +152,10 @@ impl<'a> Resonance<'a> {
                 .iter()
                 .flat_map(|f| (0..omega.len()).map(move |k| (*f, k)))
             {
-                let own = modes_near
+                let corrections = modes_near
                     .iter()
                     .map(|mode| mode.correction(data.line_shape, (f, run), omega[k]));
-                values[(k, f)] -= own.sum::<Complex64>() / over(k, f);
+                values[(k, f)] -= corrections.sum::<Complex64>() / over(k, f);
             }
         }
         let other = |j: &usize| !group.contains(j);
@@ -198,8 +198,8 @@ impl<'a> Resonance<'a> {
 
     /// Lowest and highest root, rad/s.
     pub fn span(&self) -> (f64, f64) {
-        let own = self.group.iter().map(|root| root.lambda.im);
-        own.fold((f64::INFINITY, 0.0), |(lo, hi), at| {
+        let frequencies = self.group.iter().map(|root| root.lambda.im);
+        frequencies.fold((f64::INFINITY, 0.0), |(lo, hi), at| {
             (at.min(lo), at.max(hi))
         })
     }
@@ -222,11 +222,11 @@ impl<'a> Resonance<'a> {
         let functions: Vec<usize> = (0..self.functions()).collect();
         let run = Run::new(self, (&self.straight, &functions), &self.others);
         let look = run.look(&[root.lambda]);
-        let own = |run: &Vec<usize>| look.steps(run.iter().copied())[0];
-        let steps: Vec<Step> = runs.iter().map(own).collect();
+        let run_step = |run: &Vec<usize>| look.steps(run.iter().copied())[0];
+        let steps: Vec<Step> = runs.iter().map(run_step).collect();
         let values = (self.omega.len() * functions.len()) as f64;
-        let alike = self.data.shared.of_pole(self.data, root);
-        let noise = alike * (look.without_derivative() / values).min(1.0);
+        let correlation_factor = self.data.shared.of_pole(self.data, root);
+        let noise = correlation_factor * (look.without_derivative() / values).min(1.0);
         let variances = steps.iter().map(|step| 0.5 / step.weight);
         if !tells(variances, self.clear(root.decay(), noise)) {
             return FirstLook::Unclear;
@@ -234,7 +234,7 @@ impl<'a> Resonance<'a> {
         let gained = steps
             .iter()
             .map(|step| step.weight * step.change.im.powi(2));
-        let wanted = runs.len() as f64 * (2.0 * values / alike).ln();
+        let wanted = runs.len() as f64 * (2.0 * values / correlation_factor).ln();
         match 2.0 * gained.sum::<f64>() / noise > ENOUGH * wanted {
             true => FirstLook::Worthwhile,
             false => FirstLook::Still,
@@ -247,8 +247,8 @@ impl<'a> Resonance<'a> {
             return FirstLook::Worthwhile;
         }
         let power = |run: &Vec<usize>| -> f64 {
-            let own = run.iter().map(|f| self.straight.col(*f).squared_norm_l2());
-            own.sum()
+            let powers = run.iter().map(|f| self.straight.col(*f).squared_norm_l2());
+            powers.sum()
         };
         let mut order: Vec<(f64, &Vec<usize>)> = runs.iter().map(|run| (power(run), run)).collect();
         order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
@@ -258,9 +258,11 @@ impl<'a> Resonance<'a> {
         let Some(fitted) = self.searched(&strongest, |_| self.others.clone()) else {
             return FirstLook::Still;
         };
-        let held = self.held(&strongest);
-        let criterion = self.criterion(&strongest, held.min(fitted.left));
-        match criterion.of_runs(&fitted) < criterion.of_roots(held, self.group.len()) {
+        let group_residual_energy = self.group_residual_energy(&strongest);
+        let criterion = self.criterion(&strongest, group_residual_energy.min(fitted.left));
+        match criterion.of_runs(&fitted)
+            < criterion.of_roots(group_residual_energy, self.group.len())
+        {
             true => FirstLook::Worthwhile,
             false => FirstLook::Still,
         }
@@ -273,11 +275,13 @@ impl<'a> Resonance<'a> {
         runs: &[Vec<usize>],
         beside: impl Fn(usize) -> Vec<Complex64>,
     ) -> Option<Fitted> {
-        let own = self.runs(runs, beside);
-        let mut beginnings = self.beginnings(&own);
+        let run_data = self.runs(runs, beside);
+        let mut beginnings = self.beginnings(&run_data);
         beginnings.push(vec![vec![self.strong(); runs.len()]]);
         let fits = beginnings.into_iter();
-        let fits: Vec<Fitted> = fits.filter_map(|poles| self.fitted(&own, poles)).collect();
+        let fits: Vec<Fitted> = fits
+            .filter_map(|poles| self.fitted(&run_data, poles))
+            .collect();
         let least = fits
             .iter()
             .map(|fit| fit.left)
@@ -292,7 +296,7 @@ impl<'a> Resonance<'a> {
         };
         let ranked = fits.into_iter().map(|fit| (rank(&fit), fit));
         let best =
-            ranked.min_by(|((a, own), _), ((b, other), _)| a.cmp(b).then(own.total_cmp(other)));
+            ranked.min_by(|((a, score), _), ((b, other), _)| a.cmp(b).then(score.total_cmp(other)));
         best.map(|(_, fit)| fit)
     }
 
@@ -310,8 +314,8 @@ impl<'a> Resonance<'a> {
         }
         let far = |(track, mode): (&Track, &Moving)| {
             let farthest = (MOST_SHIFT * -2.0 * mode.lambda.re).max(MOST_PART * mode.lambda.im);
-            let mut own = mode.shifts.iter().zip(&track.variances);
-            own.any(|(shift, v)| *v < most(mode) && shift.im.abs() > farthest)
+            let mut shifts = mode.shifts.iter().zip(&track.variances);
+            shifts.any(|(shift, v)| *v < most(mode) && shift.im.abs() > farthest)
         };
         let little = |mode: &Moving| mode.scatter < LEAST_SCATTER * -2.0 * mode.lambda.re;
         let astray = |mode: &Moving| !self.owns(mode.lambda);
@@ -322,18 +326,18 @@ impl<'a> Resonance<'a> {
     /// Whether a pole is nearer to a root of the group than to all others.
     fn owns(&self, lambda: Complex64) -> bool {
         let distance = |other: Complex64| (other.im - lambda.im).abs();
-        let own = self.group.iter().map(|root| distance(root.lambda));
-        let nearest = own.fold(f64::INFINITY, f64::min);
+        let distances = self.group.iter().map(|root| distance(root.lambda));
+        let nearest = distances.fold(f64::INFINITY, f64::min);
         self.others.iter().all(|other| distance(*other) >= nearest)
     }
 
     /// `Σ|rest|²` of some runs that the roots leave over with residues of their own.
-    fn held(&self, runs: &[Vec<usize>]) -> f64 {
-        let own = self.group.iter().map(|root| root.lambda);
-        let all: Vec<Complex64> = own.chain(self.others.iter().copied()).collect();
+    fn group_residual_energy(&self, runs: &[Vec<usize>]) -> f64 {
+        let group_poles = self.group.iter().map(|root| root.lambda);
+        let all: Vec<Complex64> = group_poles.chain(self.others.iter().copied()).collect();
         let functions: Vec<usize> = runs.iter().flatten().copied().collect();
-        let values = linalg::complex_matrix(self.omega.len(), functions.len(), |k, place| {
-            self.straight[(k, functions[place])]
+        let values = linalg::complex_matrix(self.omega.len(), functions.len(), |k, index| {
+            self.straight[(k, functions[index])]
         });
         without(&self.basis(&all), &values).squared_norm_l2()
     }
@@ -343,12 +347,12 @@ impl<'a> Resonance<'a> {
     fn criterion(&self, runs: &[Vec<usize>], left: f64) -> Criterion {
         let functions = runs.iter().map(Vec::len).sum();
         let values = (self.omega.len() * functions) as f64;
-        let alike = self.data.shared.of_pole(self.data, self.group[0]);
+        let correlation_factor = self.data.shared.of_pole(self.data, self.group[0]);
         let rounding = ROUNDING * self.straight.squared_norm_l2();
         let left = left.max(rounding).max(f64::MIN_POSITIVE);
         Criterion {
-            noise: alike * (left / values).min(1.0),
-            numbers: 2.0 * values / alike,
+            noise: correlation_factor * (left / values).min(1.0),
+            numbers: 2.0 * values / correlation_factor,
             functions,
             runs: runs.len(),
         }
@@ -371,8 +375,8 @@ impl<'a> Resonance<'a> {
         let Some(fitted) = fitted else {
             return as_known();
         };
-        let held = self.held(runs);
-        let criterion = self.criterion(runs, held.min(fitted.left));
+        let group_residual_energy = self.group_residual_energy(runs);
+        let criterion = self.criterion(runs, group_residual_energy.min(fitted.left));
         let modes = match self.modes(fitted, criterion.noise) {
             Some(modes) => modes,
             None if known.is_empty() => return None,
@@ -382,14 +386,14 @@ impl<'a> Resonance<'a> {
             return Some(Vec::new());
         }
         let of_runs = criterion.of_runs(fitted);
-        let of_roots = criterion.of_roots(held, self.group.len());
+        let of_roots = criterion.of_roots(group_residual_energy, self.group.len());
         if !known.is_empty() {
             // Brought together each is one root, unless it never was one mode.
             if self.group.len() > known.len() && of_runs >= of_roots {
                 return Some(Vec::new());
             }
             let values = (self.omega.len() * self.functions()) as f64;
-            return match fitted.left < POOR * held.max(values) {
+            return match fitted.left < POOR * group_residual_energy.max(values) {
                 true => Told::as_known(&modes, group),
                 false => as_known(),
             };
@@ -401,14 +405,14 @@ impl<'a> Resonance<'a> {
         let of_group: usize = self.group.iter().map(|root| root.multiplicity()).sum();
         let of_products = criterion.of(self.left_by_roots(), 2 * of_group * factors);
         let gain = (of_roots - of_runs) / modes.len() as f64;
-        let told = |mode: Moving| Told {
+        let decision = |mode: Moving| Told {
             alone: of_runs < of_products,
             known: false,
             mode,
             group,
             gain,
         };
-        Some(modes.into_iter().map(told).collect())
+        Some(modes.into_iter().map(decision).collect())
     }
 
     /// Whether the runs have their poles where the roots are that lie apart: modes that each
@@ -424,10 +428,10 @@ impl<'a> Resonance<'a> {
                     .map(|root| (root.lambda.im - pole.im).abs());
                 roots.fold(f64::INFINITY, f64::min)
             };
-            let mut own: Vec<f64> = track.poles.iter().map(distance).collect();
-            own.sort_by(f64::total_cmp);
+            let mut distances: Vec<f64> = track.poles.iter().map(distance).collect();
+            distances.sort_by(f64::total_cmp);
             let wide = hi - lo > LYING_APART * -2.0 * mode.lambda.re;
-            wide && own[own.len() / 2] < CHOSEN * 0.5 * gap
+            wide && distances[distances.len() / 2] < CHOSEN * 0.5 * gap
         };
         fitted.tracks.iter().zip(modes).any(chosen)
     }
@@ -435,9 +439,9 @@ impl<'a> Resonance<'a> {
     /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background
     /// fitted here.
     fn left_by_roots(&self) -> f64 {
-        let own: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
-        let explained = courses(self.data.line_shape, &self.omega, &own)
-            * residues(&own, self.data.functions());
+        let group_poles: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
+        let explained = courses(self.data.line_shape, &self.omega, &group_poles)
+            * residues(&group_poles, self.data.functions());
         let Profile { course, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.functions());
         let rest = linalg::complex_matrix(lines, functions, |k, f| {

@@ -101,8 +101,10 @@ impl Look {
         let poles = self.along.nrows();
         let a = &self.amplitudes;
         let asked = linalg::complex_matrix(poles, 1, |j, _| {
-            let own = functions.clone();
-            own.map(|f| a[(j, f)].conj() * self.along[(j, f)]).sum()
+            let selected = functions.clone();
+            selected
+                .map(|f| a[(j, f)].conj() * self.along[(j, f)])
+                .sum()
         });
         let normal = linalg::complex_matrix(poles, poles, |j, i| {
             let products = functions.clone().map(|f| a[(j, f)].conj() * a[(i, f)]);
@@ -140,8 +142,8 @@ impl<'a> Run<'a> {
         beside: &[Complex64],
     ) -> Self {
         let others = resonance.basis(beside);
-        let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, place| {
-            values[(k, functions[place])]
+        let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, index| {
+            values[(k, functions[index])]
         });
         Self {
             values: without(&others, &values),
@@ -194,8 +196,8 @@ impl<'a> Run<'a> {
         let one = places.iter().max_by(by_energy).map_or(0, |j| *j);
         let mut two = None;
         let mut by_two = 0.0;
-        for (place, i) in places.iter().enumerate() {
-            for j in &places[place + 1..] {
+        for (index, i) in places.iter().enumerate() {
+            for j in &places[index + 1..] {
                 let energy = explained_by_two((&products, &power), (*i, *j));
                 if let Some(energy) = energy.filter(|energy| *energy > by_two) {
                     (two, by_two) = (Some(vec![tried[*i], tried[*j]]), energy);
@@ -290,8 +292,11 @@ mod tests {
             .unwrap()
             .q;
         let expected = (basis.adjoint() * &values).squared_norm_l2();
-        let told = explained_by_two((&products, &power), (0, 1)).expect("they differ");
-        assert!((told / expected - 1.0).abs() < 1e-12, "{told} {expected}");
+        let energy = explained_by_two((&products, &power), (0, 1)).expect("they differ");
+        assert!(
+            (energy / expected - 1.0).abs() < 1e-12,
+            "{energy} {expected}"
+        );
         assert_eq!(explained_by_two((&products, &power), (0, 2)), None);
     }
 }

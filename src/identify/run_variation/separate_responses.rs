@@ -38,15 +38,15 @@ pub(in crate::identify) fn run_partners(
     roots: &[&Root],
     runs: &[Vec<usize>],
 ) -> Vec<(Complex64, f64)> {
-    let of = |own: &&Root| {
+    let of = |mode: &&Root| {
         let partner = |other: &&Root| {
-            let width = 0.5 * (own.width() + other.width());
-            let distance = (own.lambda.im - other.lambda.im).abs() / width;
+            let width = 0.5 * (mode.width() + other.width());
+            let distance = (mode.lambda.im - other.lambda.im).abs() / width;
             let near = distance > 0.0 && distance < CLOSE;
-            (near && share_runs(own, other, runs)).then_some(distance)
+            (near && share_runs(mode, other, runs)).then_some(distance)
         };
         let nearest = roots.iter().filter_map(partner).min_by(f64::total_cmp);
-        nearest.map(|distance| (own.lambda, distance))
+        nearest.map(|distance| (mode.lambda, distance))
     };
     roots.iter().filter_map(of).collect()
 }
@@ -91,8 +91,8 @@ mod tests {
         let second = root(103.0, [0.1, 0.0, 0.2, 1.0, 0.8, 0.02]);
         let everywhere = root(101.0, [1.0; 6]);
         let far = root(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
-        let told = run_partners(&[&first, &everywhere, &second, &far], &runs);
-        assert_eq!(told, [(first.lambda, 1.5), (second.lambda, 1.5)]);
+        let partners = run_partners(&[&first, &everywhere, &second, &far], &runs);
+        assert_eq!(partners, [(first.lambda, 1.5), (second.lambda, 1.5)]);
         // Directions at one point are no runs of their own.
         let function = |response: &str| Function {
             response: response.parse().unwrap(),

@@ -23,12 +23,12 @@ fn roving(
 ) -> FrfSet {
     let mut set = FrfSet::new(how.axis);
     for (point, (sensor, hit)) in how.pairs.iter().enumerate() {
-        let mut own = structure.clone();
-        for (j, mode) in own.modes.iter_mut().enumerate() {
+        let mut shifted = structure.clone();
+        for (j, mode) in shifted.modes.iter_mut().enumerate() {
             mode.0 += shift(point, j) * width_hz(mode);
         }
         let pair = if hammer { (hit, sensor) } else { (sensor, hit) };
-        let run = own.measured(&Measurement {
+        let run = shifted.measured(&Measurement {
             pairs: vec![(pair.0.clone(), pair.1.clone())],
             seed: how.seed + 100 * point as u64,
             ..how.clone()
@@ -63,9 +63,9 @@ pub(super) fn found(set: &FrfSet) -> ModalModel {
     identify(set, &IdentifyOptions::default()).unwrap()
 }
 
-pub(super) fn told(model: &ModalModel, code: Code) -> Vec<&Finding> {
-    let own = |finding: &&Finding| finding.code == code;
-    model.findings.iter().filter(own).collect()
+pub(super) fn findings_of(model: &ModalModel, code: Code) -> Vec<&Finding> {
+    let has_code = |finding: &&Finding| finding.code == code;
+    model.findings.iter().filter(has_code).collect()
 }
 
 #[test]
@@ -76,7 +76,11 @@ fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviati
         let model = found(&roving(&test, false, &shift));
         let modes = &test.0.modes;
         assert_eq!(model.modes.len(), modes.len(), "{seed}");
-        assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+        assert_eq!(
+            findings_of(&model, Code::RunsMerged).len(),
+            modes.len(),
+            "{seed}"
+        );
         for (j, (mode, truth)) in model.modes.iter().zip(modes).enumerate() {
             let shifts: Vec<f64> = (0..truth.2.len()).map(|p| shift(p, j)).collect();
             let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
@@ -105,11 +109,11 @@ fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
         let shift = loaded(&structure, 0.3);
         let mut set = FrfSet::new(how.axis);
         for hit in ["1:+Z", "2:+Z"] {
-            let mut own = how.clone();
-            for pair in &mut own.pairs {
+            let mut measurement = how.clone();
+            for pair in &mut measurement.pairs {
                 pair.1 = hit.parse().unwrap();
             }
-            let runs = roving(&(structure.clone(), own), false, &shift);
+            let runs = roving(&(structure.clone(), measurement), false, &shift);
             for (f, function) in runs.functions().iter().enumerate() {
                 let data = FunctionData {
                     values: runs.values(f).to_vec(),
@@ -122,7 +126,7 @@ fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
         let model = found(&set);
         let modes = structure.modes.len();
         assert_eq!(model.modes.len(), modes, "{seed}");
-        assert_eq!(told(&model, Code::RunsMerged).len(), modes, "{seed}");
+        assert_eq!(findings_of(&model, Code::RunsMerged).len(), modes, "{seed}");
         for (mode, truth) in model.modes.iter().zip(&structure.modes) {
             let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
             assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
@@ -153,14 +157,20 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
     // Of the others nothing is said.
     let first = chosen(1);
     assert_eq!(
-        (first.modes.len(), told(&first, Code::RunsMerged).len()),
+        (
+            first.modes.len(),
+            findings_of(&first, Code::RunsMerged).len()
+        ),
         (1, 1)
     );
     let model = chosen(by_itself.modes.len());
     assert_eq!(model.modes.len(), by_itself.modes.len());
-    assert_eq!(told(&model, Code::RunsMerged).len(), model.modes.len());
-    for (own, other) in model.modes.iter().zip(&by_itself.modes) {
-        let ratio = |of: fn(&Mode) -> Option<f64>| of(own).unwrap() / of(other).unwrap();
+    assert_eq!(
+        findings_of(&model, Code::RunsMerged).len(),
+        model.modes.len()
+    );
+    for (mode, other) in model.modes.iter().zip(&by_itself.modes) {
+        let ratio = |of: fn(&Mode) -> Option<f64>| of(mode).unwrap() / of(other).unwrap();
         assert!((ratio(|mode| mode.frequency_std_hz) - 1.0).abs() < 0.01);
         let damping = ratio(|mode| mode.damping_std);
         assert!((damping - 1.0).abs() < 0.3, "{damping}");
@@ -182,7 +192,11 @@ fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
     let widths = |point: usize, j: usize| drift[point] * modes[j].0 / width_hz(&modes[j]);
     let model = found(&roving(test, false, widths));
     assert_eq!(model.modes.len(), modes.len(), "{seed}");
-    assert_eq!(told(&model, Code::RunsMerged).len(), modes.len(), "{seed}");
+    assert_eq!(
+        findings_of(&model, Code::RunsMerged).len(),
+        modes.len(),
+        "{seed}"
+    );
     for (mode, truth) in model.modes.iter().zip(modes) {
         let runs = truth.2.len();
         let mean = drift[..runs].iter().sum::<f64>() / runs as f64;
@@ -229,7 +243,7 @@ fn the_run_that_changed_is_named() {
         let test = test(5);
         let model = found(&roving(&test, hammer, changed));
         assert_eq!(model.modes.len(), test.0.modes.len());
-        let [finding] = told(&model, Code::RunsDisagree)[..] else {
+        let [finding] = findings_of(&model, Code::RunsDisagree)[..] else {
             panic!("{:?}", model.findings);
         };
         let changed: Dof = "3:+Z".parse().unwrap();
@@ -240,8 +254,8 @@ fn the_run_that_changed_is_named() {
         else {
             panic!("{finding}");
         };
-        let own = if hammer { reference } else { response };
-        assert_eq!(own.as_ref(), Some(&changed));
+        let dof = if hammer { reference } else { response };
+        assert_eq!(dof.as_ref(), Some(&changed));
         assert!(finding.value.unwrap() > finding.limit.unwrap());
     }
 }
@@ -250,8 +264,8 @@ fn the_run_that_changed_is_named() {
 fn runs_that_agree_are_not_touched() {
     for seed in 0..40 {
         let model = found(&roving(&test(seed), false, |_, _| 0.0));
-        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
-        assert!(told(&model, Code::RunsDisagree).is_empty(), "{seed}");
+        assert!(findings_of(&model, Code::RunsMerged).is_empty(), "{seed}");
+        assert!(findings_of(&model, Code::RunsDisagree).is_empty(), "{seed}");
     }
 }
 
@@ -302,7 +316,7 @@ fn narrow_modes_in_noise_that_grows_with_them_are_no_more_modes_whether_they_mov
             let model = found(&set);
             let modes = structure.modes.len();
             assert_eq!(model.modes.len(), modes, "{widths} {seed}");
-            let merged = told(&model, Code::RunsMerged).len();
+            let merged = findings_of(&model, Code::RunsMerged).len();
             assert_eq!(
                 merged,
                 if widths > 0.0 { modes } else { 0 },
@@ -331,7 +345,7 @@ fn two_close_modes_are_no_mode_that_moves() {
         how.snr_db = Some(60.0);
         let model = found(&structure.measured(&how));
         assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
-        assert!(told(&model, Code::RunsMerged).is_empty(), "{seed}");
+        assert!(findings_of(&model, Code::RunsMerged).is_empty(), "{seed}");
     }
 }
 
@@ -380,11 +394,11 @@ fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
 fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
     let tests: Vec<_> = (0..32).filter_map(weak_beside_strong).collect();
     assert!(tests.len() > 20, "{}", tests.len());
-    for (place, (modes, set)) in tests.iter().enumerate() {
+    for (index, (modes, set)) in tests.iter().enumerate() {
         let found = found(set).modes;
-        assert_eq!(found.len(), *modes, "{place}");
+        assert_eq!(found.len(), *modes, "{index}");
         let near = |mode: &Mode| (mode.frequency_hz - 50.08).abs() < 0.03;
-        assert!(found.iter().any(near), "{place}");
+        assert!(found.iter().any(near), "{index}");
     }
 }
 
@@ -411,7 +425,11 @@ fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, 
     };
     let sensors: Vec<Dof> = how.pairs.iter().map(|pair| pair.0.clone()).collect();
     let hits = sensors[..references].iter();
-    let pairs = hits.flat_map(|hit| sensors.iter().map(move |own| (own.clone(), hit.clone())));
+    let pairs = hits.flat_map(|hit| {
+        sensors
+            .iter()
+            .map(move |sensor| (sensor.clone(), hit.clone()))
+    });
     how.pairs = pairs.collect();
     let structure = Structure { modes };
     let set = structure.measured(&how);
@@ -429,7 +447,7 @@ fn a_structure_of_close_pairs_alone_has_no_mode_that_moves() {
         for seed in 0..4 {
             let (_, set) = pairs(seed, widths, references, snr_db);
             let model = found(&set);
-            let merged = told(&model, Code::RunsMerged);
+            let merged = findings_of(&model, Code::RunsMerged);
             assert!(
                 merged.is_empty(),
                 "{widths} {references} {seed}: {merged:?}"
