@@ -9,7 +9,7 @@
 //! (averaging), whose expansion in κ has the poles `λ = −(2n + 1) σ ± iω`: at one frequency, of one
 //! shape, with decay rates of 1, 3, 5, ... σ, and the residue of the second `−iκ` times that of the
 //! first, in quadrature. Modes of proportional damping have no such poles: residues of one shape
-//! are in phase or opposite. A tuned absorber without sensors may look alike.
+//! are in phase or opposite. A tuned absorber without sensors may have a similar response.
 //!
 //! Damping that grows with the amplitude, `ζ(a) = ζ (1 + q a/a₀)`, or with its square, has the
 //! decays
@@ -35,7 +35,7 @@ use crate::modal::mac;
 use crate::identify::data::model_pole::Root;
 use crate::identify::fit::block_descent::{Stop, unsettle};
 use crate::identify::ml::estimator::Fit;
-use crate::identify::ml::findings::Reason;
+use crate::identify::ml::findings::DropReason;
 
 /// Decay rate over that of the mode: 3, but for the next terms of the series, which the fit omits.
 /// Half as wide: the companion of a mode of 0.3 % damping whose stiffness rises by 2 % is taken as
@@ -56,7 +56,7 @@ const MAX_DISTANCE: f64 = 0.5;
 /// companions are modes (`a_mode_whose_damping_grows_stays_one_mode`).
 const IN_PHASE_DECAY_RATIO: std::ops::Range<f64> = 1.7..4.3;
 /// Distance in frequency of a companion in phase, in its decay rates. Smaller: companions of real
-/// tests, which are known to 0.1, are modes. Larger: close modes of a linear structure are one
+/// tests, which are accurate to 0.1, are modes. Larger: close modes of a linear structure are one
 /// (`close_modes_of_a_linear_structure_are_no_companions`).
 const MAX_DISTANCE_IN_PHASE: f64 = 0.12;
 /// Largest residue of such a companion over that of its mode, of damping that grows with the
@@ -66,7 +66,7 @@ const MAX_DISTANCE_IN_PHASE: f64 = 0.12;
 /// `companions_of_damping_are_at_the_frequency_of_their_mode`.
 const MAX_RESIDUE_IN_PHASE: [f64; 2] = [0.75, 0.5];
 /// Minimum MAC of such a companion and its mode: their phase does not tell them from close modes.
-/// Smaller: close modes of alike shapes at few sensors are one. Larger: noise of the residues
+/// Smaller: close modes of similar shapes at few sensors are one. Larger: noise of the residues
 /// separates a companion from its mode.
 const MIN_MAC_IN_PHASE: f64 = 0.98;
 /// Part of a companion's residues in phase with its mode, over that in quadrature: 20 degrees. A
@@ -85,12 +85,11 @@ const MIN_MISFIT: f64 = 2.0;
 
 impl Fit {
     /// Tries a companion pole at each mode whose misfit exceeds [`MIN_MISFIT`], or near which such
-    /// a pole was rejected; keeps those that stay significant and remain companions. All modes
-    /// stay.
+    /// a pole was rejected. Companions that remain significant are kept, and so are all modes.
     pub fn add_companions(&mut self) {
         self.mark_companions();
         let modes: Vec<&Root> = (self.roots.iter().zip(self.standings()))
-            .filter(|(root, standing)| self.may_have_companion(root, standing.misfit))
+            .filter(|(root, metrics)| self.may_have_companion(root, metrics.reduced_chi_square))
             .map(|(root, _)| root)
             .collect();
         if modes.is_empty() {
@@ -102,7 +101,7 @@ impl Fit {
         unsettle(&mut self.roots);
         self.settle(Stop::Judging);
         self.mark_companions();
-        // A pole that was no root before and is no companion is a failed trial.
+        // A pole that was not in the fit before and is no companion is a failed trial.
         let is_mode = |root: &Root| {
             let distance = |mode: &Root| (mode.lambda - root.lambda).norm() / mode.decay();
             before.iter().any(|mode| distance(mode) < 1.0)
@@ -133,14 +132,14 @@ impl Fit {
             .collect();
         self.dropped = rejected;
         self.settle(Stop::Fine);
-        self.reckon_with_outside();
+        self.add_out_of_band_uncertainty();
         self.reckon_with_noise();
     }
 
     fn mark_companions(&mut self) {
         let pairs = companions(&self.roots);
-        for (place, root) in self.roots.iter_mut().enumerate() {
-            root.is_companion = pairs.iter().any(|pair| pair.0 == place);
+        for (index, root) in self.roots.iter_mut().enumerate() {
+            root.is_companion = pairs.iter().any(|pair| pair.0 == index);
         }
     }
 
@@ -148,7 +147,7 @@ impl Fit {
         let has_one = self.roots.iter().any(|other| is_companion(other, root));
         let rejected = self.dropped.iter().any(|dropped| {
             let [lambda, of] = [dropped.lambda, root.lambda];
-            matches!(dropped.reason, Reason::Doubt(_))
+            matches!(dropped.reason, DropReason::Rejected(_))
                 && (is_first(lambda, of) || is_second(lambda, of))
         });
         let is_single = root.multiplicity() == 1 && !root.is_companion;
@@ -156,13 +155,13 @@ impl Fit {
     }
 }
 
-/// A companion of a mode, to begin with.
+/// Initial companion pole of a mode.
 fn trial(mode: &Root) -> Root {
     let lambda = Complex64::new(3.0 * mode.lambda.re, mode.lambda.im);
     Root::single(lambda, &mode.parts[0], mode.residues.len())
 }
 
-/// Whether a root is a companion of another, the first or the second.
+/// Whether a pole is a companion of another, the first or the second.
 fn is_companion(root: &Root, of: &Root) -> bool {
     is_first_companion(root, of) || has_shape_of(root, of) && is_second(root.lambda, of.lambda)
 }
@@ -211,7 +210,7 @@ fn distance(lambda: Complex64, of: Complex64) -> f64 {
     ((lambda.im - of.im) / lambda.re).abs()
 }
 
-/// Numbers of the companions among some roots, each with that of its mode. The second companion
+/// Indices of the companions among some poles, each with that of its mode. The second companion
 /// counts only together with the first.
 fn companions(roots: &[Root]) -> Vec<(usize, usize)> {
     let pairs = (0..roots.len()).flat_map(|j| (0..roots.len()).map(move |i| (j, i)));
@@ -238,8 +237,8 @@ fn in_quadrature(root: &Root, of: &Root) -> bool {
 pub(in crate::identify) fn strongest_companions(roots: &[Root]) -> Vec<(Complex64, f64)> {
     let pairs = companions(roots);
     let fitted = pairs.iter().filter(|pair| roots[pair.0].is_companion);
-    let strongest = |(place, mode): (usize, &Root)| {
-        let of_mode = fitted.clone().filter(|pair| pair.1 == place);
+    let strongest = |(index, mode): (usize, &Root)| {
+        let of_mode = fitted.clone().filter(|pair| pair.1 == index);
         let residues = of_mode.map(|pair| residue_norm(&roots[pair.0]));
         Some((mode.lambda, residues.reduce(f64::max)? / residue_norm(mode)))
     };
@@ -268,7 +267,8 @@ mod tests {
     /// amplitude.
     const STEPS: usize = 16;
 
-    /// A force on a unit mass by its displacement and velocity, beside those of a linear mode.
+    /// A force on a unit mass by its displacement and velocity, in addition to those of a linear
+    /// mode.
     type Force<'a> = &'a dyn Fn(f64, f64) -> f64;
 
     fn omega() -> f64 {
@@ -313,15 +313,15 @@ mod tests {
         len: 2 * RECORD / 5,
     };
 
-    /// Modes of so many functions of a structure with one mode.
+    /// Modes of FRFs at a number of points of a structure with one mode.
     fn identified(nonlinear: Force<'_>, damping: f64, points: usize) -> ModalModel {
         let spectrum = ForwardPlan::new(RECORD).transform(&decay(nonlinear, damping));
         let receptance = spectrum[..AXIS.len].iter().map(|x| x / RATE_HZ);
         modes_of(&receptance.collect::<Vec<_>>(), points)
     }
 
-    /// Modes of so many functions in the ratio of a shape, with noise of 1e-3 of their root mean
-    /// square.
+    /// Modes of FRFs at a number of points, in the ratio of a shape, with noise of 1e-3 of their
+    /// root mean square.
     fn modes_of(receptance: &[Complex64], points: usize) -> ModalModel {
         let axis = AXIS;
         let power = receptance.iter().map(Complex64::norm_sqr).sum::<f64>() / axis.len as f64;
@@ -431,7 +431,7 @@ mod tests {
         assert!(codes.all(|code| code != Code::AmplitudeDependent));
     }
 
-    /// A pole of one shape, its residues turned from those of a mode in phase.
+    /// A pole of one shape, its residues rotated from those of a mode in phase.
     fn root(hz: f64, damping: f64, turn: f64) -> Root {
         let lambda = Pole::from_frequency(hz, damping).lambda;
         let mut root = Root::single(lambda, &[Complex64::ONE], 3);

@@ -1,11 +1,11 @@
-//! Whether one root stands for two: what two close poles leave over beside one.
+//! The close-pole test detects a pole that stands for two close poles.
 //!
 //! Two poles `λ ± δ` with residues a and b are `(a + b)/(s − λ) + δ (a − b)/(s − λ)² + …`. A fit of
-//! one pole has the first term, and of the second what all functions have in common; the rest
-//! spreads thinly over the resonance, where its power is lost among that of all lines. Matched with
-//! the course of the second term it is not: the sum over the functions of `2 |⟨rest, d⟩|²`, d of
-//! norm 1 and with nothing of what the roots around can explain, is a chi-squared of two degrees of
-//! freedom for each where there is but one pole.
+//! one pole has the first term, and of the second the part that all FRFs have in common. The
+//! remaining part of the second term spreads thinly over the resonance, below the noise of single
+//! lines. A matched filter detects it: the sum over the FRFs of `2 |⟨r, d⟩|²`, with the residual r
+//! and with d the profile of the second term of norm 1, orthogonal to the profiles of the poles
+//! around, is a chi-squared of two degrees of freedom for each FRF where there is one pole only.
 
 use num_complex::Complex64;
 
@@ -16,23 +16,23 @@ use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::model_pole::Root;
 use crate::identify::data::residual::Rest;
 use crate::identify::fit::detection_threshold::upper_quantile;
-use crate::identify::ml::pole_metrics::{lines_around, misfit};
+use crate::identify::ml::pole_metrics::{lines_around, reduced_chi_square};
 use crate::identify::ml::residual_peaks::strongest_inputs;
 use crate::identify::noise::band_profile::Profile;
 
-/// Half-power widths on either side in which the second term is looked for: beyond them it has a
+/// Half-width of the band of the test, half-power bandwidths: beyond it the second term has a
 /// hundredth of its energy.
-const REACH: f64 = 3.0;
-/// Mean square of what is left over, above which it is no longer for this test to say what that is.
-const MOST_MISFIT: f64 = 4.0;
-/// Least part of the second term that nothing else explains.
-const OWN: f64 = 1e-3;
-/// Where the second root is tried: half-power widths from the first.
-const BESIDE: f64 = 0.25;
+const HALF_WIDTH_BANDWIDTHS: f64 = 3.0;
+/// Reduced chi-square above which the test does not apply: the residual has other causes.
+const MAX_CHI_SQUARE_CLOSE_PAIR: f64 = 4.0;
+/// Minimum fraction of the second term that the poles around do not explain.
+const MIN_UNEXPLAINED_FRACTION: f64 = 1e-3;
+/// Distance of the trial pole from the first, half-power bandwidths.
+const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 
-/// Numbers of roots that stand for two, with the root to try beside each; the clearest first. Noise
-/// makes one with less than this probability anywhere.
-pub(in crate::identify) fn roots_to_double(
+/// Indices of poles that stand for two, each with a trial pole near it, the most significant first.
+/// Noise produces one of them with less than the false-alarm probability.
+pub(in crate::identify) fn close_pair_candidates(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
     rest: &Rest,
@@ -45,19 +45,19 @@ pub(in crate::identify) fn roots_to_double(
     let quantile = upper_quantile(2.0 * functions as f64, chance / roots.len() as f64);
     let second = |j: usize| {
         let root = &roots[j];
-        if misfit(data, rest, root) > MOST_MISFIT {
+        if reduced_chi_square(data, rest, root) > MAX_CHI_SQUARE_CLOSE_PAIR {
             return None;
         }
         let terms = second_terms(data, (roots, j), rest)?;
         let top = data.line_of(root.lambda);
         let energy = data.shared.held((data, rest), top, |f| terms[f]);
-        let alike = data.correlation.of_amplitude(root.decay(), data.step);
-        if 2.0 * energy <= alike * quantile {
+        let correlation_factor = data.correlation.of_amplitude(root.decay(), data.step);
+        if 2.0 * energy <= correlation_factor * quantile {
             return None;
         }
         let physical = |f: usize| terms[f] * data.deviation(f, top);
         let parts = strongest_inputs(sides, 1, physical);
-        let lambda = root.lambda + Complex64::new(0.0, BESIDE * root.width());
+        let lambda = root.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * root.width());
         Some((energy, j, Root::single(lambda, &parts[0], functions)))
     };
     let mut found: Vec<_> = (0..roots.len()).filter_map(second).collect();
@@ -65,19 +65,19 @@ pub(in crate::identify) fn roots_to_double(
     found.into_iter().map(|(_, j, root)| (j, root)).collect()
 }
 
-/// What every function leaves over of the course of a double pole, over its noise; `None` where the
-/// roots around explain that course.
+/// Amplitude of the second term in the residual of each FRF, over its noise; `None` where the poles
+/// around explain its profile.
 fn second_terms(
     data: &Receptances,
     (roots, j): (&[Root], usize),
     rest: &Rest,
 ) -> Option<Vec<Complex64>> {
-    let lines = lines_around(data, &roots[j], REACH);
+    let lines = lines_around(data, &roots[j], HALF_WIDTH_BANDWIDTHS);
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
     let inside =
         |root: &&Root| root.lambda.im > lo - root.width() && root.lambda.im < hi + root.width();
     let near: Vec<&Root> = roots.iter().filter(inside).collect();
-    // Constant and slope for what is outside, and the rows to tell all of them apart.
+    // Constant and slope for out-of-band terms, and enough lines to separate all columns.
     if lines.len() < near.len() + 3 {
         return None;
     }
@@ -99,7 +99,7 @@ fn second_terms(
     let basis = linalg::thin_qr(&others).ok()?.q;
     let unexplained = &second - &basis * (basis.adjoint() * &second);
     let norm = unexplained.norm_l2();
-    if norm < OWN * second.norm_l2() {
+    if norm < MIN_UNEXPLAINED_FRACTION * second.norm_l2() {
         return None;
     }
     let term = |f: usize| -> Complex64 {
@@ -120,7 +120,7 @@ mod tests {
 
     const SENSORS: usize = 8;
 
-    /// One mode, its root, and noise that the fit leaves over.
+    /// One mode, its pole, and a residual of noise.
     fn fitted(seed: u64) -> (Receptances, Sides, Root, Rest) {
         let axis = FrequencyAxis {
             start_hz: 0.0,
@@ -149,34 +149,35 @@ mod tests {
     }
 
     #[test]
-    fn a_double_pole_below_the_noise_of_every_line_is_told() {
+    fn a_close_pair_below_the_noise_of_every_line_is_detected() {
         let (data, sides, root, noise) = fitted(1);
         let second = |k: usize| {
             let first = root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda);
             first * first
         };
-        // 0.8 of the noise at most; alternating over the sensors, so that no move of the pole
-        // explains it.
+        // At most 0.8 of the noise; of alternating sign over the sensors, so that no shift of the
+        // pole explains it.
         let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)
         });
         let rest = Rest::of_all(rest);
-        let found = roots_to_double((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
+        let found =
+            close_pair_candidates((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
         let [(place, beside)] = &found[..] else {
-            panic!("{} roots", found.len());
+            panic!("{} poles", found.len());
         };
         assert_eq!(*place, 0);
         assert!((beside.lambda - root.lambda).norm() < root.width());
     }
 
     #[test]
-    fn noise_alone_doubles_no_root() {
+    fn noise_alone_is_no_close_pair() {
         for seed in 0..20 {
             let (data, sides, root, rest) = fitted(seed);
-            assert!(roots_to_double((&data, &sides), &[root], &rest, 1e-3).is_empty());
+            assert!(close_pair_candidates((&data, &sides), &[root], &rest, 1e-3).is_empty());
         }
         let (data, sides, _, rest) = fitted(0);
-        assert!(roots_to_double((&data, &sides), &[], &rest, 1e-3).is_empty());
+        assert!(close_pair_candidates((&data, &sides), &[], &rest, 1e-3).is_empty());
     }
 }

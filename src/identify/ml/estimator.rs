@@ -1,38 +1,41 @@
-//! The maximum likelihood method: seeds from the polyreference LSCF, maximum likelihood, and as
-//! many modes as the data support.
+//! The maximum likelihood method refines initial poles of the polyreference LSCF and keeps as many
+//! modes as the data support.
 //!
-//! 1. Poles that stay over the orders of the LSCF are seeds; how high the orders go follows from
-//!    the peaks that are seen, and the lower parts of a wide band have estimates of their own. With
-//!    several references, where the roots of these seeds leave over more than noise, the functions
-//!    each by itself say as well where roots are and how many modes share each
-//!    ([`several`](crate::identify::ml::multiplicity)).
-//! 2. All roots move to the maximum of the likelihood ([`refine`](crate::identify::fit::block_descent)).
-//! 3. A root stays when it is above the noise (its amplitude, all else fitted, against a
-//!    chi-squared), when its pole is known to a fifth of its decay rate, and when it is told apart
-//!    from its neighbours by twice the deviation of the distance. Two roots that cannot be told
-//!    apart but have different participation factors are one repeated root
-//!    ([`pruning`](crate::identify::ml::acceptance)).
-//! 4. Noise that neighbouring lines share looks like modes: how far it hangs together is told from
-//!    what is left over where that is noise, and raises limits and deviations
-//!    ([`correlation`](crate::identify::noise::line_correlation)). Where the data bring no variances and lines share most
-//!    of it, its level tells it, and roots that were fitted to it go.
-//! 5. What the model leaves over is searched for what noise does not explain; a root is tried there
-//!    and must pass the same tests, and what is left over must become less. Where nothing stands
-//!    out, each root is asked whether it stands for two ([`doubled`](crate::identify::ml::close_pole_test)). Where it
-//!    hardly does, what speaks against a mode (7) speaks against the root at once.
-//! 6. Poles of the background, for modes just outside, go where the data do not need them.
-//! 7. What is no mode although it is above the noise goes: roots that explain little where the
-//!    model misses the data or many have arbitrary phases, or that repeat a strong neighbour with
-//!    another phase than modes have ([`standing`](crate::identify::ml::pole_metrics)). What the model misses around a
-//!    mode counts as noise in its deviations.
+//! 1. Poles that are stable over the orders of the LSCF are the initial poles. The number of detected
+//!    peaks sets the maximum order, and the lower segments of a wide band are estimated separately.
+//!    With several references, and where the residual of these poles exceeds the noise, the FRFs are
+//!    also fitted as outputs of one input, which gives the poles and the multiplicity of each
+//!    ([`multiplicity`](crate::identify::ml::multiplicity)).
+//! 2. All poles move to the maximum of the likelihood
+//!    ([`refine`](crate::identify::fit::block_descent)).
+//! 3. A pole is kept when it is above the noise (chi-squared test of its amplitude with all else
+//!    fitted), when its standard deviation is below a fifth of its decay rate, and when its distance
+//!    from its neighbours is at least two standard deviations of that distance. Two inseparable poles
+//!    with different participation factors are one repeated pole
+//!    ([`acceptance`](crate::identify::ml::acceptance)).
+//! 4. Noise that is correlated between frequency lines looks like modes. The correlation is estimated
+//!    from the residual, where that is noise, and raises limits and standard deviations
+//!    ([`line_correlation`](crate::identify::noise::line_correlation)). Where the data have no
+//!    variances and most of the noise is correlated, the noise variance is estimated from the level of
+//!    the residual, and poles that were fitted to noise are removed.
+//! 5. The residual is searched for peaks above the noise. A trial pole there must pass the same tests
+//!    and lower the residual. Without such peaks, each pole is tested for being a close pair
+//!    ([`close_pole_test`](crate::identify::ml::close_pole_test)). Where a trial pole hardly lowers the
+//!    residual, the criteria of step 7 apply to it at once.
+//! 6. Out-of-band terms that the data do not need are removed.
+//! 7. Spurious poles above the noise are rejected: poles of a low modal contribution where the model
+//!    misfits the data or many phases are arbitrary, and poles that repeat the shape of a strong
+//!    neighbour with the phase of no normal mode ([`pole_metrics`](crate::identify::ml::pole_metrics)).
+//!    The misfit near a mode enlarges its standard deviations.
 //!
-//! Where the file states a window for steady excitation, poles have the line shape that it makes of
-//! them ([`receptance`](crate::identify::data::band_frfs)); where none is stated, close poles are merged that the
-//! line shape of a Hann or flat top window explains ([`leakage`](crate::identify::ml::leakage)).
+//! Where the file states a window for steady excitation, each pole has the line shape of that window
+//! ([`band_frfs`](crate::identify::data::band_frfs)). Where it states none, close poles that the line
+//! shape of a Hann or flat top window explains are merged
+//! ([`leakage`](crate::identify::ml::leakage)).
 //!
-//! Lines on both sides of the band are used where the data have them, so that a mode outside does
-//! not lean on one inside. Without variances in the data, the noise is told from what the fit
-//! leaves over ([`noise`](crate::identify::noise::input_variance)).
+//! Guard lines on both sides of the band are fitted where the data have them, so that a mode outside
+//! the band does not bias one inside. Without variances in the data, the noise is estimated from the
+//! residual ([`noise`](crate::identify::noise::input_variance)).
 
 use std::f64::consts::TAU;
 
@@ -55,30 +58,31 @@ use crate::identify::fit::block_descent::{Stop, apart, refine, unsettle};
 use crate::identify::fit::compressed_band::Window;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
-use crate::identify::ml::acceptance::{Change, Judge};
+use crate::identify::ml::acceptance::{AcceptanceTest, PoleEdit};
 use crate::identify::ml::amplitude_dependence::strongest_companions;
-use crate::identify::ml::findings::{Dropped, Evidence};
-use crate::identify::ml::multiplicity::{alone, completed};
+use crate::identify::ml::findings::{Dropped, FindingContext};
+use crate::identify::ml::multiplicity::{completed, distinct_poles};
 use crate::identify::ml::narrower_bands::NarrowerBands;
-use crate::identify::ml::pole_metrics::{Standing, candidate, standings};
-use crate::identify::ml::trial_poles::WORTHWHILE;
+use crate::identify::ml::pole_metrics::{PoleMetrics, candidate, pole_metrics};
+use crate::identify::ml::trial_poles::MIN_RESIDUAL_GAIN;
 use crate::identify::run_variation::Moved;
 
-/// Roots may lie outside the lines by this share of their range.
-const OUTSIDE: f64 = 0.05;
-/// Rounds of pruning after each refinement, and of the search in what is left over.
-const PRUNINGS: usize = 12;
-const SEARCHES: usize = 4;
-/// Relative change of a variance that is none.
-const SAME_NOISE: f64 = 0.1;
-/// A root stands alone where the next is so many sums of half-power widths away.
-const ALONE: f64 = 1.0;
+/// Margin beyond the first and last line in which poles may lie, over the range of the lines.
+const POLE_MARGIN_OVER_BAND: f64 = 0.05;
+/// Maximum rounds of pruning after each refinement, and of the search of the residual.
+const MAX_PRUNINGS: usize = 12;
+const MAX_SEARCHES: usize = 4;
+/// Relative change of a variance below which it is unchanged.
+const MAX_VARIANCE_CHANGE: f64 = 0.1;
+/// Separation from the nearest pole, in sums of half-power bandwidths, above which a pole is
+/// isolated.
+const ISOLATED_BANDWIDTHS: f64 = 1.0;
 /// Relative residual of poles without the line shape of a stated window, over that with it, below
 /// which the data contradict the window. Larger: more poles imitate the line shape of one (0.7 and
 /// more under a true window). Smaller: in noise of a hundredth of the peaks a window that was
 /// stated in error is believed. Tests: `a_window_that_the_data_contradict_is_not_used`,
 /// `damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation`.
-const CONTRADICTED: f64 = 0.25;
+const MAX_CONTRADICTING_RATIO: f64 = 0.25;
 
 /// The maximum likelihood method.
 pub(in crate::identify) struct Automatic {
@@ -105,7 +109,7 @@ impl PoleEstimator for Automatic {
             false => None,
         };
         let contradicts = |(unsmoothed, _): &(Fit, Found)| {
-            unsmoothed.relative_residual() < CONTRADICTED * fit.relative_residual()
+            unsmoothed.relative_residual() < MAX_CONTRADICTING_RATIO * fit.relative_residual()
         };
         let mut table = match plain.filter(contradicts) {
             Some((mut plain, found)) => {
@@ -125,7 +129,8 @@ impl PoleEstimator for Automatic {
 }
 
 impl Automatic {
-    /// The fit of poles with a line shape.
+    /// Fits poles with a line shape, up to the rejection of spurious poles and the final
+    /// refinement.
     pub(in crate::identify) fn fitted(
         &self,
         set: &FrfSet,
@@ -133,13 +138,14 @@ impl Automatic {
         shape: LineShape,
     ) -> Result<(Fit, Found), IdentifyError> {
         let (mut fit, found) = self.merged(set, band, shape)?;
-        fit.look_outside();
+        fit.reduce_out_of_band_terms();
         fit.complete();
         Ok((fit, found))
     }
 
-    /// First roots of the runs as they are, and again with those brought together that disagree: of
-    /// all these fits the one that needs the fewest roots where modes move, the latest of several.
+    /// Fits the initial poles to the measured runs, and again to aligned runs where a frequency
+    /// varies between runs. Returns the fit with the fewest poles at the shifted modes; of several
+    /// such fits the latest.
     fn merged(
         &self,
         set: &FrfSet,
@@ -164,13 +170,16 @@ impl Automatic {
             let mut fit = Fit::new(data, sides, self.options);
             fit.first_roots(&found)?;
             fit.moved = moved.clone();
-            let changed = moved.told_by(&fit.data, &fit.roots);
+            let changed = moved.update_from_fit(&fit.data, &fit.roots);
             fits.push((fit, found));
             if !changed {
                 break;
             }
         }
-        let moves = |root: &&Root| fits.iter().any(|(fit, _)| fit.moved.holds(root.lambda));
+        let moves = |root: &&Root| {
+            fits.iter()
+                .any(|(fit, _)| fit.moved.contains_pole(root.lambda))
+        };
         let needed = |(fit, _): &(Fit, Found)| fit.roots.iter().filter(moves).count();
         let fewest = (0..fits.len())
             .rev()
@@ -179,22 +188,22 @@ impl Automatic {
     }
 }
 
-/// A fit on its way.
+/// Poles, data and noise model of a fit in progress.
 pub(in crate::identify) struct Fit {
     pub data: Receptances,
     pub sides: Sides,
     pub options: MethodOptions,
     pub roots: Vec<Root>,
     pub dropped: Vec<Dropped>,
-    /// Roots that there were where their phases scattered.
+    /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
-    /// Modes that move from run to run.
+    /// Modes whose frequency shifts between runs.
     pub moved: Moved,
     /// Poles of all model orders.
     pub listing: Vec<PoleAtOrder>,
-    /// Whether poles stay where they are and residues alone are fitted.
+    /// Whether poles are fixed and residues alone are fitted.
     pub fixed: bool,
-    /// Of the last refinement.
+    /// Compressed bands of the last refinement.
     windows: Vec<Window>,
 }
 
@@ -215,109 +224,112 @@ impl Fit {
     }
 
     pub fn limits(&self) -> (f64, f64) {
-        let outside = OUTSIDE * self.data.range();
+        let outside = POLE_MARGIN_OVER_BAND * self.data.range();
         let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
         ((first - outside).max(0.5 * first), last + outside)
     }
 
-    /// Roots from the poles that stay over the orders, and from what they leave over.
+    /// Fits poles from the stable poles of the LSCF and from the peaks of their residual.
     ///
-    /// Many references leave few orders, and a root that many modes share is then fewer poles than
-    /// it has modes. Where the roots of all references together leave over more than noise, the
-    /// functions are asked one by one as well.
+    /// Many references allow few orders, and a repeated pole then appears as fewer poles than it
+    /// has modes. Where the residual of the poles of all references exceeds the noise, the FRFs are
+    /// also fitted as outputs of one input.
     fn first_roots(&mut self, found: &Found) -> Result<(), IdentifyError> {
         let lscf = LeastSquaresComplexFrequency {
             max_order: self.options.max_order,
         };
         let seeds = self.stable_roots(&lscf, found)?;
-        let several = self.sides.inputs > 1;
-        let noise = several.then(|| self.data.noise());
+        let has_several_inputs = self.sides.inputs > 1;
+        let noise = has_several_inputs.then(|| self.data.noise());
         self.roots = seeds.clone();
-        let mut changed = self.settle_and_judge();
-        if several && !self.leaves_more_than_noise() {
+        let mut changed = self.refine_with_noise_update();
+        if has_several_inputs && !self.has_unexplained_residual() {
             return Ok(());
         }
         if let Some(noise) = noise {
-            // What so few roots leave over says too much of the noise.
+            // The residual of so few poles overestimates the noise.
             self.data.set_noise(noise);
-            self.ask_functions((&lscf, found), seeds)?;
-            changed = self.settle_and_judge();
+            self.estimate_per_frf((&lscf, found), seeds)?;
+            changed = self.refine_with_noise_update();
         }
         self.search_rounds(changed);
         Ok(())
     }
 
-    /// Roots from the functions as outputs of one input, which say where roots are, and whose
-    /// residues say how many modes each has ([`several`](crate::identify::ml::multiplicity)).
-    fn ask_functions(
+    /// Estimates poles from the FRFs as outputs of one input, and the multiplicity of each from its
+    /// residues ([`multiplicity`](crate::identify::ml::multiplicity)).
+    fn estimate_per_frf(
         &mut self,
         (lscf, found): (&LeastSquaresComplexFrequency, &Found),
         by_inputs: Vec<Root>,
     ) -> Result<(), IdentifyError> {
         let one = self.sides.as_one_input();
         let sides = std::mem::replace(&mut self.sides, one);
-        self.roots = alone(&[by_inputs.clone(), self.stable_roots(lscf, found)?].concat());
+        self.roots = distinct_poles(&[by_inputs.clone(), self.stable_roots(lscf, found)?].concat());
         self.settle(Stop::Coarse);
         if !self.data.variance_measured() {
             self.measure_noise();
             self.settle(Stop::Coarse);
         }
-        let standings = self.standings();
+        let pole_metrics = self.standings();
         let free = std::mem::take(&mut self.roots);
         self.dropped.clear();
         self.sides = sides;
         let chance = self.options.false_alarm_probability / self.data.lines() as f64;
         let frfs = (&self.data, &self.sides);
-        self.roots = completed(frfs, by_inputs, (&free, &standings), chance);
+        self.roots = completed(frfs, by_inputs, (&free, &pole_metrics), chance);
         Ok(())
     }
 
-    /// Roots that pass beside the noise that they leave; whether that changed. What was told beside
-    /// roots that are gone is not theirs.
-    fn settle_and_judge(&mut self) -> bool {
+    /// Refines the poles and estimates the noise anew until no more poles are removed. Returns
+    /// whether the noise changed: noise that was estimated with poles that are now removed is out
+    /// of date.
+    fn refine_with_noise_update(&mut self) -> bool {
         self.settle(Stop::Coarse);
         loop {
             let before = self.roots.len();
-            let changed = self.judge_by_noise();
+            let changed = self.reestimate_noise_and_prune();
             if self.roots.len() == before {
                 return changed;
             }
         }
     }
 
-    /// Removes what is no mode, and fits the others to the end, with their deviations.
+    /// Rejects spurious poles and refines the others to convergence, with their standard
+    /// deviations.
     pub fn complete(&mut self) {
         self.doubt();
         self.settle(Stop::Fine);
-        self.reckon_with_outside();
+        self.add_out_of_band_uncertainty();
         self.reckon_with_noise();
     }
 
-    pub fn judge_by_noise(&mut self) -> bool {
+    pub fn reestimate_noise_and_prune(&mut self) -> bool {
         let changed = self.measure_noise();
         self.settle(Stop::Judging);
         changed
     }
 
-    /// Searches what is left over until nothing more is found, where the noise may have changed
-    /// since it was last judged by.
+    /// Searches the residual until it has no more peaks; `changed`: whether the noise changed since
+    /// the poles were last tested.
     fn search_rounds(&mut self, mut changed: bool) {
-        for _ in 0..SEARCHES {
+        for _ in 0..MAX_SEARCHES {
             let before = self.roots.clone();
             let gain = self.search();
-            let worthwhile = gain.is_some_and(|gain| gain >= WORTHWHILE);
-            // Asked with success once.
+            let worthwhile = gain.is_some_and(|gain| gain >= MIN_RESIDUAL_GAIN);
+            // The correlation of the noise is detected once at most.
             if !worthwhile && self.lines_share_noise() {
                 return self.search_rounds(true);
             }
-            // The noise of the same roots is the same.
+            // The same poles give the same noise.
             if gain.is_none() && !changed && self.roots == before {
                 break;
             }
-            // Where more roots leave such doubts and explain little, what the next would fit is not
-            // modes.
-            let last = gain.is_none() || !worthwhile && self.misses_data(&self.doubts());
-            changed = self.judge_by_noise();
+            // Where more poles still give reasons for rejection and lower the residual little,
+            // further poles would not be modes.
+            let last =
+                gain.is_none() || !worthwhile && self.model_misses_data(&self.rejection_reasons());
+            changed = self.reestimate_noise_and_prune();
             if last {
                 break;
             }
@@ -342,14 +354,14 @@ impl Fit {
         self.roots = refine(frfs, &mut self.windows, roots, (limits, stop));
     }
 
-    /// The residues of all roots, of which none is dropped; modes of the very same pole become one
-    /// root. Poles that merely lie close stay where they are.
+    /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
+    /// repeated pole; close poles remain separate.
     pub fn residues(&mut self) {
         for i in 0..self.roots.len() {
             for j in i + 1..self.roots.len() {
                 let same = self.roots[i].lambda == self.roots[j].lambda;
                 if same && !self.roots[j].parts.is_empty() {
-                    self.apply(Change::Join(i, j));
+                    self.apply(PoleEdit::Merge(i, j));
                 }
             }
         }
@@ -358,15 +370,15 @@ impl Fit {
         self.refine(Stop::Residues);
     }
 
-    /// Refines and drops roots until all that are left pass.
+    /// Refines and removes poles until all remaining poles are accepted.
     pub fn settle(&mut self, stop: Stop) {
         self.refine(stop);
-        for _ in 0..PRUNINGS {
-            let unfit = self.judge().unfit(&self.roots);
-            if unfit.is_empty() {
+        for _ in 0..MAX_PRUNINGS {
+            let required_edits = self.judge().required_edits(&self.roots);
+            if required_edits.is_empty() {
                 break;
             }
-            for change in unfit {
+            for change in required_edits {
                 self.apply(change);
             }
             self.roots.retain(|root| !root.parts.is_empty());
@@ -375,27 +387,28 @@ impl Fit {
         }
     }
 
-    /// Roots that go lose their parts; they are taken out afterwards.
-    pub fn apply(&mut self, change: Change) {
+    /// Applies an edit. A removed pole loses its participation factors; the caller removes it from
+    /// the list.
+    pub fn apply(&mut self, change: PoleEdit) {
         match change {
-            Change::Drop(j, reason) => {
+            PoleEdit::Remove(j, reason) => {
                 let lambda = self.roots[j].lambda;
                 self.dropped.push(Dropped { lambda, reason });
                 self.roots[j].parts.clear();
             }
-            Change::Join(i, j) => {
+            PoleEdit::Merge(i, j) => {
                 let parts = std::mem::take(&mut self.roots[j].parts);
                 let other = self.roots[j].lambda;
                 self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
                 self.roots[i].suspect &= self.roots[j].suspect;
                 self.roots[i].join(parts);
             }
-            Change::FewerParts(j, count) => self.roots[j].keep_strongest(count),
+            PoleEdit::ReduceMultiplicity(j, count) => self.roots[j].keep_strongest(count),
         }
     }
 
-    fn judge(&self) -> Judge<'_> {
-        Judge {
+    fn judge(&self) -> AcceptanceTest<'_> {
+        AcceptanceTest {
             sides: &self.sides,
             false_alarm_probability: self.options.false_alarm_probability,
             lines: self.data.lines(),
@@ -403,24 +416,24 @@ impl Fit {
         }
     }
 
-    pub fn standings(&self) -> Vec<Standing> {
-        standings((&self.data, &self.sides), &self.roots)
+    pub fn standings(&self) -> Vec<PoleMetrics> {
+        pole_metrics((&self.data, &self.sides), &self.roots)
     }
 
-    /// How large the noise is, as far as the data do not state it, and how it hangs together over
-    /// the lines: from what the fit leaves over. Whether the level of a function or the correlation
-    /// changed.
+    /// Estimates the noise variance (where the data state none) and the line correlation from the
+    /// residual. Returns whether the level of an FRF or the correlation changed.
     pub fn measure_noise(&mut self) -> bool {
         unsettle(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
         let mut rest = self.rest();
         self.data.tell_noise(&mut rest);
         self.data.shared = self.data.shared.of_rest(&self.data, &rest);
-        let changed = |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > SAME_NOISE;
+        let changed =
+            |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
         self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
     }
 
-    /// Mean variance of every function.
+    /// Mean noise variance of each FRF.
     fn levels(&self) -> Vec<f64> {
         let level = |f: usize| self.data.mean_variance(f, 0..self.data.lines());
         (0..self.data.functions())
@@ -429,15 +442,14 @@ impl Fit {
             .collect()
     }
 
-    /// What roots and background leave over.
+    /// Residual of the poles and the out-of-band terms.
     pub fn rest(&self) -> Rest {
         let far = self.data.far();
         let described = far.beside(&self.data, &self.roots);
         described.left_over(0..self.data.lines())
     }
 
-    /// Mean over the functions of their residual over their values, each summed in squares over the
-    /// lines.
+    /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
     pub fn relative_residual(&self) -> f64 {
         let rest = self.rest();
         let of = |f: usize| {
@@ -452,13 +464,13 @@ impl Fit {
         (0..self.data.functions()).map(of).sum::<f64>() / self.data.functions() as f64
     }
 
-    /// Standard deviations of the parts of a root's residues: from the noise of every function and
-    /// how it hangs together over the lines. An error of the pole moves all residues of a mode that
-    /// stands alone by one factor, but mixes modes that overlap: `None` for those, and for several
-    /// modes of one root.
-    fn residue_stds(&self, root: &Root, standing: &Standing) -> Option<Vec<f64>> {
+    /// Standard deviations of real and imaginary part of the residues of a pole, from the noise of
+    /// each FRF and its line correlation. An error of the pole changes all residues of an isolated
+    /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
+    /// repeated pole.
+    fn residue_stds(&self, root: &Root, metrics: &PoleMetrics) -> Option<Vec<f64>> {
         let modes = self.roots.iter().filter(|other| !other.is_companion);
-        let near = modes.filter(|other| apart(root, other) < ALONE);
+        let near = modes.filter(|other| apart(root, other) < ISOLATED_BANDWIDTHS);
         if root.multiplicity() > 1 || near.count() > 1 {
             return None;
         }
@@ -466,7 +478,7 @@ impl Fit {
             .data
             .correlation
             .of_amplitude(root.decay(), self.data.step);
-        let factor = standing.inflation() * (0.5 * correlation_factor).sqrt();
+        let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
         let stds = root.residue_variances.iter().map(|v| factor * v.sqrt());
         Some(stds.collect())
     }
@@ -477,20 +489,21 @@ impl Fit {
             let hz = root.lambda.norm() / TAU;
             !root.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
         };
-        let mut standings = self.standings();
+        let mut pole_metrics = self.standings();
         let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
-        let with_standing = self.roots.par_iter().zip(&mut standings);
+        let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
         let modes = with_standing.filter(|(root, _)| is_mode(root));
         modes.for_each(|(root, metrics)| metrics.band_deviation = narrower_bands.deviation(root));
-        let modes = self.roots.iter().zip(&standings);
-        let mut kept: Vec<(&Root, &Standing)> = modes.filter(|(root, _)| is_mode(root)).collect();
+        let modes = self.roots.iter().zip(&pole_metrics);
+        let mut kept: Vec<(&Root, &PoleMetrics)> =
+            modes.filter(|(root, _)| is_mode(root)).collect();
         if let Some(most) = self.options.max_modes {
-            let worth = |(root, _): &(&Root, &Standing)| root.quality.significance();
+            let worth = |(root, _): &(&Root, &PoleMetrics)| root.quality.significance();
             kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
             kept.truncate(most);
             kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
         }
-        let evidence = Evidence {
+        let evidence = FindingContext {
             set,
             data: &self.data,
             described,

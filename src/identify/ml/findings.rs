@@ -1,4 +1,4 @@
-//! What the maximum likelihood method says of its modes, and why it took no others.
+//! Findings of the maximum likelihood method about its modes and about the poles that it removed.
 
 use std::f64::consts::TAU;
 
@@ -13,71 +13,75 @@ use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::model_pole::Root;
 use crate::identify::data::peak_detection::Found;
 use crate::identify::data::residual::Described;
-use crate::identify::ml::pole_metrics::{Doubt, LEAST_SHARE, MOST_PHASE, Standing};
+use crate::identify::ml::pole_metrics::{
+    MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
+};
 use crate::identify::run_variation::Moved;
 use crate::identify::run_variation::separate_responses::{by_point, run_partners};
 use crate::identify::sdof::findings::{dropped_peak, reach};
 
-/// Lines across a half-power band below which damping rests on the model alone.
-const FEWEST_LINES: f64 = 1.0;
+/// Minimum number of frequency lines in a half-power band; below it the damping depends on the
+/// model alone.
+const MIN_LINES_PER_BANDWIDTH: f64 = 1.0;
 /// Standard deviation of the damping by narrower bands, in percent of it, above which it is
 /// reported: the limit for misfit. Larger: hammer recordings whose damping changes by 14 % from
 /// band to band are not reported.
 const MAX_BAND_DEVIATION_PERCENT: f64 = 10.0;
-/// A peak belongs to a mode within so many half-power widths, or lines.
-const AT_PEAK: f64 = 1.0;
-const LINES_AT_PEAK: f64 = 3.0;
+/// Maximum distance of a peak from its mode, half-power bandwidths or frequency lines.
+const PEAK_BANDWIDTHS: f64 = 1.0;
+const PEAK_LINES: f64 = 3.0;
 
-/// Why a root was dropped.
+/// Reason for the removal of a pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::identify) enum Reason {
-    /// Its significance is what noise reaches: value and limit.
-    Noise(f64, f64),
-    /// Its pole is not known: deviation over decay rate.
-    Unknown(f64),
-    /// It cannot be told from a stronger one: distance in deviations.
-    Twin(f64),
-    /// Its half-power width is no resonance's: Hz.
-    Width(f64),
-    /// It is no mode although it is above the noise.
-    Doubt(Doubt),
+pub(in crate::identify) enum DropReason {
+    /// Its significance does not exceed the limit for noise: value and limit.
+    BelowNoise(f64, f64),
+    /// Its standard deviation is too large: standard deviation over decay rate.
+    PoleUndetermined(f64),
+    /// It is inseparable from a stronger pole: distance in standard deviations.
+    NotSeparable(f64),
+    /// Its half-power bandwidth is not that of a resonance: Hz.
+    NotResonant(f64),
+    /// It is spurious although it is above the noise.
+    Rejected(Rejection),
 }
 
-/// A root that was dropped.
+/// A removed pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) struct Dropped {
-    /// Its pole then, rad/s.
+    /// The pole at its removal, rad/s.
     pub lambda: Complex64,
-    /// Why.
-    pub reason: Reason,
+    /// Reason for the removal.
+    pub reason: DropReason,
 }
 
-/// All that the findings are made from.
-pub(in crate::identify) struct Evidence<'a> {
-    /// The set as it came.
+/// Data and results from which the findings are made.
+pub(in crate::identify) struct FindingContext<'a> {
+    /// The FRFs before preparation.
     pub set: &'a FrfSet,
     /// Its receptances on band and guard lines.
     pub data: &'a Receptances,
-    /// What all poles and the out-of-band terms make of the lines.
+    /// Response of all poles and out-of-band terms.
     pub described: Described<'a>,
-    /// The band that was asked for.
+    /// The requested band.
     pub band: Band,
     /// Peaks of the indicator.
     pub found: &'a Found,
-    /// Modes that are reported.
-    pub kept: &'a [(&'a Root, &'a Standing)],
-    /// Roots that were dropped on the way.
+    /// Reported modes.
+    pub kept: &'a [(&'a Root, &'a PoleMetrics)],
+    /// Poles removed during the fit.
     pub dropped: &'a [Dropped],
-    /// Roots that there were where their phases scattered.
+    /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
-    /// Modes that move from run to run.
+    /// Modes whose frequency shifts between runs.
     pub moved: &'a Moved,
     /// Poles of modes that have companions, and how large these are.
     pub companions: &'a [(Complex64, f64)],
 }
 
-impl Evidence<'_> {
-    /// Findings of the modes in ascending frequency, then of what was not taken.
+impl FindingContext<'_> {
+    /// Findings of the modes in ascending frequency, then of removed poles and of peaks without a
+    /// mode.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         if !self.data.variance_measured() {
@@ -105,25 +109,25 @@ impl Evidence<'_> {
             let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Place::Whole);
             findings.push(finding.value(roots as f64, ""));
         }
-        findings.extend(self.of_runs());
-        findings.extend(self.of_misfit());
-        for (root, standing) in self.kept {
-            findings.extend(self.of_mode(root, standing));
+        findings.extend(self.run_finding());
+        findings.extend(self.misfit_finding());
+        for (root, metrics) in self.kept {
+            findings.extend(self.mode_findings(root, metrics));
         }
-        findings.extend(self.of_parts());
-        findings.extend(self.of_doubts());
-        findings.extend(self.of_peaks());
+        findings.extend(self.run_partner_findings());
+        findings.extend(self.rejection_findings());
+        findings.extend(self.peak_findings());
         findings
     }
 
-    /// The run that is farthest from the others, where no check of the set told it.
-    fn of_runs(&self) -> Option<Finding> {
+    /// The run farthest from the others, where no check of the set reported it.
+    fn run_finding(&self) -> Option<Finding> {
         let is_reported =
             |finding: &Finding| matches!(finding.code, Code::RunsDisagree | Code::MassLoading);
         if self.set.findings.iter().any(is_reported) {
             return None;
         }
-        let away = self.moved.farthest()?;
+        let away = self.moved.outlying_run()?;
         let function = &self.set.functions()[away.function];
         let place = Place::Function {
             response: Some(function.response.clone()),
@@ -137,8 +141,8 @@ impl Evidence<'_> {
         )
     }
 
-    /// Modes that share the runs with another one.
-    fn of_parts(&self) -> Vec<Finding> {
+    /// Close modes that respond in separate runs.
+    fn run_partner_findings(&self) -> Vec<Finding> {
         let kept: Vec<&Root> = self.kept.iter().map(|(root, _)| *root).collect();
         let partners = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
@@ -147,7 +151,7 @@ impl Evidence<'_> {
         partners.map(finding).collect()
     }
 
-    fn of_mode(&self, root: &Root, standing: &Standing) -> Vec<Finding> {
+    fn mode_findings(&self, root: &Root, metrics: &PoleMetrics) -> Vec<Finding> {
         let place = self.place(root.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, place.clone())
@@ -174,11 +178,11 @@ impl Evidence<'_> {
         }
         let decay = root.decay() - self.set.added_damping_rad_s;
         let limit = MAX_BAND_DEVIATION_PERCENT;
-        let percent = 100.0 * standing.band_deviation / decay;
+        let percent = 100.0 * metrics.band_deviation / decay;
         if percent > limit && decay > 0.0 {
             findings.push(warning(Code::BandDependent, percent, "%", limit));
-        } else if standing.band_deviation > 0.0 && decay <= 0.0 {
-            // The window's decay is all that there is: the damping is not determined.
+        } else if metrics.band_deviation > 0.0 && decay <= 0.0 {
+            // The decay is that of the window: the damping is not determined.
             findings.push(Finding::new(
                 Severity::Warning,
                 Code::BandDependent,
@@ -186,18 +190,18 @@ impl Evidence<'_> {
             ));
         }
         let lines = root.width() / self.data.step;
-        if lines < FEWEST_LINES {
-            findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
+        if lines < MIN_LINES_PER_BANDWIDTH {
+            findings.push(warning(Code::FewLines, lines, "", MIN_LINES_PER_BANDWIDTH));
         }
         findings.extend(reach(self.set, self.data, root.lambda, &place));
         findings
     }
 
-    /// Roots above the noise that are no modes, the last word on each.
-    fn of_doubts(&self) -> Vec<Finding> {
+    /// Rejected poles above the noise, with the last reason of each.
+    fn rejection_findings(&self) -> Vec<Finding> {
         let mut reported: Vec<(Complex64, Finding)> = Vec::new();
         for dropped in self.dropped.iter().rev() {
-            let Reason::Doubt(doubt) = dropped.reason else {
+            let DropReason::Rejected(rejection) = dropped.reason else {
                 continue;
             };
             let lambda = dropped.lambda;
@@ -205,14 +209,16 @@ impl Evidence<'_> {
             if !self.in_band(lambda) || reported.iter().any(same) {
                 continue;
             }
-            let (code, value, unit, limit) = match doubt {
-                Doubt::Share(share) => (Code::RootMinor, share, "", LEAST_SHARE),
-                Doubt::Tiny(share, least) => (Code::RootMinor, share, "", least),
-                Doubt::Phase(phase) => (
+            let (code, value, unit, limit) = match rejection {
+                Rejection::LowContribution(share) => {
+                    (Code::RootMinor, share, "", MIN_CONTRIBUTION_WITH_MISFIT)
+                }
+                Rejection::BelowLinearity(share, least) => (Code::RootMinor, share, "", least),
+                Rejection::WrongPhase(phase) => (
                     Code::RootPhase,
                     phase.to_degrees(),
                     "°",
-                    MOST_PHASE.to_degrees(),
+                    MAX_PHASE_DIFFERENCE_RAD.to_degrees(),
                 ),
             };
             let finding = Finding::new(Severity::Info, code, self.place(lambda));
@@ -222,17 +228,18 @@ impl Evidence<'_> {
         reported.into_iter().map(|(_, finding)| finding).collect()
     }
 
-    /// Peaks that are seen and have no mode.
-    fn of_peaks(&self) -> Vec<Finding> {
+    /// Detected peaks without a mode.
+    fn peak_findings(&self) -> Vec<Finding> {
         let found = self.found;
         let line = |line: usize| self.data.omega[line];
-        let bare = |omega: f64| {
+        let has_no_mode = |omega: f64| {
             let at = |width: f64, lambda: Complex64| {
-                let reach = (AT_PEAK * width).max(LINES_AT_PEAK * self.data.step);
+                let reach = (PEAK_BANDWIDTHS * width).max(PEAK_LINES * self.data.step);
                 (lambda.im - omega).abs() < reach
             };
-            let doubted = |dropped: &&Dropped| matches!(dropped.reason, Reason::Doubt(_));
-            let mut rejected = self.dropped.iter().filter(doubted);
+            let is_rejected =
+                |dropped: &&Dropped| matches!(dropped.reason, DropReason::Rejected(_));
+            let mut rejected = self.dropped.iter().filter(is_rejected);
             let inside = self.band.lo_hz * TAU <= omega && omega <= self.band.hi_hz * TAU;
             inside
                 && !self
@@ -244,22 +251,23 @@ impl Evidence<'_> {
         let mut findings: Vec<Finding> = found
             .dropped
             .iter()
-            .filter(|(peak, _)| bare(line(peak.line)))
+            .filter(|(peak, _)| has_no_mode(line(peak.line)))
             .map(|(peak, drop)| dropped_peak(self.data, peak, drop))
             .collect();
         let peaks = found.peaks.iter().map(|peak| line(peak.line));
         findings.extend(
             peaks
-                .filter(|omega| bare(*omega))
-                .map(|omega| self.of_peak(omega)),
+                .filter(|omega| has_no_mode(*omega))
+                .map(|omega| self.peak_finding(omega)),
         );
         findings
     }
 
-    /// The last reason near a peak that has no mode.
-    fn of_peak(&self, omega: f64) -> Finding {
+    /// The last removal near a peak without a mode.
+    fn peak_finding(&self, omega: f64) -> Finding {
         let near = |dropped: &&Dropped| {
-            let reach = (-2.0 * AT_PEAK * dropped.lambda.re).max(LINES_AT_PEAK * self.data.step);
+            let reach =
+                (-2.0 * PEAK_BANDWIDTHS * dropped.lambda.re).max(PEAK_LINES * self.data.step);
             (dropped.lambda.im - omega).abs() < reach
         };
         let finding = Finding::new(
@@ -274,11 +282,11 @@ impl Evidence<'_> {
             .find(near)
             .map(|dropped| dropped.reason)
         {
-            Some(Reason::Noise(value, limit)) => finding.value(value, "").limit(limit),
-            Some(Reason::Unknown(value)) => finding.value(value, "decay rates"),
-            Some(Reason::Twin(value)) => finding.value(value, "deviations"),
-            Some(Reason::Width(value)) => finding.value(value, "Hz"),
-            Some(Reason::Doubt(_)) | None => finding,
+            Some(DropReason::BelowNoise(value, limit)) => finding.value(value, "").limit(limit),
+            Some(DropReason::PoleUndetermined(value)) => finding.value(value, "decay rates"),
+            Some(DropReason::NotSeparable(value)) => finding.value(value, "deviations"),
+            Some(DropReason::NotResonant(value)) => finding.value(value, "Hz"),
+            Some(DropReason::Rejected(_)) | None => finding,
         }
     }
 
@@ -287,7 +295,7 @@ impl Evidence<'_> {
         self.band.lo_hz <= hz && hz <= self.band.hi_hz
     }
 
-    /// The row that a finding belongs to: the mode's frequency without the window's damping.
+    /// The row of a finding: the mode's frequency without the damping of the window.
     pub(in crate::identify) fn place(&self, lambda: Complex64) -> Place {
         let pole = Pole { lambda }.without_added_damping(self.set.added_damping_rad_s);
         Place::Mode(pole.natural_frequency_hz())

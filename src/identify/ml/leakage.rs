@@ -1,13 +1,14 @@
-//! Leakage under a window that no file states.
+//! Leakage under an unstated window splits or widens modes; its line shape is tested against the
+//! data.
 //!
 //! Under steady random force with a Hann or flat top window the FRF of one mode has the line shape
-//! of a smoothed pole ([`LineShape`]), which raises the damping of a fit of poles, and which two
-//! poles within the main lobe imitate better than one. Where resonances are so narrow, poles are
+//! of a smoothed pole ([`LineShape`]). It raises the damping of a fit of poles, and two poles
+//! within the main lobe imitate it better than one. Where resonances are so narrow, poles are
 //! fitted under each of these windows as well. If the lines near the modes contradict both, there
-//! is no such leakage. If not, the bias of damping is reported for the window that describes them
+//! is no such leakage. If not, the bias of damping is reported for the window that fits them
 //! better, and each group of close poles is replaced by the poles under that window where they are
 //! fewer. Poles without line shape are then fitted from there: damping remains that of the FRFs as
-//! they are.
+//! measured.
 //!
 //! Leakage without a window (rectangular) cannot be distinguished from none. On frequency lines a
 //! pole `1/s` becomes `1/s − (1 − e^(λT))/(Ts²)`, a pole of a larger decay rate to first order:
@@ -45,12 +46,11 @@ const MAX_RESIDUAL_RATIO: f64 = 1.6;
 const MIN_CONTRADICTION: f64 = 3.0;
 
 impl Automatic {
-    /// Tests data without a stated window against the line shape of each window for steady signals,
-    /// and leaves one pole for each mode that leakage under the window that describes them best had
-    /// split. Returns these modes.
+    /// Tests data without a stated window against the line shape of each window for steady signals.
+    /// Where leakage under the best of these windows had split modes, one pole remains for each.
+    /// Returns these modes.
     ///
-    /// # Errors
-    /// Those of a fit under a window.
+    /// # Errors Those of a fit under a window.
     pub(in crate::identify) fn check_leakage(
         &self,
         (set, band): (&FrfSet, Band),
@@ -91,17 +91,19 @@ impl Automatic {
         }
         let poles = fit.roots.len();
         // Best: fewer poles than without a window, then the least residual.
-        let rank = |own: &Hypothesis| (!own.has_fewer_poles(poles), own.ratio);
+        let rank = |hypothesis: &Hypothesis| (!hypothesis.has_fewer_poles(poles), hypothesis.ratio);
         let best = possible.into_iter().min_by(|a, b| {
             let (a, b) = (rank(a), rank(b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
-        fit.data.leakage = best.as_ref().map(|own| own.shape);
-        let likely = best.filter(|own| own.ratio <= MAX_RESIDUAL_RATIO);
-        Ok(match likely.map(|own| (own.shape, own.smoothed)) {
-            Some((shape, Some(smoothed))) => fit.merge_split_poles(&smoothed, shape),
-            _ => Vec::new(),
-        })
+        fit.data.leakage = best.as_ref().map(|hypothesis| hypothesis.shape);
+        let likely = best.filter(|hypothesis| hypothesis.ratio <= MAX_RESIDUAL_RATIO);
+        Ok(
+            match likely.map(|hypothesis| (hypothesis.shape, hypothesis.smoothed)) {
+                Some((shape, Some(smoothed))) => fit.merge_split_poles(&smoothed, shape),
+                _ => Vec::new(),
+            },
+        )
     }
 }
 
@@ -137,7 +139,7 @@ impl Fit {
     }
 
     /// Replaces each group of close poles by the poles of a fit under a window, where these are
-    /// fewer, and fits again without it. All stays as it was where that loses another mode.
+    /// fewer, and fits again without it. If another mode is lost, nothing changes.
     fn merge_split_poles(&mut self, smoothed: &Self, shape: LineShape) -> Vec<SplitMode> {
         let groups = split_groups(self, smoothed, shape);
         if groups.is_empty() {
@@ -154,7 +156,7 @@ impl Fit {
         let merged = groups.iter().flat_map(|group| &group.merged);
         self.roots.extend(merged.cloned());
         (self.roots).sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
-        self.judge_by_noise();
+        self.reestimate_noise_and_prune();
         self.complete();
         let is_lost = |group: &Group| !self.roots.iter().any(|root| is_of(root, group));
         if others(&self.roots) < expected || groups.iter().any(is_lost) {
@@ -171,8 +173,8 @@ impl Fit {
         split: &[SplitMode],
         band: Band,
     ) -> Vec<Finding> {
-        let finding = |own: &SplitMode| {
-            let distance = |root: &&Root| (root.lambda.im - own.omega).abs();
+        let finding = |mode: &SplitMode| {
+            let distance = |root: &&Root| (root.lambda.im - mode.omega).abs();
             let roots = self.roots.iter();
             let nearest = roots.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             let hz = Pole {
@@ -181,8 +183,8 @@ impl Fit {
             .natural_frequency_hz();
             let in_band = (band.lo_hz..=band.hi_hz).contains(&hz);
             let finding = Finding::new(Severity::Warning, Code::LeakageSplit, Place::Mode(hz));
-            let finding = finding.value(own.poles as f64, "poles");
-            in_band.then(|| finding.detail(own.shape.window_name()))
+            let finding = finding.value(mode.poles as f64, "poles");
+            in_band.then(|| finding.detail(mode.shape.window_name()))
         };
         split.iter().filter_map(finding).collect()
     }
@@ -217,7 +219,7 @@ impl NearModes {
         }
     }
 
-    /// Squared residual of a fit over these variances, summed over functions and lines.
+    /// Squared residual of a fit over these variances, summed over FRFs and lines.
     fn residual(&self, fit: &Fit) -> f64 {
         let rest = fit.rest();
         let of_function = |(f, variance): (usize, &Vec<f64>)| {
@@ -229,7 +231,7 @@ impl NearModes {
         self.variance.iter().enumerate().map(of_function).sum()
     }
 
-    /// The same of its poles under a line shape, moved from where they are.
+    /// Squared residual of its poles under a line shape, refined from their present values.
     fn residual_under(&self, fit: &mut Fit, shape: LineShape) -> f64 {
         let roots = fit.roots.clone();
         let correlation = fit.data.correlation.clone();
@@ -262,7 +264,7 @@ impl Group {
     /// Distance of a pole from the nearest of the group, rad/s.
     fn distance(&self, root: &Root) -> f64 {
         let all = self.split.iter().chain(&self.merged);
-        all.map(|own| (own.lambda.im - root.lambda.im).abs())
+        all.map(|member| (member.lambda.im - root.lambda.im).abs())
             .fold(f64::INFINITY, f64::min)
     }
 

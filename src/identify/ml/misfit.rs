@@ -1,22 +1,25 @@
-//! Modes near which the residual exceeds the noise so far that their enlarged standard deviations
-//! matter.
+//! Findings about modes near which the residual exceeds the noise so far that their enlarged
+//! standard deviations matter.
 //!
 //! Where the reduced chi-square near a mode exceeds its limit, all its standard deviations are
-//! enlarged by the root of it ([`Standing::inflation`]). On measured FRFs of little noise that is
-//! so at nearly every mode and changes nothing that anybody does with them. A finding is made of
-//! those alone whose damping, frequency or shape becomes uncertain by it.
+//! enlarged by its square root ([`PoleMetrics::inflation`]). On measured FRFs of little noise that
+//! applies to nearly every mode and has no practical effect. Only modes whose damping, frequency or
+//! shape becomes uncertain by it have a finding.
 
 use crate::finding::{Code, Finding, Place, Severity};
 
 use crate::identify::data::model_pole::Root;
-use crate::identify::ml::findings::Evidence;
-use crate::identify::ml::pole_metrics::{MOST_MISFIT, Standing, misfit_by_function, own_lines};
+use crate::identify::ml::findings::FindingContext;
+use crate::identify::ml::pole_metrics::{
+    MAX_CHI_SQUARE, PoleMetrics, lines_of_pole, reduced_chi_square_by_frf,
+};
 
-/// Residual beyond the noise over the response, both root mean square near the pole, above which a
-/// misfit matters: what is not described moves the frequency by about as much of the half-power
-/// bandwidth. Larger: hardening that moves a frequency by a fifth of its bandwidth and a damping by
-/// 39 % may not be reported. Smaller: hardening with 0.021 is reported, whose frequencies are right
-/// to a thirtieth of the bandwidth (`hardening_is_reported_where_it_changes_the_modes`).
+/// Residual above the noise over the response, both root mean square near the pole, above which a
+/// misfit matters: the unmodelled response moves the frequency by about as large a part of the
+/// half-power bandwidth. Larger: hardening that moves a frequency by a fifth of its bandwidth and a
+/// damping by 39 % may not be reported. Smaller: hardening with 0.021 is reported, whose
+/// frequencies are right to a thirtieth of the bandwidth
+/// (`hardening_is_reported_where_it_changes_the_modes`).
 const MAX_RESIDUAL_RATIO: f64 = 0.04;
 /// Enlarged standard deviation of the damping over the damping above which a misfit matters; that
 /// of the frequency is then a twentieth of the half-power bandwidth. Larger: the plate of one
@@ -27,15 +30,15 @@ const MAX_DAMPING_STD_RATIO: f64 = 0.1;
 /// as the same shape. Larger: the recorded beam's modes with 0.016 and 0.029 are not reported.
 /// Smaller: shapes with 0.001 are.
 const MAX_SHAPE_MAC_LOSS: f64 = 0.01;
-/// FRFs that are listed, and modes.
+/// Maximum number of FRFs and of modes in the detail.
 const LISTED_FUNCTIONS: usize = 3;
 const LISTED_MODES: usize = 5;
 
-/// What the misfit near a mode does to it.
+/// Effect of the misfit near a mode on its results.
 struct Consequence<'a> {
     root: &'a Root,
-    standing: &'a Standing,
-    /// Residual beyond the noise over the response, root mean square.
+    metrics: &'a PoleMetrics,
+    /// Residual above the noise over the response, root mean square.
     residual: f64,
     /// Enlarged standard deviation of the damping over the damping.
     damping: f64,
@@ -53,7 +56,7 @@ impl Consequence<'_> {
     /// Residual, factor of the standard deviations, and those of frequency (over the half-power
     /// bandwidth), damping and shape.
     fn figures(&self) -> String {
-        let factor = self.standing.inflation();
+        let factor = self.metrics.inflation();
         let (frequency, damping) = (0.5 * self.damping, 100.0 * self.damping);
         let mut text = format!(
             "|R|/|H| {:.1} %, σ × {factor:.1}, σ(f)/Δf₃dB {frequency:.3}, σ(ζ)/ζ {damping:.1} %",
@@ -66,11 +69,14 @@ impl Consequence<'_> {
     }
 }
 
-impl Evidence<'_> {
+impl FindingContext<'_> {
     /// All modes whose misfit matters, the worst first.
-    pub(in crate::identify) fn of_misfit(&self) -> Option<Finding> {
-        let missed = self.kept.iter().filter(|mode| mode.1.misfit > MOST_MISFIT);
-        let consequences = missed.map(|(root, standing)| self.consequence(root, standing));
+    pub(in crate::identify) fn misfit_finding(&self) -> Option<Finding> {
+        let misfitting = self
+            .kept
+            .iter()
+            .filter(|mode| mode.1.reduced_chi_square > MAX_CHI_SQUARE);
+        let consequences = misfitting.map(|(root, metrics)| self.consequence(root, metrics));
         let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
         let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
         all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
@@ -81,26 +87,29 @@ impl Evidence<'_> {
         };
         let largest = all
             .iter()
-            .map(|consequence| consequence.standing.misfit)
+            .map(|consequence| consequence.metrics.reduced_chi_square)
             .fold(0.0, f64::max);
         let finding = Finding::new(Severity::Warning, Code::ModelMisfit, place);
-        let finding = finding.value(largest.sqrt(), "").limit(MOST_MISFIT.sqrt());
+        let finding = finding
+            .value(largest.sqrt(), "")
+            .limit(MAX_CHI_SQUARE.sqrt());
         Some(finding.detail(self.detail_of(&all)))
     }
 
-    fn consequence<'a>(&self, root: &'a Root, standing: &'a Standing) -> Consequence<'a> {
+    fn consequence<'a>(&self, root: &'a Root, metrics: &'a PoleMetrics) -> Consequence<'a> {
         let decay = root.decay() - self.set.added_damping_rad_s;
         let correlation = &self.data.correlation;
-        let squared = standing.misfit * correlation.of_amplitude(root.decay(), self.data.step);
+        let squared =
+            metrics.reduced_chi_square * correlation.of_amplitude(root.decay(), self.data.step);
         let variance: f64 = root.residue_variances.iter().sum();
         let size: f64 = root.residues.iter().map(|a| a.norm_sqr()).sum();
         Consequence {
             root,
-            standing,
-            residual: ((standing.misfit - 1.0) / self.response_over_noise(root)).sqrt(),
-            // Where the window's decay is all that there is, damping is not determined.
+            metrics,
+            residual: ((metrics.reduced_chi_square - 1.0) / self.response_over_noise(root)).sqrt(),
+            // Where the decay is that of the window, the damping is not determined.
             damping: match decay > 0.0 {
-                true => root.quality.pole_std * standing.inflation() / decay,
+                true => root.quality.pole_std * metrics.inflation() / decay,
                 false => f64::INFINITY,
             },
             shape: (root.multiplicity() == 1).then_some(squared * variance / size),
@@ -109,7 +118,7 @@ impl Evidence<'_> {
 
     /// Mean square of the response over the noise on the lines on which the misfit is measured.
     fn response_over_noise(&self, root: &Root) -> f64 {
-        let (lines, functions) = (own_lines(self.data, root), self.data.functions());
+        let (lines, functions) = (lines_of_pole(self.data, root), self.data.functions());
         let of = |f: usize| {
             let power = |k: usize| self.data.values[f][k].norm_sqr() / self.data.variance[f][k];
             lines.clone().map(power).sum::<f64>()
@@ -138,11 +147,11 @@ impl Evidence<'_> {
 
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
     fn functions_of(&self, root: &Root) -> String {
-        let rest = self.described.left_over(own_lines(self.data, root));
-        let misfits = misfit_by_function(self.data, &rest, root);
+        let rest = self.described.left_over(lines_of_pole(self.data, root));
+        let misfits = reduced_chi_square_by_frf(self.data, &rest, root);
         let above = misfits
             .iter()
-            .filter(|misfit| **misfit > MOST_MISFIT)
+            .filter(|misfit| **misfit > MAX_CHI_SQUARE)
             .count();
         let mut order: Vec<usize> = (0..misfits.len()).collect();
         order.sort_by(|a, b| misfits[*b].total_cmp(&misfits[*a]));

@@ -1,8 +1,10 @@
-//! Maximum likelihood identification: initial poles of LSCF, refined, tested and completed.
+//! Maximum likelihood identification refines the initial poles of LSCF, tests them and adds missing
+//! ones.
 //!
 //! The passes add poles where the residual has peaks, split close poles, reject spurious poles,
-//! reduce the out-of-band terms and estimate the noise anew. The first sentences of `estimator`
-//! list them. This room knows all rooms below and `run_variation`; modes are made outside.
+//! reduce the out-of-band terms and estimate the noise anew. The head of `estimator` lists them.
+//! This module uses all modules of `identify` below it and `run_variation`; `modes` builds mode
+//! shapes from its result.
 //!
 //! Terms: *spurious pole*, a pole of the mathematical model that is no mode of the structure;
 //! *modal contribution*, the fraction of the response energy near a pole that this pole explains;

@@ -1,11 +1,11 @@
-//! How many modes share a pole, before any participation factor is fitted: from residues of every
-//! function by itself.
+//! The multiplicity of a pole is estimated from residues that are free in each FRF, before any
+//! participation factor is fitted.
 //!
-//! The normal equations of many references give a root of many modes as fewer poles than it has.
-//! With every function an output of its own, a root of any multiplicity is one pole: its residues,
-//! outputs × inputs over their noise, have as many singular values above those of noise as modes
-//! share it, and its right singular vectors are the participation factors (the CMIF of Shih et al.
-//! 1988, at a pole instead of a line).
+//! The normal equations of many references give a repeated pole as fewer poles than it has modes.
+//! With every FRF as an output of one input, a pole of any multiplicity is one pole. Its residues,
+//! outputs × inputs over their noise, have as many singular values above those of noise as the pole
+//! has modes, and the right singular vectors are the participation factors (the CMIF of Shih et al.
+//! 1988, at a pole instead of a frequency line).
 
 use num_complex::Complex64;
 
@@ -16,16 +16,16 @@ use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::model_pole::{Root, combined};
 use crate::identify::fit::detection_threshold::norm_of_uneven_noise;
 use crate::identify::fit::mode_strength::Strength;
-use crate::identify::ml::pole_metrics::{MOST_MISFIT, Standing};
+use crate::identify::ml::pole_metrics::{MAX_CHI_SQUARE, PoleMetrics};
 
-/// Modes of one root are at least this strong, relative to the strongest: what a single pole leaves
-/// over is weaker.
-const WEAKEST: f64 = 0.03;
-/// Roots within so many decay rates of a pole are its modes.
-const OWN: f64 = 1.0;
+/// Minimum strength of a mode of a repeated pole over that of the strongest mode: the residual of a
+/// single pole is weaker.
+const MIN_RELATIVE_STRENGTH: f64 = 0.03;
+/// Distance, in decay rates, below which two estimates are the same pole.
+const MATCH_DECAY_RATES: f64 = 1.0;
 
-/// One root of one mode for each distinct pole, of functions that are outputs of a single input.
-pub(in crate::identify) fn alone(roots: &[Root]) -> Vec<Root> {
+/// One single pole for each distinct pole of FRFs that are outputs of one input.
+pub(in crate::identify) fn distinct_poles(roots: &[Root]) -> Vec<Root> {
     let mut poles: Vec<Complex64> = Vec::new();
     for root in roots {
         let near = |pole: &Complex64| (*pole - root.lambda).norm() < 0.5 * root.decay();
@@ -38,19 +38,19 @@ pub(in crate::identify) fn alone(roots: &[Root]) -> Vec<Root> {
     poles.iter().map(root).collect()
 }
 
-/// The roots with those replaced that share a pole with more modes than they have between them, or
-/// are its only one, and with the modes of poles that have no root: `free` are the poles with
-/// residues of each function by itself. Poles at which these miss the data say nothing.
+/// Completes the multiplicities of poles. `free` are the poles of FRFs as outputs of one input,
+/// with free residues. Where a free pole has more modes than the poles near it, or is near one pole
+/// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
 pub(in crate::identify) fn completed(
     (data, sides): (&Receptances, &Sides),
     roots: Vec<Root>,
-    (free, standings): (&[Root], &[Standing]),
+    (free, pole_metrics): (&[Root], &[PoleMetrics]),
     chance: f64,
 ) -> Vec<Root> {
     let nearest = |root: &Root| {
         let distance = |pole: &usize| (free[*pole].lambda - root.lambda).norm();
         let pole = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&pole) < OWN * root.decay().max(free[pole].decay())).then_some(pole)
+        (distance(&pole) < MATCH_DECAY_RATES * root.decay().max(free[pole].decay())).then_some(pole)
     };
     let mut groups: Vec<Vec<Root>> = vec![Vec::new(); free.len()];
     let mut completed = Vec::new();
@@ -61,27 +61,25 @@ pub(in crate::identify) fn completed(
         }
     }
     for (index, group) in groups.into_iter().enumerate() {
-        if standings[index].misfit > MOST_MISFIT {
+        if pole_metrics[index].reduced_chi_square > MAX_CHI_SQUARE {
             completed.extend(group);
             continue;
         }
-        let parts = participation((data, sides), (&free[index], &standings[index]), chance);
+        let parts =
+            participation_factors((data, sides), (&free[index], &pole_metrics[index]), chance);
         let keep_group =
             parts.len() < group.len() || (parts.len() == group.len() && group.len() > 1);
         if keep_group {
             completed.extend(group);
         } else {
-            completed.extend(sharing(&free[index], parts));
+            completed.extend(split_pole(&free[index], parts));
         }
     }
     completed
 }
 
-/// One mode at a pole, with the participation factors of its strongest part, whatever noise could
-/// make of it.
-///
-/// # Errors
-/// [`LinalgError::NotConverged`].
+/// Single pole with the participation factor of the strongest rank-one term of its residues,
+/// without a test against noise.
 pub(in crate::identify) fn strongest(sides: &Sides, pole: &Root) -> Result<Root, LinalgError> {
     let svd = linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]))?;
     let factors: Vec<Complex64> = (0..sides.inputs)
@@ -90,8 +88,8 @@ pub(in crate::identify) fn strongest(sides: &Sides, pole: &Root) -> Result<Root,
     Ok(Root::single(pole.lambda, &factors, pole.residues.len()))
 }
 
-/// Two modes as two roots, which may move apart; more as one.
-fn sharing(pole: &Root, mut parts: Vec<Vec<Complex64>>) -> Vec<Root> {
+/// Two modes as two poles, which can separate in the fit; more modes as one repeated pole.
+fn split_pole(pole: &Root, mut parts: Vec<Vec<Complex64>>) -> Vec<Root> {
     let functions = pole.residues.len();
     let single = |part: &Vec<Complex64>| Root::single(pole.lambda, part, functions);
     if parts.len() <= 2 {
@@ -102,10 +100,10 @@ fn sharing(pole: &Root, mut parts: Vec<Vec<Complex64>>) -> Vec<Root> {
     vec![root]
 }
 
-/// Participation factors of the modes that share a pole.
-fn participation(
+/// Participation factors of the modes of one pole.
+fn participation_factors(
     (data, sides): (&Receptances, &Sides),
-    (pole, standing): (&Root, &Standing),
+    (pole, metrics): (&Root, &PoleMetrics),
     chance: f64,
 ) -> Vec<Vec<Complex64>> {
     let line = data.line_of(pole.lambda);
@@ -115,24 +113,24 @@ fn participation(
     // The strength of a pole is twice the energy of its residues over their noise.
     let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();
     let energy: f64 = pole.residues.iter().zip(&level).map(over).sum();
-    let missed = pole.quality.by_lines * standing.misfit.max(1.0);
-    let noise = (2.0 * energy / pole.quality.significance() * missed).sqrt();
+    let noise_factor = pole.quality.by_lines * metrics.reduced_chi_square.max(1.0);
+    let noise = (2.0 * energy / pole.quality.significance() * noise_factor).sqrt();
     let residues = sides.matrix(|f| pole.residues[f]);
     let deviations = linalg::real_matrix(sides.outputs.len(), sides.inputs, |o, i| {
         noise * level[sides.outputs[o][i].1]
     });
-    let above = parts_above_noise(&residues, &deviations, chance);
-    independent(&residues, &deviations, above)
+    let above = terms_above_noise(&residues, &deviations, chance);
+    independent_terms(&residues, &deviations, above)
 }
 
-/// Participation factors of as many parts of residues (outputs × inputs) as are above their noise.
-fn parts_above_noise(
+/// Participation factors of the rank-one terms of residues (outputs × inputs) above their noise.
+fn terms_above_noise(
     residues: &ComplexMatrix,
     deviations: &RealMatrix,
     chance: f64,
 ) -> Vec<Vec<Complex64>> {
     let (outputs, inputs) = (residues.nrows(), residues.ncols());
-    let (by_output, by_input) = separate(deviations);
+    let (by_output, by_input) = separable_factors(deviations);
     let over = |o: usize, i: usize| by_output[o] * by_input[i];
     let whitened = linalg::complex_matrix(outputs, inputs, |o, i| residues[(o, i)] / over(o, i));
     let Ok(svd) = linalg::singular_vectors(&whitened) else {
@@ -148,9 +146,9 @@ fn parts_above_noise(
         .collect()
 }
 
-/// Those independent combinations of parts that are not far weaker than the strongest, by their
-/// strengths over all outputs.
-fn independent(
+/// Independent combinations of rank-one terms whose strength over all outputs is not far below that
+/// of the strongest.
+fn independent_terms(
     residues: &ComplexMatrix,
     deviations: &RealMatrix,
     parts: Vec<Vec<Complex64>>,
@@ -178,7 +176,7 @@ fn independent(
     let Some(strongest) = strengths.values.last() else {
         return parts;
     };
-    let weak = |s: &&f64| **s < WEAKEST * WEAKEST * strongest;
+    let weak = |s: &&f64| **s < MIN_RELATIVE_STRENGTH * MIN_RELATIVE_STRENGTH * strongest;
     let weakest = strengths.values.iter().take_while(weak).count();
     let mut kept = combined(&parts, &strengths.combinations).split_off(weakest);
     kept.reverse();
@@ -188,8 +186,9 @@ fn independent(
 /// Factors of outputs and of inputs whose products are nearest to values by output and input, in
 /// the mean of logarithms.
 ///
-/// What is divided by them keeps its rank, which what is divided by each value of its own does not.
-fn separate(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
+/// A matrix divided by such products keeps its rank; divided by arbitrary values of each element it
+/// does not.
+fn separable_factors(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
     let (outputs, inputs) = (values.nrows(), values.ncols());
     let log = |o: usize, i: usize| values[(o, i)].ln();
     let of_output = |o: usize| (0..inputs).map(|i| log(o, i)).sum::<f64>() / inputs as f64;
@@ -208,7 +207,7 @@ mod tests {
     const OUTPUTS: usize = 9;
     const INPUTS: usize = 5;
 
-    /// Participation factors of three modes, and a value of each at every output.
+    /// Participation factor of a mode at an input.
     fn factor(mode: usize, input: usize) -> f64 {
         ((1 + mode) as f64 * (0.4 + input as f64)).sin()
     }
@@ -220,8 +219,8 @@ mod tests {
         })
     }
 
-    /// Noise that is no product of an output's and an input's, a hundred times more at one
-    /// function.
+    /// Noise that is not a product of factors of outputs and inputs, with a hundred times more at
+    /// one FRF.
     fn deviations(size: f64) -> RealMatrix {
         linalg::real_matrix(OUTPUTS, INPUTS, |o, i| {
             size * match (o, i) {
@@ -233,15 +232,15 @@ mod tests {
 
     fn modes(weakest: f64, noise: f64) -> Vec<Vec<Complex64>> {
         let (residues, deviations) = (residues(weakest), deviations(noise));
-        let above = parts_above_noise(&residues, &deviations, 1e-6);
-        independent(&residues, &deviations, above)
+        let above = terms_above_noise(&residues, &deviations, 1e-6);
+        independent_terms(&residues, &deviations, above)
     }
 
     #[test]
-    fn residues_of_three_modes_have_three_parts_with_their_participation_factors() {
+    fn residues_of_three_modes_give_three_participation_factors() {
         let parts = modes(1.0, 1e-5);
         assert_eq!(parts.len(), 3);
-        // Every true factor is a combination of the parts.
+        // Every true factor is a combination of the estimated ones.
         let basis = linalg::complex_matrix(INPUTS, 3, |i, part| parts[part][i]);
         for mode in 0..3 {
             let expected =
@@ -254,16 +253,16 @@ mod tests {
     }
 
     #[test]
-    fn a_part_below_the_noise_or_far_weaker_than_the_strongest_is_none() {
+    fn a_term_below_the_noise_or_far_weaker_than_the_strongest_is_dropped() {
         assert_eq!(modes(1e-5, 1e-3).len(), 2);
         assert_eq!(modes(1e-3, 1e-9).len(), 2);
         assert_eq!(modes(0.3, 1e-9).len(), 3);
     }
 
     #[test]
-    fn even_factors_of_a_product_are_found() {
+    fn factors_of_a_product_of_outputs_and_inputs_are_found() {
         let values = linalg::real_matrix(2, 3, |o, i| [2.0, 5.0][o] * [1.0, 3.0, 9.0][i]);
-        let (by_output, by_input) = separate(&values);
+        let (by_output, by_input) = separable_factors(&values);
         for o in 0..2 {
             for i in 0..3 {
                 assert!((by_output[o] * by_input[i] / values[(o, i)] - 1.0).abs() < 1e-12);

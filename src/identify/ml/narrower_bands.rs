@@ -1,11 +1,11 @@
-//! Compares each pole with the poles of narrower bands, for the part of its standard deviation that
-//! is not noise.
+//! Narrower bands give other poles than the whole band: their shift above the noise adds to the
+//! standard deviation of each pole.
 //!
 //! The standard deviation of a fit takes the residual for noise. A response that depends on the
 //! amplitude, a truncated record or a mode outside the model leave a residual that is correlated
 //! over lines and FRFs, and their effect on a pole does not fall with the number of values. It
 //! shows when the band changes. One Gauss-Newton step of a pole and of all residues on some lines,
-//! with the other poles where they are, is
+//! with the other poles fixed, is
 //!
 //! ```text
 //! δλ = Σ_f Σ_k conj(a_f g_k/l_f) r_fk / Σ_f Σ_k |a_f g_k/l_f|²
@@ -46,13 +46,13 @@ const BANDS: [(f64, f64); 5] = [
 /// modes of linear structures are reported. Larger: shifts of that many standard deviations stay
 /// out (`noise_shifts_a_pole_by_its_variance`).
 const MIN_SHIFT_RATIO: f64 = 10.0;
-/// Least variance of a shift over that of the pole: the difference of nearly equal variances is
+/// Minimum variance of a shift over that of the pole: the difference of nearly equal variances is
 /// inaccurate.
 const MIN_VARIANCE_RATIO: f64 = 0.5;
-/// Fewest lines of a narrower band: out-of-band terms take a third of them at most.
+/// Minimum number of lines of a narrower band: out-of-band terms take a third of them at most.
 const MIN_LINES: usize = 6;
 /// Decay rates up to which a step is linear: a narrower band whose noise alone moves the pole
-/// farther says nothing, and a longer shift counts as this.
+/// farther is ignored, and a longer shift is limited to this length.
 const MAX_LINEAR_DECAY_RATES: f64 = 1.0;
 
 /// A fit whose poles are compared with those of narrower bands.
@@ -78,8 +78,8 @@ impl<'a> NarrowerBands<'a> {
         }
     }
 
-    /// Standard deviation of each part of a pole, rad/s, from the largest of its shifts that noise
-    /// does not explain; 0 where noise explains all.
+    /// Standard deviation of real and imaginary part of a pole, rad/s, from the largest shift that
+    /// noise does not explain; 0 where noise explains all shifts.
     pub fn deviation(&self, root: &Root) -> f64 {
         let shifts = self.shifts(root).into_iter().flatten();
         let beyond =
@@ -215,15 +215,15 @@ mod tests {
         len: 451,
     };
 
-    /// Modes at 90 and 120 Hz over six sensors, and one beside the second with so much of its
-    /// residues.
-    fn structure(beside: f64) -> Structure {
+    /// Modes at 90 and 120 Hz over six sensors, and one near the second with a given fraction of
+    /// its residues.
+    fn structure(second_contribution: f64) -> Structure {
         let shape = |a: f64, size: f64| (1..=6).map(|p| size * (a * f64::from(p)).cos()).collect();
         Structure {
             modes: vec![
                 (90.0, 0.005, shape(0.3, 1.0)),
                 (120.0, 0.008, shape(0.7, 1.0)),
-                (121.0, 0.008, shape(0.9, beside.sqrt())),
+                (121.0, 0.008, shape(0.9, second_contribution.sqrt())),
             ],
         }
     }
@@ -233,13 +233,13 @@ mod tests {
         None,
         /// 60 dB below the FRFs.
         Even,
-        /// 50 dB below every value, common to all FRFs as an error of the force is, beside 80 dB of
-        /// the responses.
+        /// 50 dB below every value, common to all FRFs as an error of the force is, and noise of
+        /// the responses at 80 dB.
         OfForce,
     }
 
     /// FRFs of the structure with noise, and with its variance.
-    fn measured(beside: f64, noise: Noise, seed: u64) -> FrfSet {
+    fn measured(second_contribution: f64, noise: Noise, seed: u64) -> FrfSet {
         let how = Measurement {
             snr_db: match noise {
                 Noise::None => None,
@@ -249,7 +249,7 @@ mod tests {
             seed,
             ..Measurement::of_sensors(6, AXIS)
         };
-        let set = structure(beside).measured(&how);
+        let set = structure(second_contribution).measured(&how);
         let Noise::OfForce = noise else {
             return set;
         };
@@ -279,8 +279,8 @@ mod tests {
 
     /// A fit of the first two modes alone on a band; of the second alone where that begins above
     /// the first.
-    fn fitted(beside: f64, (noise, seed): (Noise, u64), band_hz: [f64; 2]) -> Fit {
-        let set = measured(beside, noise, seed);
+    fn fitted(second_contribution: f64, (noise, seed): (Noise, u64), band_hz: [f64; 2]) -> Fit {
+        let set = measured(second_contribution, noise, seed);
         let band = Band::new(band_hz[0], band_hz[1]).unwrap();
         let data = Receptances::guarded(&set, band).unwrap();
         let mut fit = Fit::new(data, Sides::new(set.functions()), MethodOptions::default());
@@ -325,7 +325,7 @@ mod tests {
         }
     }
 
-    /// The second pole of a fit moved by `error`, with the residues of that.
+    /// A fit with its second pole shifted by `error`, and with the residues of that pole.
     fn moved(noise: Noise, error: impl Fn(&Root) -> Complex64) -> Fit {
         let mut fit = fitted(0.0, (noise, 7), WHOLE_HZ);
         let error = error(&fit.roots[1]);
@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_that_stays_where_it_was_put_has_no_deviation_by_that() {
+    fn a_fixed_pole_off_its_maximum_has_no_deviation_by_narrower_bands() {
         let fit = moved(Noise::Even, |root| (10.0 * root.quality.pole_std).into());
         let far = fit.data.far();
         let described = far.beside(&fit.data, &fit.roots);
@@ -372,36 +372,50 @@ mod tests {
             [60.0, 121.0],
             [60.0, 130.0],
         ];
-        for (beside, seed) in [(0.0, 0), (0.003, 1), (0.01, 2), (0.03, 3), (0.1, 4)] {
-            let fit = fitted(beside, (Noise::Even, seed), WHOLE_HZ);
+        for (second_contribution, seed) in [(0.0, 0), (0.003, 1), (0.01, 2), (0.03, 3), (0.1, 4)] {
+            let fit = fitted(second_contribution, (Noise::Even, seed), WHOLE_HZ);
             let far = fit.data.far();
             let described = far.beside(&fit.data, &fit.roots);
             let root = &fit.roots[1];
             let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
             let deviation = bands.deviation(root);
             let by_noise = root.quality.pole_std;
-            assert_eq!(deviation > 2.0 * by_noise, beside >= 0.01, "{beside}");
+            assert_eq!(
+                deviation > 2.0 * by_noise,
+                second_contribution >= 0.01,
+                "{second_contribution}"
+            );
             let mut shifts = Vec::new();
             for band in NARROWER_HZ {
-                let other = fitted(beside, (Noise::Even, seed), band);
+                let other = fitted(second_contribution, (Noise::Even, seed), band);
                 let other = other.roots.last().expect("the second mode");
                 let shift = (other.lambda - root.lambda).norm() / 2f64.sqrt();
                 let by_noise = by_noise.hypot(other.quality.pole_std);
                 let with_bands = shift / by_noise.hypot(deviation);
-                assert!(with_bands < 3.0, "{beside} {band:?}: {with_bands}");
+                assert!(
+                    with_bands < 3.0,
+                    "{second_contribution} {band:?}: {with_bands}"
+                );
                 shifts.push((shift, shift / by_noise));
             }
             let longest = shifts
                 .iter()
                 .fold(0.0, |longest: f64, shift| longest.max(shift.0));
-            assert!(deviation < 2.0 * longest, "{beside}: {deviation} {longest}");
+            assert!(
+                deviation < 2.0 * longest,
+                "{second_contribution}: {deviation} {longest}"
+            );
             // Noise alone does not explain them.
             let unexplained = shifts.iter().filter(|shift| shift.1 > 5.0).count();
-            assert_eq!(unexplained >= 3, beside >= 0.01, "{beside}: {unexplained}");
+            assert_eq!(
+                unexplained >= 3,
+                second_contribution >= 0.01,
+                "{second_contribution}: {unexplained}"
+            );
         }
     }
 
-    /// The FRFs with a disturbance of so much of the largest value at 121.2 to 121.4 Hz.
+    /// The FRFs with a disturbance of a given fraction of the largest value at 121.2 to 121.4 Hz.
     fn disturbed(ratio: f64) -> FrfSet {
         let set = measured(0.0, Noise::Even, 1);
         let mut disturbed = FrfSet::new(AXIS);

@@ -1,10 +1,9 @@
-//! How much of what lies outside the lines a fit must reckon with, and what leaving the rest away
-//! does to its poles.
+//! Out-of-band terms: how many the data need, and the bias of the poles by those that are dropped.
 //!
-//! Poles that may take any mixture in every function follow modes outside wherever they are, and
-//! cost what is known of modes near the ends of the lines. What such modes put into the lines is a
-//! few courses that all functions share, and as few are kept as leave no more of their kind than
-//! noise.
+//! Modes outside the band are first modelled by poles outside it with free residues in every FRF.
+//! This is unbiased, but raises the variance of poles near the band edges. The contribution of such
+//! modes within the band is a few basis functions that all FRFs have in common. As few are kept as
+//! reduce the out-of-band part of the residual to the noise.
 
 use num_complex::Complex64;
 
@@ -15,37 +14,39 @@ use crate::identify::data::residual::Far;
 use crate::identify::fit::block_descent::{Stop, unsettle};
 use crate::identify::ml::estimator::Fit;
 
-/// Rounds in which courses and roots follow each other, most.
-const ROUNDS: usize = 12;
-/// Movement of a pole from round to round, in its deviations, below which they have found each
-/// other.
-const STILL: f64 = 0.05;
-/// Ratio of a squared error to its mean that noise exceeds once in twenty times: it is exponential.
-const BY_CHANCE: f64 = 3.0;
-/// Courses for each function, most: more are hardly fewer numbers than the poles.
-const COURSES_PER_FUNCTION: f64 = 0.5;
+/// Maximum rounds in which out-of-band terms and poles are fitted alternately.
+const MAX_ROUNDS: usize = 12;
+/// Step of a pole between rounds, in its standard deviations, below which the rounds have
+/// converged.
+const CONVERGED_STEP_STDS: f64 = 0.05;
+/// Ratio of a squared error to its mean that noise exceeds with probability 0.05: the distribution
+/// is exponential.
+const MAX_NOISE_RATIO: f64 = 3.0;
+/// Maximum number of terms per FRF: more terms have hardly fewer unknowns than the free poles.
+const MAX_TERMS_PER_FRF: f64 = 0.5;
 
 impl Fit {
-    /// Lets the background have no more of what is outside the lines than the data show: nothing
-    /// where, without it, what the roots leave over has no more of its kind than noise, else the
-    /// courses that all functions share. What they explained may have been a wide mode inside: it
-    /// is searched for without them.
-    pub fn look_outside(&mut self) {
-        let shared = self.strongest(usize::MAX);
-        let few = (1..=most_courses(self.data.functions())).contains(&shared.len());
-        if !self.suffices(Vec::new()) && few {
-            self.suffices(shared);
+    /// Reduces the out-of-band terms to those that the data need: none where the residual of the
+    /// poles has no significant out-of-band part, else the terms that all FRFs have in common. The
+    /// response of a wide mode inside the band may have been part of the free terms: it is searched
+    /// for without them.
+    pub fn reduce_out_of_band_terms(&mut self) {
+        let shared = self.strongest_terms(usize::MAX);
+        let few = (1..=max_terms(self.data.functions())).contains(&shared.len());
+        if !self.try_terms(Vec::new()) && few {
+            self.try_terms(shared);
         }
     }
 
-    /// Whether so many courses describe what is outside; nothing changes where they do not.
-    fn suffices(&mut self, courses: Vec<Course>) -> bool {
+    /// Tries a set of out-of-band terms. Returns whether they are sufficient; otherwise nothing
+    /// changes.
+    fn try_terms(&mut self, courses: Vec<Course>) -> bool {
         let (before, drops_before) = (self.roots.clone(), self.dropped.len());
-        self.follow(courses);
-        if self.needs_outside() && self.search().is_some() {
+        self.alternate_terms_and_poles(courses);
+        if self.out_of_band_is_significant() && self.search().is_some() {
             self.settle(Stop::Judging);
         }
-        let enough = !self.needs_outside() && self.roots.len() >= before.len();
+        let enough = !self.out_of_band_is_significant() && self.roots.len() >= before.len();
         if !enough {
             self.data.set_outside(Outside::Anywhere);
             self.roots = before;
@@ -54,37 +55,37 @@ impl Fit {
         enough
     }
 
-    /// Roots with so many courses, where each is best with the other: a course found beside roots
-    /// that leaned on it is not its best.
-    fn follow(&mut self, mut courses: Vec<Course>) {
+    /// Fits out-of-band terms and poles alternately until both converge: terms estimated with
+    /// biased poles are not optimal.
+    fn alternate_terms_and_poles(&mut self, mut courses: Vec<Course>) {
         let mut count = courses.len();
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let before: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
             self.data.set_outside(Outside::Courses(courses));
             unsettle(&mut self.roots);
             self.refine(Stop::Judging);
             let moved = |(root, before): (&Root, &Complex64)| {
-                (root.lambda - before).norm() > STILL * root.quality.pole_std
+                (root.lambda - before).norm() > CONVERGED_STEP_STDS * root.quality.pole_std
             };
             let same = self.roots.len() == before.len();
             if count == 0 || same && !self.roots.iter().zip(&before).any(moved) {
                 return;
             }
-            courses = self.strongest(count);
+            courses = self.strongest_terms(count);
             count = courses.len();
         }
     }
 
-    /// Courses of what the roots leave over: as many as noise does not explain, and so many at
-    /// most.
-    fn strongest(&self, most: usize) -> Vec<Course> {
+    /// Terms of the residual of the poles above the noise, at most a given number.
+    fn strongest_terms(&self, most: usize) -> Vec<Course> {
         let far = Far::new(&self.data, &Outside::Anywhere);
         far.strongest(&self.roots, self.data.correlation.alike(), most)
     }
 
-    /// Whether free poles outside explain more of what the roots leave over than they would of
-    /// white noise: where lines share noise they do, and stay, and the deviations count them.
-    fn needs_outside(&self) -> bool {
+    /// Whether free out-of-band poles explain more of the residual than they would of white noise.
+    /// They always do where noise is correlated between lines; there they are kept, and the
+    /// standard deviations include them.
+    fn out_of_band_is_significant(&self) -> bool {
         let all = Far::new(&self.data, &Outside::Anywhere);
         let (with, many) = all.explained(&self.roots);
         let (without, few) = self.data.far().explained(&self.roots);
@@ -93,35 +94,36 @@ impl Fit {
         with - without > unknowns + unknowns.sqrt()
     }
 
-    /// Deviations count that courses are known from the same data, and each root is told what
-    /// leaving the rest away does to it.
+    /// Adds the uncertainty of the out-of-band terms to the standard deviations, and sets the bias
+    /// of each pole by the dropped terms.
     ///
-    /// With free poles outside a pole has the information `1/σ_f²`, with known courses `1/σ²`. What
-    /// courses may be beside what they are takes from it in the functions that hold them: the part
-    /// `p = Σ_r |v_rᴴψ|²/|ψ|²` of `1/σ² − 1/σ_f²`, with the residues `ψ` and what the functions
-    /// hold of the courses, `v_r`, over the noise.
+    /// With free out-of-band poles a pole has the information `1/σ_f²`, with known terms `1/σ²`.
+    /// The error of the terms reduces it in the FRFs that contain them: by the fraction `p = Σ_r
+    /// |v_rᴴψ|²/|ψ|²` of `1/σ² − 1/σ_f²`, with the residues `ψ` and the factors `v_r` of the terms
+    /// in the FRFs, both over the noise.
     ///
-    /// With free poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`, and by what
-    /// was left away. Beyond what noise does once in twenty times the error is `√(|δ|² − E|δ|²)`
-    /// along `δ`, else none is told.
-    pub fn reckon_with_outside(&mut self) {
+    /// With free out-of-band poles the pole would move by `δ`: by noise, `E|δ|² = 2(σ_f² − σ²)`,
+    /// and by the dropped terms. Above the limit that noise exceeds with probability 0.05 the bias
+    /// is `√(|δ|² − E|δ|²)` along `δ`, else none.
+    pub fn add_out_of_band_uncertainty(&mut self) {
         let Outside::Courses(courses) = self.data.outside().clone() else {
             return;
         };
         let free = self.with_free_poles();
         if free.len() != self.roots.len() {
-            // A pole that free poles outside do not leave in its place leans on them.
+            // A pole that free out-of-band poles displace or remove is an artefact of the reduced
+            // terms.
             self.data.set_outside(Outside::Anywhere);
             self.settle(Stop::Fine);
             return;
         }
         for (root, free) in self.roots.iter_mut().zip(&free) {
-            let part = held(&self.data, root, &courses);
-            root.quality.reckon_with(&free.quality, part);
+            let fraction = fraction_along_terms(&self.data, root, &courses);
+            root.quality.add_term_uncertainty(&free.quality, fraction);
         }
     }
 
-    /// The roots where they are, as a fit with free poles outside sees them.
+    /// The poles, fixed, with the quality of a fit with free out-of-band poles.
     fn with_free_poles(&mut self) -> Vec<Root> {
         let terms = self.data.set_outside(Outside::Anywhere);
         let roots = self.roots.clone();
@@ -133,21 +135,23 @@ impl Fit {
 }
 
 impl Quality {
-    /// Takes in what a fit with free poles outside says; courses hold so large a part of the
-    /// residues.
-    fn reckon_with(&mut self, free: &Self, part: f64) {
+    /// Adds the uncertainty of the terms, from a fit with free out-of-band poles; `fraction`: part
+    /// of the residues along the terms.
+    fn add_term_uncertainty(&mut self, free: &Self, fraction: f64) {
         let (bound, all) = (self.pole_bound, free.pole_bound);
-        // Where free poles leave a pole unknown, nothing is known of it but by what is known of the
-        // courses.
+        // Where free out-of-band poles leave a pole undetermined, the terms are its only
+        // information.
         if !(bound > 0.0 && bound <= all && bound.is_finite()) {
             return;
         }
-        let [known, least] = [bound, all].map(|deviation| deviation.powi(-2));
-        let raised = (known - part * (known - least)).sqrt().recip();
+        let [fixed_terms, free_terms] = [bound, all].map(|deviation| deviation.powi(-2));
+        let raised = (fixed_terms - fraction * (fixed_terms - free_terms))
+            .sqrt()
+            .recip();
         let by_noise = self.pole_std / bound;
         let expected = 2.0 * by_noise.powi(2) * (all * all - bound * bound);
         let moved = free.offset.norm_sqr();
-        let error = if moved > BY_CHANCE * expected {
+        let error = if moved > MAX_NOISE_RATIO * expected {
             free.offset * (1.0 - expected / moved).sqrt()
         } else {
             Complex64::ZERO
@@ -158,9 +162,8 @@ impl Quality {
     }
 }
 
-/// The part of a root's residues that goes along what the functions hold of some courses, over the
-/// noise.
-fn held(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
+/// Fraction of the residue energy of a pole along the out-of-band terms, over the noise.
+fn fraction_along_terms(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
     let line = data.line_of(root.lambda);
     let over = |f: usize| root.residues[f] / data.deviation(f, line);
     let residues: Vec<Complex64> = (0..data.functions()).map(over).collect();
@@ -180,8 +183,8 @@ fn held(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
     }
 }
 
-fn most_courses(functions: usize) -> usize {
-    (COURSES_PER_FUNCTION * functions as f64) as usize
+fn max_terms(functions: usize) -> usize {
+    (MAX_TERMS_PER_FRF * functions as f64) as usize
 }
 
 #[cfg(test)]
@@ -206,7 +209,7 @@ mod tests {
         }
     }
 
-    /// A fit of the two modes, from where they are, with so much known of what is outside.
+    /// A fit of the two modes from their true poles, with given out-of-band terms.
     fn fitted(snr_db: f64, seed: u64, outside: Outside) -> Fit {
         let axis = FrequencyAxis {
             start_hz: 80.0,
@@ -235,56 +238,56 @@ mod tests {
     }
 
     #[test]
-    fn the_error_told_is_what_leaving_a_mode_outside_away_makes() {
+    fn the_reported_bias_is_that_of_a_dropped_out_of_band_mode() {
         let mut fit = fitted(70.0, 1, Outside::Courses(Vec::new()));
-        fit.reckon_with_outside();
+        fit.add_out_of_band_uncertainty();
         for (root, truth) in fit.roots.iter().zip(truth()) {
             let made = truth - root.lambda;
             let bias = root.quality.bias.unwrap();
-            // Noise moves a pole by its deviation, free poles outside by several.
+            // Noise shifts a pole by one standard deviation, free out-of-band poles by several.
             assert!(made.norm() > 20.0 * root.quality.pole_bound);
             assert!((bias - made).norm() < 0.2 * made.norm(), "{bias} {made}");
         }
     }
 
     #[test]
-    fn where_nothing_is_left_away_no_error_is_told() {
+    fn without_dropped_terms_no_bias_is_reported() {
         let mut free = fitted(50.0, 2, Outside::Anywhere);
-        free.reckon_with_outside();
+        free.add_out_of_band_uncertainty();
         assert!(free.roots.iter().all(|root| root.quality.bias.is_none()));
-        free.look_outside();
+        free.reduce_out_of_band_terms();
         free.refine(Stop::Fine);
-        free.reckon_with_outside();
+        free.add_out_of_band_uncertainty();
         let relative_bias =
             |root: &Root| root.quality.bias.unwrap().norm() / root.quality.pole_bound;
         assert!(free.roots.iter().all(|root| relative_bias(root) < 1.0));
     }
 
     #[test]
-    fn a_mode_outside_is_a_course_that_all_functions_share() {
+    fn an_out_of_band_mode_is_a_term_common_to_all_frfs() {
         let mut fit = fitted(50.0, 3, Outside::Anywhere);
         let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
-        fit.look_outside();
+        fit.reduce_out_of_band_terms();
         let Outside::Courses(courses) = fit.data.outside() else {
-            panic!("free poles stay");
+            panic!("free poles are kept");
         };
         assert!((1..=2).contains(&courses.len()), "{}", courses.len());
         fit.refine(Stop::Fine);
         let known: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
-        fit.reckon_with_outside();
+        fit.add_out_of_band_uncertainty();
         for ((root, free), known) in fit.roots.iter().zip(free).zip(known) {
             let std = root.quality.pole_bound;
             assert!(known < std && std < free, "{known} {std} {free}");
         }
         for (root, truth) in fit.roots.iter().zip(truth()) {
-            // Four deviations of each part: six parts in 100,000 seeds are beyond.
+            // Four standard deviations of each part: exceeded by six parts in 100,000 seeds.
             let error = root.lambda - truth;
             assert!(error.re.abs().max(error.im.abs()) < 4.0 * root.quality.pole_bound);
         }
     }
 
     #[test]
-    fn few_functions_keep_free_poles_outside() {
-        assert_eq!([1, 2, 20].map(most_courses), [0, 1, 10]);
+    fn few_frfs_keep_free_out_of_band_poles() {
+        assert_eq!([1, 2, 20].map(max_terms), [0, 1, 10]);
     }
 }

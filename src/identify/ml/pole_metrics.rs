@@ -1,5 +1,5 @@
-//! How a root stands in the data around it: what the model misses there, and how much of the
-//! response is the root's own.
+//! Metrics of a pole in the data around it: reduced chi-square and modal contribution; and the
+//! rejection of spurious poles by them.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -18,121 +18,125 @@ use crate::identify::data::residual::{Described, Rest};
 use crate::identify::estimator::Candidate;
 use crate::identify::fit::block_descent::apart;
 
-/// Lines on either side of a root that are its own: half-power widths, and fewest.
-const OWN: f64 = 1.0;
-const FEWEST_OWN: usize = 3;
+/// Half-width of the lines on which the chi-square is measured: half-power bandwidths, and minimum
+/// number of lines on each side.
+const CHI_SQUARE_BANDWIDTHS: f64 = 1.0;
+const MIN_LINES_PER_SIDE: usize = 3;
 
-/// Misfit above which the model misses the data.
-pub(in crate::identify) const MOST_MISFIT: f64 = 4.0;
-const STRICT_MISFIT: f64 = 2.0;
-/// Least share of the response of a root where the model misses the data.
-pub(in crate::identify) const LEAST_SHARE: f64 = 0.2;
-/// Share of the response from which a root is a mode of its own.
-const OWN_MODE: f64 = 0.5;
-/// Sums of half-power widths within which a root lies beside another.
-const BESIDE: f64 = 4.0;
-/// Half-power widths within which it lies in the other's resonance, and how much wider it may be.
-const WITHIN: f64 = 2.0;
-const WIDER: f64 = 2.0;
-/// Modal assurance criterion above which a root repeats the shape of its neighbour.
-const SAME_SHAPE: f64 = 0.7;
-/// Least share of the response anywhere: what is less is beyond the linearity of a structure and of
-/// its model.
-pub(in crate::identify) const LINEAR: f64 = 3e-4;
-/// The same for the weakest of several modes of one root, which the differences between poles make
-/// as well.
-const REPEATED: f64 = 1e-2;
-/// Share relative to that of a mode whose shape is repeated within its resonance, which errors of
-/// the force make as well.
-const ECHO: f64 = 3e-2;
-/// Probability that a shape is repeated on one side by chance.
-const BY_CHANCE: f64 = 0.01;
-/// Phase, rad, by which the residues of a mode may differ from those of real modes and of its
-/// neighbour, besides what noise does.
-pub(in crate::identify) const MOST_PHASE: f64 = 0.7;
+/// Reduced chi-square above which the model misfits the data.
+pub(in crate::identify) const MAX_CHI_SQUARE: f64 = 4.0;
+const STRICT_CHI_SQUARE: f64 = 2.0;
+/// Minimum modal contribution of a pole where the model misfits the data.
+pub(in crate::identify) const MIN_CONTRIBUTION_WITH_MISFIT: f64 = 0.2;
+/// Modal contribution above which a pole is a dominant mode.
+const DOMINANT_CONTRIBUTION: f64 = 0.5;
+/// Separation, in sums of half-power bandwidths, below which two poles are neighbours.
+const NEIGHBOUR_BANDWIDTHS: f64 = 4.0;
+/// Distance, in half-power bandwidths of the other pole, below which a pole lies inside its
+/// resonance, and maximum ratio of their bandwidths.
+const MAX_DISTANCE_BANDWIDTHS: f64 = 2.0;
+const MAX_WIDTH_RATIO: f64 = 2.0;
+/// MAC above which a pole repeats the shape of its neighbour.
+const MIN_MAC_SAME_SHAPE: f64 = 0.7;
+/// Minimum modal contribution of any pole: a smaller one is below the nonlinearity of structures
+/// and the errors of their model.
+pub(in crate::identify) const MIN_CONTRIBUTION_LINEARITY: f64 = 3e-4;
+/// Minimum modal contribution of the weakest mode of a repeated pole: unequal poles of the modes
+/// produce such a term as well.
+const MIN_CONTRIBUTION_REPEATED: f64 = 1e-2;
+/// Contribution of a ghost over that of the mode whose shape it repeats within its resonance:
+/// errors of the force produce such poles.
+const GHOST_CONTRIBUTION: f64 = 3e-2;
+/// False-alarm probability of the test for a repeated shape or participation factor.
+const FALSE_ALARM_PROBABILITY: f64 = 0.01;
+/// Maximum phase difference, rad, of the residues of a mode from those of normal modes and of its
+/// neighbour, in addition to the effect of noise.
+pub(in crate::identify) const MAX_PHASE_DIFFERENCE_RAD: f64 = 0.7;
 
-/// Parts in phase less those in quadrature: of a real shape at least, and of one that is hardly
-/// more in phase than in quadrature.
-const REAL: f64 = 0.8;
-const HALF_REAL: f64 = 0.5;
-/// Roots of such shapes from which on many are no modes: one in so many, and fewest.
-const SCATTERED: usize = 4;
-const FEWEST_SCATTERED: usize = 3;
-/// Functions from which on a random shape is not real by chance.
-const FEWEST_FUNCTIONS: usize = 3;
+/// Part of the residues in phase less that in quadrature: minimum of a real shape, and maximum of a
+/// shape that is hardly more in phase than in quadrature.
+const MIN_REALNESS_STRONGEST: f64 = 0.8;
+const MAX_REALNESS_SCATTERED: f64 = 0.5;
+/// Scattered phases: minimum fraction of poles with such shapes (one in this number), and minimum
+/// number.
+const SCATTERED_ONE_IN: usize = 4;
+const MIN_SCATTERED_POLES: usize = 3;
+/// Minimum number of FRFs at which a random shape is unlikely to be real.
+const MIN_FRFS_PHASE: usize = 3;
 
-/// A root in the data around it.
+/// Metrics of a pole in the data around it.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Standing {
-    /// Mean square of what the model leaves over on the root's own lines, over that of the noise: 1
-    /// where noise is all.
-    pub misfit: f64,
-    /// Share of the response on the root's own lines that nothing but this root explains: the root
-    /// of its energy with all other residues fitted, over that of the response.
-    pub share: f64,
-    /// Least share that errors of the force or of a sensor beside it leave to a mode here; 0 where
-    /// it repeats no other's shape.
-    pub echo: f64,
+pub(in crate::identify) struct PoleMetrics {
+    /// Mean square of the residual over the noise on the lines of the pole; 1 where noise is all.
+    pub reduced_chi_square: f64,
+    /// Modal contribution: square root of the energy that this pole alone explains, with all other
+    /// residues fitted, over that of the response on the lines of the pole.
+    pub contribution: f64,
+    /// Minimum contribution of a mode here beside the ghosts that errors of the force or of a
+    /// sensor produce; 0 where it repeats no other shape.
+    pub ghost_limit: f64,
     /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by
     /// more than noise ([`NarrowerBands`](crate::identify::ml::narrower_bands::NarrowerBands)); 0 before the fit
     /// is complete.
     pub band_deviation: f64,
 }
 
-/// Of each root.
-pub(in crate::identify) fn standings(
+/// Metrics of each pole.
+pub(in crate::identify) fn pole_metrics(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
-) -> Vec<Standing> {
+) -> Vec<PoleMetrics> {
     let described = data.far().beside(data, roots);
-    let standing = |root: &Root| {
-        let lines = own_lines(data, root);
+    let metrics = |root: &Root| {
+        let lines = lines_of_pole(data, root);
         let of = |f: usize| {
             let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
             lines.clone().map(power).sum::<f64>()
         };
         let whole: f64 = (0..data.functions()).map(of).sum();
-        Standing {
-            misfit: missed(data, &described, root),
-            share: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
-            echo: 0.0,
+        PoleMetrics {
+            reduced_chi_square: residual_chi_square(data, &described, root),
+            contribution: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
+            ghost_limit: 0.0,
             band_deviation: 0.0,
         }
     };
-    let mut standings: Vec<Standing> = roots.par_iter().map(standing).collect();
-    let echo = |j: usize| {
-        let least = |i: usize| ECHO * standings[i].share;
+    let mut pole_metrics: Vec<PoleMetrics> = roots.par_iter().map(metrics).collect();
+    let ghost_limit = |j: usize| {
+        let least = |i: usize| GHOST_CONTRIBUTION * pole_metrics[i].contribution;
         let repeated = |i: &usize| {
             let (weak, other) = (&roots[j], &roots[*i]);
-            let weaker = standings[j].share < least(*i) && lies_within(weak, other);
-            weaker && (repeats_shape(weak, other) || repeats_side(sides, weak, other))
+            let weaker = pole_metrics[j].contribution < least(*i) && inside_bandwidth(weak, other);
+            weaker && (same_shape(weak, other) || same_shape_or_participation(sides, weak, other))
         };
         let others = (0..roots.len()).filter(repeated).map(least);
         others.fold(0.0, f64::max)
     };
-    let echoes: Vec<f64> = (0..roots.len()).into_par_iter().map(echo).collect();
-    for (standing, echo) in standings.iter_mut().zip(echoes) {
-        standing.echo = echo;
+    let ghost_limits: Vec<f64> = (0..roots.len()).into_par_iter().map(ghost_limit).collect();
+    for (metrics, ghost_limit) in pole_metrics.iter_mut().zip(ghost_limits) {
+        metrics.ghost_limit = ghost_limit;
     }
-    standings
+    pole_metrics
 }
 
-/// Whether a root responds where another does and hardly elsewhere.
-fn lies_within(root: &Root, other: &Root) -> bool {
+/// Whether a pole lies inside the resonance of another and is no wider than it by more than a
+/// factor.
+fn inside_bandwidth(root: &Root, other: &Root) -> bool {
     let distance = (root.lambda.im - other.lambda.im).abs();
-    distance < WITHIN * other.width() && root.width() < WIDER * other.width()
+    distance < MAX_DISTANCE_BANDWIDTHS * other.width()
+        && root.width() < MAX_WIDTH_RATIO * other.width()
 }
 
-fn repeats_shape(root: &Root, other: &Root) -> bool {
-    mac(&root.residues, &other.residues) > Some(SAME_SHAPE)
+fn same_shape(root: &Root, other: &Root) -> bool {
+    mac(&root.residues, &other.residues) > Some(MIN_MAC_SAME_SHAPE)
 }
 
-/// Whether a root of one mode has shape values, or participation factors, among those of another
-/// root: an error of the channels of one side leaves the other side's factors as they are.
+/// Whether a single pole has the shape or the participation factors of another pole. An error of
+/// the channels on one side (outputs or inputs) leaves the factors of the other side unchanged.
 ///
-/// The part of a random vector of n values that lies among m others is a beta variable of m and n −
-/// m: only what exceeds its quantile says anything.
-fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
+/// The fraction of a random vector of n values within the span of m others has a beta distribution
+/// of m and n − m. Only a fraction above its quantile is significant.
+fn same_shape_or_participation(sides: &Sides, root: &Root, other: &Root) -> bool {
     if sides.inputs < 2 || root.multiplicity() > 1 {
         return false;
     }
@@ -152,32 +156,37 @@ fn repeats_side(sides: &Sides, root: &Root, other: &Root) -> bool {
         };
         let part: f64 = (0..modes).map(|m| product(m).norm_sqr()).sum();
         let chance = Beta::new(modes as f64, (values - modes) as f64);
-        let limit = chance.map_or(1.0, |beta| beta.inverse_cdf(1.0 - BY_CHANCE));
-        part > limit.max(SAME_SHAPE)
+        let limit = chance.map_or(1.0, |beta| beta.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY));
+        part > limit.max(MIN_MAC_SAME_SHAPE)
     };
     within(&vectors.left, &other_vectors.left) || within(&vectors.right, &other_vectors.right)
 }
 
-/// Mean square of what a model leaves over (over the noise) on the own lines of a root.
-pub(in crate::identify) fn missed(data: &Receptances, described: &Described, root: &Root) -> f64 {
-    misfit(data, &described.left_over(own_lines(data, root)), root)
+/// Reduced chi-square of the residual of a model on the lines of a pole.
+pub(in crate::identify) fn residual_chi_square(
+    data: &Receptances,
+    described: &Described,
+    root: &Root,
+) -> f64 {
+    reduced_chi_square(data, &described.left_over(lines_of_pole(data, root)), root)
 }
 
-/// The same of what is left over, on those lines at least.
-pub(in crate::identify) fn misfit(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
-    let lines = own_lines(data, root);
+/// Reduced chi-square of a given residual on the lines of a pole, without the force noise that FRFs
+/// have in common.
+pub(in crate::identify) fn reduced_chi_square(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
+    let lines = lines_of_pole(data, root);
     let values = (lines.len() * data.functions()) as f64;
     let held = |k: usize| data.shared.held((data, rest), k, |f| rest.at(f, k));
     lines.map(held).sum::<f64>() / values
 }
 
-/// The same of each function, without the noise that functions share.
-pub(in crate::identify) fn misfit_by_function(
+/// Reduced chi-square of each FRF, force noise included.
+pub(in crate::identify) fn reduced_chi_square_by_frf(
     data: &Receptances,
     rest: &Rest,
     root: &Root,
 ) -> Vec<f64> {
-    let lines = own_lines(data, root);
+    let lines = lines_of_pole(data, root);
     let of = |f: usize| {
         let squares = lines.clone().map(|k| rest.at(f, k).norm_sqr());
         squares.sum::<f64>() / lines.len() as f64
@@ -185,142 +194,148 @@ pub(in crate::identify) fn misfit_by_function(
     (0..data.functions()).map(of).collect()
 }
 
-/// Lines of a root on which its misfit is measured.
-pub(in crate::identify) fn own_lines(data: &Receptances, root: &Root) -> Range<usize> {
-    lines_around(data, root, OWN)
+/// Lines of a pole on which its reduced chi-square is measured.
+pub(in crate::identify) fn lines_of_pole(data: &Receptances, root: &Root) -> Range<usize> {
+    lines_around(data, root, CHI_SQUARE_BANDWIDTHS)
 }
 
-/// Lines within so many half-power widths of a root, and a few at least.
+/// Lines within a number of half-power bandwidths of a pole, and a minimum on each side.
 pub(in crate::identify) fn lines_around(
     data: &Receptances,
     root: &Root,
     widths: f64,
 ) -> Range<usize> {
     let side = (widths * root.width() / data.step).round() as usize;
-    let side = side.max(FEWEST_OWN);
+    let side = side.max(MIN_LINES_PER_SIDE);
     let top = data.line_of(root.lambda);
     top.saturating_sub(side)..(top + side + 1).min(data.lines())
 }
 
-/// Why a root is no mode although it is above the noise.
+/// Reason to reject a pole as spurious although it is above the noise.
 ///
-/// What a model does not describe (a resonance that moves from hit to hit, a record that was cut, a
-/// rattle) is fitted by roots beside the modes. They explain little of the response where the model
-/// misses the data or many have arbitrary phases; or they repeat the shape of a strong neighbour
-/// with another phase than modes have; or they explain so little that no structure is linear enough
-/// for it.
+/// A response that the model does not contain (a resonance that shifts between hits, a truncated
+/// record, a rattle) is fitted by poles near the modes. These have a low contribution where the
+/// model misfits the data or many phases are arbitrary; or they repeat the shape of a strong
+/// neighbour with the phase of no normal mode; or their contribution is below the linearity of any
+/// structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::identify) enum Doubt {
-    /// Share of the response, where the model misses the data.
-    Share(f64),
-    /// Phase against real modes, rad.
-    Phase(f64),
-    /// Share of the response and the limit that it does not reach: that to which structures are
-    /// linear, or forces are known.
-    Tiny(f64, f64),
+pub(in crate::identify) enum Rejection {
+    /// Modal contribution, where the model misfits the data.
+    LowContribution(f64),
+    /// Phase difference from normal modes, rad.
+    WrongPhase(f64),
+    /// Modal contribution and its limit by the linearity of structures or by the errors of forces.
+    BelowLinearity(f64, f64),
 }
 
-impl Standing {
-    /// What the deviations of a fit must be multiplied with: where the model misses the data, what
-    /// it misses counts as noise.
+impl PoleMetrics {
+    /// Factor of the standard deviations of the fit: a residual above the noise counts as noise.
     pub fn inflation(&self) -> f64 {
-        if self.misfit > STRICT_MISFIT {
-            self.misfit.sqrt()
+        if self.reduced_chi_square > STRICT_CHI_SQUARE {
+            self.reduced_chi_square.sqrt()
         } else {
             1.0
         }
     }
 
-    /// Standard deviation of each part of the pole, rad/s, with what the model misses.
+    /// Standard deviation of real and imaginary part of the pole, rad/s, with the effect of misfit
+    /// and of narrower bands.
     pub fn pole_std(&self, root: &Root) -> f64 {
         (root.quality.pole_std * self.inflation()).hypot(self.band_deviation)
     }
 }
 
-impl Doubt {
-    /// Whether it comes from what the model does not describe.
+impl Rejection {
+    /// Whether misfit of the model is the cause.
     pub fn is_misfit(&self) -> bool {
-        !matches!(self, Self::Tiny(..))
+        !matches!(self, Self::BelowLinearity(..))
     }
 }
 
-/// How much is held against a root.
+/// Strictness of the rejection of poles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::identify) enum Scrutiny {
-    /// The model describes the data: what is above the noise is a mode unless much speaks against
+pub(in crate::identify) enum RejectionPolicy {
+    /// The model fits the data: a pole above the noise is a mode unless a strong criterion rejects
     /// it.
-    Mild,
-    /// The model misses the data in several places.
+    Standard,
+    /// The model misfits the data at several poles.
     Strict,
-    /// It describes them with roots of arbitrary phases ([`phases_scatter`]).
-    Scattered,
+    /// The model fits the data with poles of arbitrary phases ([`phases_scatter`]).
+    ScatteredPhases,
 }
 
-/// What speaks against a root.
+/// Reason to reject a pole, if there is one.
 pub(in crate::identify) fn doubt(
     roots: &[Root],
-    standings: &[Standing],
-    (j, scrutiny): (usize, Scrutiny),
-) -> Option<Doubt> {
-    let (root, metrics) = (&roots[j], &standings[j]);
-    let strict = scrutiny == Scrutiny::Strict;
+    pole_metrics: &[PoleMetrics],
+    (j, scrutiny): (usize, RejectionPolicy),
+) -> Option<Rejection> {
+    let (root, metrics) = (&roots[j], &pole_metrics[j]);
+    let strict = scrutiny == RejectionPolicy::Strict;
     let least = if root.multiplicity() > 1 {
-        REPEATED
+        MIN_CONTRIBUTION_REPEATED
     } else {
-        LINEAR
+        MIN_CONTRIBUTION_LINEARITY
     };
-    if metrics.share < least {
-        return Some(Doubt::Tiny(metrics.share, least));
+    if metrics.contribution < least {
+        return Some(Rejection::BelowLinearity(metrics.contribution, least));
     }
-    let most = if strict { STRICT_MISFIT } else { MOST_MISFIT };
-    let misses = metrics.misfit > most || scrutiny == Scrutiny::Scattered;
-    if misses && metrics.share < LEAST_SHARE {
-        return Some(Doubt::Share(metrics.share));
+    let most = if strict {
+        STRICT_CHI_SQUARE
+    } else {
+        MAX_CHI_SQUARE
+    };
+    let misses = metrics.reduced_chi_square > most || scrutiny == RejectionPolicy::ScatteredPhases;
+    if misses && metrics.contribution < MIN_CONTRIBUTION_WITH_MISFIT {
+        return Some(Rejection::LowContribution(metrics.contribution));
     }
     let distance = |i: &usize| apart(root, &roots[*i]);
-    if metrics.share < metrics.echo {
-        return Some(Doubt::Tiny(metrics.share, metrics.echo));
+    if metrics.contribution < metrics.ghost_limit {
+        return Some(Rejection::BelowLinearity(
+            metrics.contribution,
+            metrics.ghost_limit,
+        ));
     }
-    let strong = |i: &usize| *i != j && standings[*i].share >= OWN_MODE;
+    let strong = |i: &usize| *i != j && pole_metrics[*i].contribution >= DOMINANT_CONTRIBUTION;
     let nearest = (0..roots.len())
         .filter(strong)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let repeats = distance(&nearest) < BESIDE && repeats_shape(root, &roots[nearest]);
-    if metrics.share >= OWN_MODE || !(strict || repeats) {
+    let repeats = distance(&nearest) < NEIGHBOUR_BANDWIDTHS && same_shape(root, &roots[nearest]);
+    if metrics.contribution >= DOMINANT_CONTRIBUTION || !(strict || repeats) {
         return None;
     }
     let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
-    // A delay of a channel turns both.
+    // A delay of a channel rotates both.
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
-    (apart > MOST_PHASE + unknown(root, metrics)).then_some(Doubt::Phase(apart))
+    (apart > MAX_PHASE_DIFFERENCE_RAD + phase_std(root, metrics))
+        .then_some(Rejection::WrongPhase(apart))
 }
 
-/// The root whose phase a root's is held against: the nearest of those that are modes of their own,
-/// else the strongest.
-fn reference(roots: &[Root], standings: &[Standing], j: usize) -> Option<usize> {
+/// The pole with which the phase of a pole is compared: the nearest dominant mode, else the
+/// strongest pole.
+fn reference(roots: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
     let others = || (0..roots.len()).filter(|i| *i != j);
     let distance = |i: &usize| apart(&roots[j], &roots[*i]);
     let strength = |i: &usize| roots[*i].quality.significance();
     others()
-        .filter(|i| standings[*i].share >= OWN_MODE)
+        .filter(|i| pole_metrics[*i].contribution >= DOMINANT_CONTRIBUTION)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .or_else(|| others().max_by(|a, b| strength(a).total_cmp(&strength(b))))
 }
 
-/// Deviation of a root's phase, rad, with what the model misses as noise.
-fn unknown(root: &Root, metrics: &Standing) -> f64 {
-    root.quality.pole_std * metrics.misfit.max(1.0).sqrt() / root.decay()
+/// Standard deviation of the phase of a pole, rad, with misfit as noise.
+fn phase_std(root: &Root, metrics: &PoleMetrics) -> f64 {
+    root.quality.pole_std * metrics.reduced_chi_square.max(1.0).sqrt() / root.decay()
 }
 
-/// Whether many roots are no modes of one structure: the strongest has a real shape, and a quarter
-/// of all are no modes of their own and have shapes as much in quadrature as in phase with real
-/// modes and with the nearest mode of its own, or the strongest root where none is.
+/// Whether many poles are no modes of one structure: the strongest has a real shape, and a quarter
+/// of all are no dominant modes and have shapes as much in quadrature as in phase with normal modes
+/// and with the nearest dominant mode (the strongest pole where there is none).
 ///
-/// So many roots can describe any smooth course that modes do not, down to the noise: what speaks
-/// against them is not what they leave over but that the phases of their shapes are arbitrary. Of
-/// one or two functions every shape is nearly real: only what is more in quadrature than in phase
-/// counts there.
-pub(in crate::identify) fn phases_scatter(roots: &[Root], standings: &[Standing]) -> bool {
+/// With enough poles a model fits any smooth profile down to the noise. The residual does not show
+/// such poles as spurious, but the arbitrary phases of their shapes do. With one or two FRFs every
+/// shape is nearly real: only shapes more in quadrature than in phase count there.
+pub(in crate::identify) fn phases_scatter(roots: &[Root], pole_metrics: &[PoleMetrics]) -> bool {
     let strength = |root: &&Root| root.quality.significance();
     let strongest = roots
         .iter()
@@ -328,23 +343,24 @@ pub(in crate::identify) fn phases_scatter(roots: &[Root], standings: &[Standing]
     let Some(strongest) = strongest else {
         return false;
     };
-    if in_phase(strongest, residue_phase(strongest)) < REAL {
+    if in_phase(strongest, residue_phase(strongest)) < MIN_REALNESS_STRONGEST {
         return false;
     }
-    let few = strongest.residues.len() < FEWEST_FUNCTIONS;
-    let limit = if few { 0.0 } else { HALF_REAL };
+    let few = strongest.residues.len() < MIN_FRFS_PHASE;
+    let limit = if few { 0.0 } else { MAX_REALNESS_SCATTERED };
     let scattered = |j: &usize| {
-        let (root, metrics) = (&roots[*j], &standings[*j]);
-        let other = reference(roots, standings, *j).map_or(0.0, |i| residue_phase(&roots[i]));
+        let (root, metrics) = (&roots[*j], &pole_metrics[*j]);
+        let other = reference(roots, pole_metrics, *j).map_or(0.0, |i| residue_phase(&roots[i]));
         let most = in_phase(root, other).max(in_phase(root, 0.0));
         // cos 2φ moves by 2 for each radian at most.
-        metrics.share < OWN_MODE && most + 2.0 * unknown(root, metrics) < limit
+        metrics.contribution < DOMINANT_CONTRIBUTION
+            && most + 2.0 * phase_std(root, metrics) < limit
     };
     let count = (0..roots.len()).filter(scattered).count();
-    count >= FEWEST_SCATTERED.max(roots.len().div_ceil(SCATTERED))
+    count >= MIN_SCATTERED_POLES.max(roots.len().div_ceil(SCATTERED_ONE_IN))
 }
 
-/// Part of a root's residues in phase with real modes turned by `phase`, less the part in
+/// Part of the residues of a pole in phase with normal modes rotated by `phase`, less the part in
 /// quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
 fn in_phase(root: &Root, phase: f64) -> f64 {
     let turn = Complex64::from_polar(1.0, -2.0 * phase);
@@ -352,12 +368,12 @@ fn in_phase(root: &Root, phase: f64) -> f64 {
     -squares.re / root.residues.iter().map(Complex64::norm_sqr).sum::<f64>()
 }
 
-/// A root as a candidate.
+/// A pole as a candidate.
 ///
-/// Errors of real and imaginary part of λ have one deviation and are independent, so that those of
-/// frequency and damping are too: `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
-pub(in crate::identify) fn candidate(root: &Root, standing: &Standing) -> Candidate {
-    let std = standing.pole_std(root);
+/// Errors of real and imaginary part of λ have one standard deviation and are independent, and so
+/// are those of frequency and damping: `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
+pub(in crate::identify) fn candidate(root: &Root, metrics: &PoleMetrics) -> Candidate {
+    let std = metrics.pole_std(root);
     let (bias, along) = (root.quality.bias, root.lambda / root.lambda.norm());
     Candidate {
         order: None,

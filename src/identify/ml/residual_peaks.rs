@@ -1,4 +1,4 @@
-//! What a fit leaves over beyond the noise, and roots to try there.
+//! Residual peaks above the noise, and trial poles at these peaks.
 
 use num_complex::Complex64;
 
@@ -11,33 +11,32 @@ use crate::identify::data::model_pole::{Root, resonates};
 use crate::identify::data::residual::Rest;
 use crate::identify::fit::detection_threshold::{norm_of_noise, upper_quantile};
 
-/// Widest stretch of lines that is looked at, as a share of all.
-const WIDEST: usize = 8;
-/// Stretches that are tried must be so many of their lengths apart.
-const CLEAR: usize = 4;
+/// Minimum number of segments in the band: sets the maximum segment length.
+const MIN_SEGMENTS_PER_BAND: usize = 8;
+/// Minimum separation of two segments with a trial pole, in lengths of the longer one.
+const MIN_SEGMENT_SEPARATION: usize = 4;
 
-/// Distance of a pole from one that is there already, in decay rates, below which there is nothing
-/// to try.
-const SAME: f64 = 0.1;
-/// And the likeness of participation factors above which.
-const SAME_PARTICIPATION: f64 = 0.95;
+/// Distance from an existing pole, in decay rates, below which a trial pole is at the same pole.
+const MATCH_DECAY_RATES: f64 = 0.1;
+/// MAC of participation factors above which a trial pole at an existing pole is not new.
+const MAX_MAC_NEW_PARTICIPATION: f64 = 0.95;
 
-/// Modes of one root that are tried together are at least this strong, relative to the strongest.
-const ALIKE: f64 = 0.1;
+/// Minimum strength of a mode of a repeated trial pole over that of the strongest mode.
+const MIN_RELATIVE_STRENGTH: f64 = 0.1;
 
-/// A stretch of lines with more power than noise has.
+/// Segment of frequency lines with residual power above that of noise.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct Segment {
     top: usize,
     width: usize,
-    /// Power beyond that of noise, in its standard deviations.
+    /// Power above that of noise, in its standard deviations.
     excess: f64,
 }
 
-/// Roots to try, at most so many: the highest of the smoothed power of what is left over (over the
-/// noise of each function), where noise reaches it with less than this probability anywhere in the
-/// band.
-pub(in crate::identify) fn roots_to_try(
+/// Trial poles at the highest peaks of the smoothed residual power (over the noise of each FRF), at
+/// most a given number. Noise reaches such a peak anywhere in the band with less than the
+/// false-alarm probability.
+pub(in crate::identify) fn residual_peak_poles(
     (data, sides): (&Receptances, &Sides),
     roots: &[Root],
     rest: &Rest,
@@ -45,62 +44,64 @@ pub(in crate::identify) fn roots_to_try(
 ) -> Vec<Root> {
     let functions = data.functions();
     let power = data.shared.held_by_line(data, rest);
-    let stretches = stretches(&power, functions, (chance, data.correlation.alike()));
-    let left = LeftOver {
+    let segments = segments(&power, functions, (chance, data.correlation.alike()));
+    let left = ResidualPeak {
         data,
         sides,
         rest,
         chance: chance / data.lines() as f64,
     };
-    let root = |stretch: &Stretch| left.root(stretch, roots);
-    stretches.iter().filter_map(root).take(most).collect()
+    let root = |segment: &Segment| left.root(segment, roots);
+    segments.iter().filter_map(root).take(most).collect()
 }
 
-struct LeftOver<'a> {
+struct ResidualPeak<'a> {
     data: &'a Receptances,
     sides: &'a Sides,
     rest: &'a Rest,
-    /// Of a false alarm at one line.
+    /// False-alarm probability at one frequency line.
     chance: f64,
 }
 
-impl LeftOver<'_> {
-    /// A root for a stretch: at the pole of a root that is there already, with as many modes as
-    /// noise does not explain and that root does not have, or else in the middle of the stretch.
-    fn root(&self, stretch: &Stretch, roots: &[Root]) -> Option<Root> {
-        let decay = 0.5 * stretch.width.max(2) as f64 * self.data.step;
-        let middle = Complex64::new(-decay, self.data.omega[stretch.top]);
+impl ResidualPeak<'_> {
+    /// Trial pole for a segment: at the nearest existing pole, with as many modes as noise does not
+    /// explain and that pole does not have, or else in the middle of the segment.
+    fn root(&self, segment: &Segment, roots: &[Root]) -> Option<Root> {
+        let decay = 0.5 * segment.width.max(2) as f64 * self.data.step;
+        let middle = Complex64::new(-decay, self.data.omega[segment.top]);
         let distance = |root: &&Root| (root.lambda - middle).norm();
         let there = roots
             .iter()
             .filter(|root| distance(root) < root.decay().max(decay));
         let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let more = there.and_then(|existing| {
-            let most = self.room(existing.lambda, roots);
-            self.root_at((existing.lambda, most), stretch, roots)
+            let most = self.remaining_multiplicity(existing.lambda, roots);
+            self.pole_at((existing.lambda, most), segment, roots)
         });
-        more.or_else(|| self.root_at((middle, 1), stretch, roots))
+        more.or_else(|| self.pole_at((middle, 1), segment, roots))
             .filter(|root| resonates(root.lambda))
     }
 
-    /// Modes that a pole can have beside those that are there: inputs and outputs tell no more
-    /// apart.
-    fn room(&self, lambda: Complex64, roots: &[Root]) -> usize {
-        let there = roots.iter().filter(|existing| same_pole(existing, lambda));
+    /// Number of modes that a pole can have in addition to those at existing poles: inputs and
+    /// outputs separate no more.
+    fn remaining_multiplicity(&self, lambda: Complex64, roots: &[Root]) -> usize {
+        let there = roots
+            .iter()
+            .filter(|existing| is_same_pole(existing, lambda));
         let modes: usize = there.map(Root::multiplicity).sum();
         let most = self.sides.inputs.min(self.sides.outputs.len());
         most.saturating_sub(modes)
     }
 
-    /// A root at a pole, of so many modes at most.
-    fn root_at(
+    /// Trial pole at `lambda` with at most a given number of modes.
+    fn pole_at(
         &self,
         (lambda, most): (Complex64, usize),
-        stretch: &Stretch,
+        segment: &Segment,
         roots: &[Root],
     ) -> Option<Root> {
-        let lines = stretch.top.saturating_sub(stretch.width)
-            ..(stretch.top + stretch.width + 1).min(self.data.lines());
+        let lines = segment.top.saturating_sub(segment.width)
+            ..(segment.top + segment.width + 1).min(self.data.lines());
         let course = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
         let size = lines
             .clone()
@@ -119,11 +120,15 @@ impl LeftOver<'_> {
         let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.chance);
         let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
-        let limit = limit.max(ALIKE * strengths.first().copied().unwrap_or(0.0));
+        let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
         let above = strengths.iter().filter(|s| **s > limit).count();
-        let physical = |f: usize| amplitudes[f] * self.data.deviation(f, stretch.top);
+        let physical = |f: usize| amplitudes[f] * self.data.deviation(f, segment.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
-        parts.retain(|part| !roots.iter().any(|existing| repeats(existing, lambda, part)));
+        parts.retain(|part| {
+            !roots
+                .iter()
+                .any(|existing| is_same_participation(existing, lambda, part))
+        });
         parts.truncate(most);
         let first = parts.first()?;
         let mut root = Root::single(lambda, first, self.data.functions());
@@ -132,29 +137,29 @@ impl LeftOver<'_> {
     }
 }
 
-/// Whether a root has a pole and participation factors already.
-fn repeats(existing: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
-    let alike = |other: &Vec<Complex64>| mac(other, part) > Some(SAME_PARTICIPATION);
-    same_pole(existing, lambda) && existing.parts.iter().any(alike)
+/// Whether an existing pole has this pole and participation factor.
+fn is_same_participation(existing: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
+    let alike = |other: &Vec<Complex64>| mac(other, part) > Some(MAX_MAC_NEW_PARTICIPATION);
+    is_same_pole(existing, lambda) && existing.parts.iter().any(alike)
 }
 
-fn same_pole(existing: &Root, lambda: Complex64) -> bool {
-    (existing.lambda - lambda).norm() < SAME * existing.decay()
+fn is_same_pole(existing: &Root, lambda: Complex64) -> bool {
+    (existing.lambda - lambda).norm() < MATCH_DECAY_RATES * existing.decay()
 }
 
-/// Stretches of doubling widths that noise does not explain, the highest first, none near a higher
-/// one.
+/// Segments of doubling length whose power noise does not explain, the highest first, none near a
+/// higher one.
 ///
-/// Lines of correlated noise that count for one: `alike`.
-fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec<Stretch> {
+/// `effective_ratio`: lines of correlated noise for each independent line.
+fn segments(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec<Segment> {
     let lines = power.len();
     let mut sums = vec![0.0; lines + 1];
     for (k, p) in power.iter().enumerate() {
         sums[k + 1] = sums[k] + p;
     }
-    let mut found: Vec<Stretch> = Vec::new();
+    let mut found: Vec<Segment> = Vec::new();
     let mut width = 1;
-    while width <= lines / WIDEST {
+    while width <= lines / MIN_SEGMENTS_PER_BAND {
         let freedom = 2 * functions * width;
         let independent = freedom as f64 / alike.min(width as f64);
         let limit =
@@ -162,7 +167,7 @@ fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Ve
         for start in (0..=lines - width).step_by(width.div_ceil(2)) {
             let value = 2.0 * (sums[start + width] - sums[start]);
             if value > limit {
-                found.push(Stretch {
+                found.push(Segment {
                     top: start + width / 2,
                     width,
                     excess: (value / freedom as f64 - 1.0) * (0.5 * independent).sqrt(),
@@ -172,21 +177,21 @@ fn stretches(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Ve
         width *= 2;
     }
     found.sort_by(|a, b| b.excess.total_cmp(&a.excess));
-    let mut chosen: Vec<Stretch> = Vec::new();
-    for stretch in found {
-        let clear = |other: &Stretch| {
-            let reach = stretch.width.max(other.width).max(2);
-            stretch.top.abs_diff(other.top) > CLEAR * reach
+    let mut chosen: Vec<Segment> = Vec::new();
+    for segment in found {
+        let clear = |other: &Segment| {
+            let reach = segment.width.max(other.width).max(2);
+            segment.top.abs_diff(other.top) > MIN_SEGMENT_SEPARATION * reach
         };
         if chosen.iter().all(clear) {
-            chosen.push(stretch);
+            chosen.push(segment);
         }
     }
     chosen
 }
 
-/// Participation factors of the strongest so many parts of a value per function: right singular
-/// vectors over the inputs.
+/// Participation factors of the strongest rank-one terms of an FRF matrix with a value per FRF:
+/// right singular vectors over the inputs.
 pub(in crate::identify) fn strongest_inputs(
     sides: &Sides,
     count: usize,
@@ -213,7 +218,7 @@ mod tests {
     use crate::modal::Pole;
 
     #[test]
-    fn a_pole_is_tried_with_no_more_modes_than_inputs_tell_apart() {
+    fn a_trial_pole_has_no_more_modes_than_inputs_can_separate() {
         let axis = FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.1,
@@ -233,19 +238,19 @@ mod tests {
         assert_eq!(sides.inputs, 2);
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
         let fitted = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
-        // Beside a fit of one mode two independent ones stand out, far above the noise.
+        // The residual of a fit of one mode has two independent terms far above the noise.
         let rest = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
             let course = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
             1e3 * (1.0 + (f * f) as f64).sin() * course
         });
         let rest = Rest::of_all(rest);
         let tried = |roots: &[Root]| {
-            let found = roots_to_try((&data, &sides), roots, &rest, (1e-3, 4));
+            let found = residual_peak_poles((&data, &sides), roots, &rest, (1e-3, 4));
             let at_pole = |root: &&Root| (root.lambda - lambda).norm() < 1e-9 * lambda.norm();
             found.iter().find(at_pole).map(Root::multiplicity)
         };
         assert_eq!(tried(std::slice::from_ref(&fitted)), Some(1));
-        // None where both are there.
+        // No trial pole where both modes exist.
         let other = Root::single(lambda, &[Complex64::ZERO, Complex64::ONE], set.len());
         assert_eq!(tried(&[fitted.clone(), other]), None);
     }

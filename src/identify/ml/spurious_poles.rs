@@ -1,55 +1,64 @@
-//! Roots that are no modes although they are above the noise: they go, weakest first.
+//! Rejection of spurious poles above the noise, the weakest first.
 
 use crate::identify::data::model_pole::Root;
 use crate::identify::fit::block_descent::{Stop, apart, unsettle};
-use crate::identify::ml::acceptance::{KNOWN, less};
+use crate::identify::ml::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
 use crate::identify::ml::estimator::Fit;
-use crate::identify::ml::findings::{Dropped, Reason};
-use crate::identify::ml::pole_metrics::{Doubt, Scrutiny, doubt, missed, phases_scatter};
+use crate::identify::ml::findings::{DropReason, Dropped};
+use crate::identify::ml::pole_metrics::{
+    Rejection, RejectionPolicy, doubt, phases_scatter, residual_chi_square,
+};
 
-/// Rounds of dropping what is doubtful.
-const DOUBTS: usize = 30;
-/// Doubtful roots, and a tenth of all roots, from which on the model misses the data.
-const SEVERAL: usize = 2;
-/// One in so many doubtful roots goes at once where phases scatter.
-const GO_AT_ONCE: usize = 3;
-/// Factor of what the model misses from which on a dropped root is needed.
-const NEEDED: f64 = 10.0;
-/// Roots within so many sums of half-power widths of a dropped one are judged again without it.
-const LEANING: f64 = 2.0;
+/// Maximum rounds of rejection.
+const MAX_REJECTION_ROUNDS: usize = 30;
+/// Minimum number of poles with a reason for rejection (and a tenth of all poles) at which the
+/// model misfits the data.
+const MIN_REJECTIONS_MISFIT: usize = 2;
+/// One in this number of rejected poles is removed at once where phases scatter.
+const REMOVE_ONE_IN: usize = 3;
+/// Factor by which the reduced chi-square rises without a pole, above which the pole is needed.
+const MIN_CHI_SQUARE_INCREASE: f64 = 10.0;
+/// Separation from a removed pole, in sums of half-power bandwidths, below which poles are tested
+/// again without it.
+const RETEST_BANDWIDTHS: f64 = 2.0;
 
 impl Fit {
-    /// Drops, weakest first, what is no mode although it is above the noise: see [`doubt`].
+    /// Removes spurious poles above the noise, the weakest first: see [`doubt`].
     ///
-    /// Where the model describes the data, suspects are told once, with all roots in: without one
-    /// of them the others explain the data less. Where it misses them in several places, everything
-    /// is looked at again each time. Where phases scatter, part of the doubtful go at a time, as
-    /// those that are left explain more then, and what they leave over counts as noise.
+    /// Where the model fits the data, poles are flagged once, with all poles in the model: without
+    /// one of them the others fit the data less. Where the model misfits the data at several poles,
+    /// all poles are tested again in each round. Where phases scatter, a part of the rejected poles
+    /// is removed at a time, as the contribution of the remaining ones rises, and the residual
+    /// counts as noise.
     pub fn doubt(&mut self) {
-        let doubts = self.doubts();
+        let rejection_reasons = self.rejection_reasons();
         let scrutiny = if phases_scatter(&self.roots, &self.standings()) {
-            Scrutiny::Scattered
-        } else if self.misses_data(&doubts) {
-            Scrutiny::Strict
+            RejectionPolicy::ScatteredPhases
+        } else if self.model_misses_data(&rejection_reasons) {
+            RejectionPolicy::Strict
         } else {
-            Scrutiny::Mild
+            RejectionPolicy::Standard
         };
-        for (root, doubt) in self.roots.iter_mut().zip(doubts) {
-            root.suspect = scrutiny != Scrutiny::Mild || doubt.is_some();
+        for (root, doubt) in self.roots.iter_mut().zip(rejection_reasons) {
+            root.suspect = scrutiny != RejectionPolicy::Standard || doubt.is_some();
         }
-        for _ in 0..DOUBTS {
-            let standings = self.standings();
+        for _ in 0..MAX_REJECTION_ROUNDS {
+            let pole_metrics = self.standings();
             let doubted = |j: usize| {
-                let doubt = doubt(&self.roots, &standings, (j, scrutiny))?;
+                let doubt = doubt(&self.roots, &pole_metrics, (j, scrutiny))?;
                 self.roots[j].suspect.then_some((j, doubt))
             };
-            let mut order: Vec<(usize, Doubt)> =
+            let mut order: Vec<(usize, Rejection)> =
                 (0..self.roots.len()).filter_map(doubted).collect();
-            order.sort_by(|a, b| standings[a.0].share.total_cmp(&standings[b.0].share));
-            let mut chosen: Vec<(usize, Doubt)> = Vec::new();
+            order.sort_by(|a, b| {
+                pole_metrics[a.0]
+                    .contribution
+                    .total_cmp(&pole_metrics[b.0].contribution)
+            });
+            let mut chosen: Vec<(usize, Rejection)> = Vec::new();
             for (j, doubt) in order {
-                let leans = |(other, _): &(usize, Doubt)| {
-                    apart(&self.roots[j], &self.roots[*other]) < LEANING
+                let leans = |(other, _): &(usize, Rejection)| {
+                    apart(&self.roots[j], &self.roots[*other]) < RETEST_BANDWIDTHS
                 };
                 if !chosen.iter().any(leans) {
                     chosen.push((j, doubt));
@@ -58,62 +67,71 @@ impl Fit {
             if chosen.is_empty() {
                 break;
             }
-            if scrutiny == Scrutiny::Scattered {
+            if scrutiny == RejectionPolicy::ScatteredPhases {
                 self.scattered.get_or_insert(self.roots.len());
-                chosen.truncate(chosen.len().div_ceil(GO_AT_ONCE));
+                chosen.truncate(chosen.len().div_ceil(REMOVE_ONE_IN));
             }
             let tried: Vec<(Root, f64)> = chosen
                 .iter()
-                .map(|(j, _)| (self.roots[*j].clone(), standings[*j].misfit))
+                .map(|(j, _)| (self.roots[*j].clone(), pole_metrics[*j].reduced_chi_square))
                 .collect();
             for (j, doubt) in chosen {
-                self.apply(less(&self.roots, j, Reason::Doubt(doubt)));
+                self.apply(remove_or_reduce(
+                    &self.roots,
+                    j,
+                    DropReason::Rejected(doubt),
+                ));
             }
             self.roots.retain(|root| !root.parts.is_empty());
             unsettle(&mut self.roots);
             self.settle(Stop::Coarse);
-            if scrutiny == Scrutiny::Scattered {
+            if scrutiny == RejectionPolicy::ScatteredPhases {
                 self.data.count_misfit_as_noise();
-                self.judge_by_noise();
+                self.reestimate_noise_and_prune();
             } else {
-                self.restore(&tried);
+                self.reinstate_needed(&tried);
             }
         }
         if self.moved.any() {
-            self.drop_unknown();
+            self.drop_undetermined();
         }
     }
 
-    /// Drops roots whose poles are not known beside what the model misses: runs that were brought
-    /// together leave over more than noise.
-    fn drop_unknown(&mut self) {
-        let standings = self.standings();
+    /// Removes poles that are undetermined when misfit counts as noise: the residual of aligned
+    /// runs exceeds the noise.
+    fn drop_undetermined(&mut self) {
+        let pole_metrics = self.standings();
         let part = |j: usize| {
             let root = &self.roots[j];
-            root.quality.pole_std * standings[j].inflation() / root.decay()
+            root.quality.pole_std * pole_metrics[j].inflation() / root.decay()
         };
         let parts = (0..self.roots.len()).map(|j| (j, part(j)));
-        let unknown: Vec<(usize, f64)> = parts.filter(|(_, part)| *part >= KNOWN).collect();
+        let unknown: Vec<(usize, f64)> = parts
+            .filter(|(_, part)| *part >= MAX_POLE_STD_OVER_DECAY_RATE)
+            .collect();
         if unknown.is_empty() {
             return;
         }
         for (j, part) in unknown {
-            self.apply(less(&self.roots, j, Reason::Unknown(part)));
+            self.apply(remove_or_reduce(
+                &self.roots,
+                j,
+                DropReason::PoleUndetermined(part),
+            ));
         }
         self.roots.retain(|root| !root.parts.is_empty());
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
     }
 
-    /// Takes back, for good, single roots without which the model misses far more of the data than
-    /// with them, away from others: two roots in one resonance explain what one does not, whatever
-    /// made it.
-    fn restore(&mut self, tried: &[(Root, f64)]) {
+    /// Reinstates, for good, single isolated poles without which the misfit rises far: two poles in
+    /// one resonance fit any response that one does not.
+    fn reinstate_needed(&mut self, tried: &[(Root, f64)]) {
         let described = self.data.far().beside(&self.data, &self.roots);
         let needed = |(root, before): &&(Root, f64)| {
             let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
-            let now = missed(&self.data, &described, root);
-            root.multiplicity() == 1 && away && now > NEEDED * before.max(1.0)
+            let now = residual_chi_square(&self.data, &described, root);
+            root.multiplicity() == 1 && away && now > MIN_CHI_SQUARE_INCREASE * before.max(1.0)
         };
         let needed: Vec<Root> = tried
             .iter()
@@ -133,18 +151,21 @@ impl Fit {
         self.settle(Stop::Coarse);
     }
 
-    pub fn doubts(&self) -> Vec<Option<Doubt>> {
-        let standings = self.standings();
+    pub fn rejection_reasons(&self) -> Vec<Option<Rejection>> {
+        let pole_metrics = self.standings();
         (0..self.roots.len())
-            .map(|j| doubt(&self.roots, &standings, (j, Scrutiny::Mild)))
+            .map(|j| doubt(&self.roots, &pole_metrics, (j, RejectionPolicy::Standard)))
             .collect()
     }
 
-    /// Whether roots are doubtful in several places because the model misses the data, or many are
-    /// no modes of the structure that the strongest belong to.
-    pub fn misses_data(&self, doubts: &[Option<Doubt>]) -> bool {
-        let misses = doubts.iter().flatten().filter(|doubt| doubt.is_misfit());
-        misses.count() >= SEVERAL.max(self.roots.len() / 10)
+    /// Whether several poles have a reason for rejection by misfit, or the phases of many poles
+    /// scatter.
+    pub fn model_misses_data(&self, rejection_reasons: &[Option<Rejection>]) -> bool {
+        let misses = rejection_reasons
+            .iter()
+            .flatten()
+            .filter(|doubt| doubt.is_misfit());
+        misses.count() >= MIN_REJECTIONS_MISFIT.max(self.roots.len() / 10)
             || phases_scatter(&self.roots, &self.standings())
     }
 }

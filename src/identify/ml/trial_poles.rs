@@ -1,4 +1,5 @@
-//! Roots that a fit tries where it leaves over more than noise.
+//! Trial poles at residual peaks, and close pairs: a fit keeps them where they lower the residual
+//! enough.
 
 use num_complex::Complex64;
 
@@ -6,40 +7,42 @@ use crate::identify::data::model_pole::Root;
 use crate::identify::data::residual::Rest;
 use crate::identify::fit::block_descent::{Stop, unsettle};
 use crate::identify::fit::detection_threshold::upper_quantile;
-use crate::identify::ml::acceptance::{Change, less};
-use crate::identify::ml::close_pole_test::roots_to_double;
+use crate::identify::ml::acceptance::{PoleEdit, remove_or_reduce};
+use crate::identify::ml::close_pole_test::close_pair_candidates;
 use crate::identify::ml::estimator::Fit;
-use crate::identify::ml::findings::{Dropped, Reason};
-use crate::identify::ml::residual_peaks::roots_to_try;
+use crate::identify::ml::findings::{DropReason, Dropped};
+use crate::identify::ml::residual_peaks::residual_peak_poles;
 use crate::identify::noise::line_correlation::Correlation;
 
-/// Roots that a search may try at once: a quarter of those that are there, and so many at least.
-/// More would mean that the model misses the data, not that modes are missing.
-const FEWEST_TRIED: usize = 4;
-/// Factor by which a search must lessen what is left over where it leaves doubts.
-pub(in crate::identify) const WORTHWHILE: f64 = 2.0;
-/// Least distance of two roots that one is doubled into, half-power widths: a pole that moves so
-/// far from function to function, by the mass of a sensor or from hit to hit, leaves over the same.
-const LEAST_APART: f64 = 0.04;
+/// Minimum of the limit of trial poles in one search; the limit is a quarter of the number of
+/// poles. More trial poles would mean misfit rather than missing modes.
+const MIN_TRIAL_POLES: usize = 4;
+/// Factor by which a search must lower the residual energy; below it, trial poles with a reason for
+/// rejection are removed.
+pub(in crate::identify) const MIN_RESIDUAL_GAIN: f64 = 2.0;
+/// Minimum separation of a close pair, half-power bandwidths: a single pole that shifts as much
+/// from FRF to FRF, by the mass of a sensor or between hits, has the same residual.
+const MIN_SEPARATION_BANDWIDTHS: f64 = 0.04;
 
-/// A pole is well known, in decay rates.
-const WELL_KNOWN: f64 = 0.05;
-/// One in so many of the others goes at once.
-const GO_AT_ONCE: usize = 4;
+/// Standard deviation over decay rate below which a pole is well determined.
+const MAX_STD_WELL_DETERMINED: f64 = 0.05;
+/// One in this number of the other poles is removed at once.
+const REMOVE_ONE_IN: usize = 4;
 
 impl Fit {
-    /// Whether what is left over is noise that lines share
+    /// Detects noise that is correlated between frequency lines
     /// ([`Receptances::lines_share_noise`](crate::identify::data::band_frfs::Receptances::lines_share_noise)).
-    /// Roots that were fitted to what is now noise go, the least known first, and the noise has
-    /// back what they took; what stands out all the same, the search finds. Where what is left over
-    /// without them is no noise any more, nothing of that holds.
+    /// If there is such noise, poles that were fitted to it are removed, the least determined
+    /// first, and the noise is estimated again with their contribution; the search finds modes
+    /// among them again. Where the residual without these poles is no noise, all changes are
+    /// undone.
     pub fn lines_share_noise(&mut self) -> bool {
         let (noise, roots, drops_before) =
             (self.data.noise(), self.roots.clone(), self.dropped.len());
         if !self.data.lines_share_noise(&mut self.rest()) {
             return false;
         }
-        self.judge_by_noise();
+        self.reestimate_noise_and_prune();
         loop {
             if !Correlation::functions_differ(&self.rest()) {
                 self.data.set_noise(noise);
@@ -48,61 +51,63 @@ impl Fit {
                 self.settle(Stop::Judging);
                 return false;
             }
-            let unknown = |root: &Root| root.quality.pole_std / root.decay();
-            let mut doubtful: Vec<f64> = self.roots.iter().map(unknown).collect();
-            doubtful.retain(|ratio| *ratio >= WELL_KNOWN);
+            let relative_std = |root: &Root| root.quality.pole_std / root.decay();
+            let mut doubtful: Vec<f64> = self.roots.iter().map(relative_std).collect();
+            doubtful.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
             doubtful.sort_by(f64::total_cmp);
-            let Some(limit) = doubtful.get(doubtful.len() * (GO_AT_ONCE - 1) / GO_AT_ONCE) else {
+            let Some(limit) = doubtful.get(doubtful.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
+            else {
                 return true;
             };
-            let (known, unknown): (Vec<Root>, Vec<Root>) = std::mem::take(&mut self.roots)
-                .into_iter()
-                .partition(|root| unknown(root) < *limit);
-            self.dropped.extend(unknown.iter().map(|root| Dropped {
+            let (determined, undetermined): (Vec<Root>, Vec<Root>) =
+                std::mem::take(&mut self.roots)
+                    .into_iter()
+                    .partition(|root| relative_std(root) < *limit);
+            self.dropped.extend(undetermined.iter().map(|root| Dropped {
                 lambda: root.lambda,
-                reason: Reason::Unknown(root.quality.pole_std / root.decay()),
+                reason: DropReason::PoleUndetermined(root.quality.pole_std / root.decay()),
             }));
-            // Of two that one was doubled into, the other is free again.
-            self.roots = known
+            // The other pole of a close pair is a single pole again.
+            self.roots = determined
                 .into_iter()
                 .map(|root| Root { pair: None, ..root })
                 .collect();
-            self.judge_by_noise();
+            self.reestimate_noise_and_prune();
         }
     }
 
-    /// Tries roots where the fit leaves over what noise does not explain; by what factor that
-    /// became less, `None` when none stayed.
+    /// Tries poles where the residual exceeds the noise. Returns the factor by which the residual
+    /// energy fell, `None` when no trial pole was kept.
     pub fn search(&mut self) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let rest = self.rest();
         let frfs = (&self.data, &self.sides);
-        let found = roots_to_try(frfs, &self.roots, &rest, (chance, self.most_tried()));
+        let found = residual_peak_poles(frfs, &self.roots, &rest, (chance, self.max_trial_poles()));
         if found.is_empty() {
             return self.double(&rest);
         }
-        self.try_roots(found, &rest)
+        self.try_poles(found, &rest)
             .or_else(|| self.double(&self.rest()))
     }
 
-    /// Whether what the fit leaves over is more than noise: in some stretch, or of a double pole.
-    pub fn leaves_more_than_noise(&self) -> bool {
+    /// Whether the residual exceeds the noise: in a segment of lines, or as a close pair.
+    pub fn has_unexplained_residual(&self) -> bool {
         let chance = self.options.false_alarm_probability;
         let (frfs, rest) = ((&self.data, &self.sides), self.rest());
-        !roots_to_try(frfs, &self.roots, &rest, (chance, 1)).is_empty()
-            || !roots_to_double(frfs, &self.roots, &rest, chance).is_empty()
+        !residual_peak_poles(frfs, &self.roots, &rest, (chance, 1)).is_empty()
+            || !close_pair_candidates(frfs, &self.roots, &rest, chance).is_empty()
     }
 
-    fn most_tried(&self) -> usize {
-        (self.roots.len() / 4).max(FEWEST_TRIED)
+    fn max_trial_poles(&self) -> usize {
+        (self.roots.len() / 4).max(MIN_TRIAL_POLES)
     }
 
     fn modes(&self) -> usize {
         self.roots.iter().map(Root::multiplicity).sum()
     }
 
-    /// As [`Self::search`], with these roots, from what is left over without them.
-    fn try_roots(&mut self, found: Vec<Root>, rest: &Rest) -> Option<f64> {
+    /// As [`Self::search`], with given trial poles, from the residual without them.
+    fn try_poles(&mut self, found: Vec<Root>, rest: &Rest) -> Option<f64> {
         let (before, modes, drops_before) = (self.roots.clone(), self.modes(), self.dropped.len());
         self.roots.extend(found.into_iter().map(|root| Root {
             suspect: true,
@@ -112,7 +117,7 @@ impl Fit {
         self.settle(Stop::Coarse);
         let gain = |fit: &Self| rest.energy() / fit.rest().energy();
         let mut now = gain(self);
-        if now < WORTHWHILE && self.drop_doubtful_tries() {
+        if now < MIN_RESIDUAL_GAIN && self.reject_trial_poles() {
             self.settle(Stop::Coarse);
             now = if self.modes() > modes {
                 gain(self)
@@ -121,7 +126,7 @@ impl Fit {
             };
         }
         if now < 1.0 {
-            // New roots drove others away, or none of them stayed.
+            // Trial poles displaced other poles, or none of them was kept.
             self.roots = before;
             self.dropped.truncate(drops_before);
             return None;
@@ -132,19 +137,19 @@ impl Fit {
         (self.modes() > modes).then_some(now)
     }
 
-    /// Doubles roots that stand for two; by what factor what is left over became less, `None` when
-    /// none did.
+    /// Splits poles that stand for a close pair. Returns the factor by which the residual energy
+    /// fell, `None` when no pole was split.
     ///
-    /// Two poles that lie closer together than their distance is known to may be told from one all
-    /// the same: by what one leaves over, which must become less by more than so many unknowns make
-    /// of noise.
+    /// Two poles closer than the standard deviation of their distance can still be separated from
+    /// one pole by the residual: a second pole must lower it by more than its number of unknowns
+    /// does in noise.
     fn double(&mut self, rest: &Rest) -> Option<f64> {
         let chance = self.options.false_alarm_probability;
         let frfs = (&self.data, &self.sides);
-        let found = roots_to_double(frfs, &self.roots, rest, chance);
+        let found = close_pair_candidates(frfs, &self.roots, rest, chance);
         let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
         let chance = chance / lambdas.len().max(1) as f64;
-        let (first, most) = (self.left(rest), self.most_tried());
+        let (first, most) = (self.left(rest), self.max_trial_poles());
         let mut left = first;
         for (index, second) in found.into_iter().take(most) {
             let distance = |root: &Root| (root.lambda - lambdas[index]).norm();
@@ -152,7 +157,7 @@ impl Fit {
             let nearest = (0..self.roots.len())
                 .filter(free)
                 .min_by(|a, b| distance(&self.roots[*a]).total_cmp(&distance(&self.roots[*b])));
-            // Others that moved since may have taken its place.
+            // Other poles may have moved to its location since.
             let near = |j: &usize| distance(&self.roots[*j]) < self.roots[*j].decay();
             let Some(j) = nearest.filter(near) else {
                 continue;
@@ -169,8 +174,8 @@ impl Fit {
         (left < first).then_some(first / left)
     }
 
-    /// What is left over with a second root beside one; `None` where that is not worth it, or not a
-    /// mode.
+    /// Residual energy with a second pole near one; `None` where it does not fall enough, or where
+    /// the second pole is no mode.
     fn doubled(&mut self, (j, second): (usize, Root), (left, chance): (f64, f64)) -> Option<f64> {
         let pairs = self.roots.iter().filter_map(|root| root.pair);
         let pair = Some(pairs.max().map_or(0, |last| last + 1));
@@ -190,29 +195,37 @@ impl Fit {
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
         let alike = self.data.correlation.of_amplitude(decay, self.data.step);
         let enough = alike * upper_quantile(unknowns as f64, chance);
-        if apart < LEAST_APART || 2.0 * (left - now) <= enough || self.modes() <= modes {
+        if apart < MIN_SEPARATION_BANDWIDTHS
+            || 2.0 * (left - now) <= enough
+            || self.modes() <= modes
+        {
             return None;
         }
-        if self.drop_doubtful_tries() {
+        if self.reject_trial_poles() {
             return None;
         }
         self.roots.iter_mut().for_each(|root| root.suspect = false);
         Some(now)
     }
 
-    /// Energy of what is left over, over the noise, as far as functions do not share it.
+    /// Residual energy over the noise, without the force noise that FRFs have in common.
     fn left(&self, rest: &Rest) -> f64 {
         let held = self.data.shared.held_by_line(&self.data, rest);
         held.iter().sum()
     }
 
-    /// Takes modes that a search tried out again where something speaks against them; whether there
-    /// were any.
-    fn drop_doubtful_tries(&mut self) -> bool {
-        let doubts = self.doubts();
-        let changes: Vec<Change> = (0..self.roots.len())
+    /// Removes trial poles with a reason for rejection. Returns whether there were any.
+    fn reject_trial_poles(&mut self) -> bool {
+        let rejection_reasons = self.rejection_reasons();
+        let changes: Vec<PoleEdit> = (0..self.roots.len())
             .filter(|j| self.roots[*j].suspect)
-            .filter_map(|j| Some(less(&self.roots, j, Reason::Doubt(doubts[j]?))))
+            .filter_map(|j| {
+                Some(remove_or_reduce(
+                    &self.roots,
+                    j,
+                    DropReason::Rejected(rejection_reasons[j]?),
+                ))
+            })
             .collect();
         for change in &changes {
             self.apply(*change);

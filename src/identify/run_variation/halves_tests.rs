@@ -1,4 +1,4 @@
-//! Modes that respond in half of the structure look as if one mode moved from sensor to sensor.
+//! Modes of one half of a structure each are not merged as one mode that shifts between sensors.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,8 +11,8 @@ use crate::identify::synthetic::{Measurement, Structure, white_noise};
 
 use crate::identify::run_variation::tests::{findings_of, found};
 
-/// Two halves of six points: three families of a mode of each half, so many half-power widths
-/// apart, of which the other half has some part.
+/// Two halves of six points: three pairs of modes, one of each half, a given number of half-power
+/// bandwidths apart, with a small response in the other half.
 fn halves(seed: u64, widths: f64, part: f64) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut modes = Vec::new();
@@ -59,7 +59,7 @@ fn halves(seed: u64, widths: f64, part: f64) -> (Structure, Measurement) {
 }
 
 #[test]
-fn modes_of_two_halves_are_no_modes_that_move() {
+fn modes_of_two_halves_are_not_merged() {
     for widths in [1.0, 1.5, 3.0] {
         for seed in 0..4 {
             let (structure, how) = halves(seed, widths, 0.03);
@@ -73,7 +73,8 @@ fn modes_of_two_halves_are_no_modes_that_move() {
     }
 }
 
-/// The same noise on all functions, a part of the largest value, and no variances.
+/// Noise of equal variance in all FRFs, a given fraction of the largest value, without stated
+/// variances.
 fn in_common_noise(set: &FrfSet, part: f64, seed: u64) -> FrfSet {
     let functions = 0..set.len();
     let sizes = functions.clone().flat_map(|f| set.values(f));
@@ -92,9 +93,9 @@ fn in_common_noise(set: &FrfSet, part: f64, seed: u64) -> FrfSet {
 }
 
 #[test]
-fn runs_that_see_one_of_two_modes_each_are_no_modes_that_move() {
-    // Beneath such noise most runs show the mode of their own half alone, as if it moved from one
-    // root to the other.
+fn modes_seen_by_half_of_the_runs_each_are_not_merged() {
+    // In such noise most runs show only the mode of their half, as if one mode shifted between two
+    // frequencies.
     for seed in 0..6 {
         let (structure, how) = halves(seed, 1.0, 0.01);
         let how = Measurement {

@@ -1,4 +1,4 @@
-//! What is made of modes that are known to move.
+//! Alignment and merging of modes with given shifts between runs.
 
 use std::f64::consts::TAU;
 
@@ -8,13 +8,13 @@ use crate::identify::estimator::Candidate;
 use crate::modal::Pole;
 
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::run_variation::{Moved, Moving, Told};
+use crate::identify::run_variation::{Moved, ShiftDecision, ShiftedMode};
 
 #[test]
-fn a_function_is_brought_from_the_pole_of_its_run_to_the_mean() {
+fn an_frf_is_aligned_from_the_pole_of_its_run_to_the_mean() {
     let mean = Complex64::new(-0.7, 60.0);
     let shifts = vec![Complex64::new(0.02, -0.4), Complex64::new(-0.03, 0.9)];
-    let mode = Moving {
+    let mode = ShiftedMode {
         lambda: mean,
         scatter: 0.6,
         decay_std: 0.0,
@@ -30,15 +30,15 @@ fn a_function_is_brought_from_the_pole_of_its_run_to_the_mean() {
                 let pole = |lambda: Complex64| shape.pole(omega, lambda);
                 a * pole(lambda) + a.conj() * pole(lambda.conj())
             };
-            let brought = with(mean + shifts[run]) + mode.correction(shape, (f, run), omega);
-            assert!((brought - with(mean)).norm() < 1e-12, "{f} {omega}");
+            let aligned = with(mean + shifts[run]) + mode.correction(shape, (f, run), omega);
+            assert!((aligned - with(mean)).norm() < 1e-12, "{f} {omega}");
         }
     }
 }
 
 #[test]
-fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
-    let moving = |hz: f64, part: f64| Moving {
+fn an_unmerged_mode_with_misfit_has_the_typical_scatter_of_the_others() {
+    let moving = |hz: f64, part: f64| ShiftedMode {
         lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
         scatter: part * TAU * hz,
         decay_std: 0.0,
@@ -70,9 +70,9 @@ fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
         damping_bias: None,
         quality: None,
     };
-    let std = |hz: f64, missed: bool| {
+    let std = |hz: f64, has_misfit: bool| {
         moved
-            .merged(candidate(hz), missed)
+            .merged(candidate(hz), has_misfit)
             .frequency_std_hz
             .unwrap()
     };
@@ -84,9 +84,9 @@ fn a_mode_that_was_not_merged_and_is_missed_may_move_as_the_others_do() {
 }
 
 #[test]
-fn of_modes_that_move_together_one_that_does_not_is_left_out() {
-    let decision = |shifts: [f64; 5], group: usize| Told {
-        mode: Moving {
+fn a_mode_that_does_not_shift_with_the_others_is_excluded() {
+    let decision = |shifts: [f64; 5], group: usize| ShiftDecision {
+        mode: ShiftedMode {
             lambda: Complex64::new(-1.0, 100.0),
             scatter: 1.0,
             decay_std: 0.0,
@@ -99,7 +99,7 @@ fn of_modes_that_move_together_one_that_does_not_is_left_out() {
         group,
         gain: 1.0,
     };
-    // The last two are one resonance, one of whose modes stays.
+    // The last two are one resonance, with one unshifted mode.
     let all = [
         decision([1.0, -1.0, 2.0, 0.0, -2.0], 0),
         decision([1.1, -0.9, 2.2, 0.0, -2.1], 1),
@@ -112,9 +112,13 @@ fn of_modes_that_move_together_one_that_does_not_is_left_out() {
         runs: (0..5).map(|run| vec![run]).collect(),
         ..Moved::default()
     };
-    let taken = moved.agreeing(all.iter().collect());
+    let taken = moved.modes_with_common_cause(all.iter().collect());
     let groups: Vec<usize> = taken.iter().map(|decision| decision.group).collect();
     assert_eq!(groups, [0, 1, 3]);
-    // One resonance alone has nothing to agree with.
-    assert!(moved.agreeing(all[4..].iter().collect()).is_empty());
+    // One resonance has no other to agree with.
+    assert!(
+        moved
+            .modes_with_common_cause(all[4..].iter().collect())
+            .is_empty()
+    );
 }

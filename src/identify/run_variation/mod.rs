@@ -1,21 +1,21 @@
-//! Poles that move from run to run: by the mass of a roving sensor, or because the structure
-//! changed while it was measured.
+//! Run variation: natural frequencies that shift between measurement runs, by the mass of a roving
+//! sensor or because the structure changed during the test.
 //!
-//! Fitted with one frequency for all runs, such a mode leaves over what two close modes would
-//! leave, and further roots describe it down to the noise. Here every run has a pole of its own,
+//! Fitted with one frequency for all runs, such a mode has the residual of two close modes, and
+//! further poles fit it down to the noise. Here every run has its individual pole,
 //!
 //! ```text
 //! H_f = A_f/(iω − λ − (κ + i) δ_r) + …      f in run r,
 //! ```
 //!
-//! or two of them where two modes are close, its decay rate on one straight line over its frequency
-//! for all runs. These are held against the roots that the fit has there by the Bayesian
-//! information criterion; how many of the roots stand for one mode is not known before, and that
-//! grouping of them counts which leaves the fewest modes. Where runs win, each function is brought
-//! to their mean: the difference of both courses is added to it, and all that follows sees one
-//! pole. The runs are merged as samples of one mode: the mean weights each by its own variance and
-//! the scatter between runs (Paule and Mandel 1982, Journal of Research of the NBS 87), and so much
-//! of a run's shift is believed as its variance leaves beside that scatter.
+//! or two of them where two modes are close; the decay rates of all runs lie on one straight line
+//! over frequency. The Bayesian information criterion compares these with the poles of the fit. The
+//! number of poles that stand for one mode is not given: the grouping of the poles that results in
+//! the fewest modes is taken. Where the individual poles win, each FRF is aligned to their mean:
+//! the difference of both profiles is added to it, and all further steps see one pole. The runs are
+//! merged as samples of one mode: the mean weights each run by its variance and the scatter between
+//! runs (Paule and Mandel 1982, Journal of Research of the NBS 87). The shift of each run is shrunk
+//! by the ratio of the scatter to scatter and variance.
 
 use std::f64::consts::TAU;
 
@@ -37,67 +37,72 @@ mod run_fit;
 pub(in crate::identify) mod separate_responses;
 
 use pole_shift::{Fitted, Poles};
-use resonance::{FirstLook, MOST_PART, Resonance, Told};
+use resonance::{MAX_SHIFT_FRACTION, Resonance, Screening, ShiftDecision};
 
-/// A root within so many half-power widths of where a mode is may be its own.
-const SAME: f64 = 1.0;
-/// Roots within so many half-power widths, or such a part of the frequency, of a strong one may
-/// stand for the same mode or for two that move together.
-const REACHES: [(f64, f64); 3] = [(SAME, 0.0), (2.5, 0.0), (2.5, MOST_PART)];
-/// Times that the runs are brought together, at most.
-const ROUNDS: usize = 3;
-/// A pole that moved by less than this part of the scatter stays.
-const SETTLED: f64 = 0.01;
-/// Times that every resonance is fitted, the later ones beside the others as they move.
-const SWEEPS: usize = 3;
-/// Runs at which a common course can be told from chance.
-const FEWEST_RUNS: usize = 4;
-/// Part of the scatter of all modes that one cause must explain.
-const ONE_CAUSE: f64 = 0.8;
-/// Deviations by which a run is away from the mean of all.
-const AWAY: f64 = 5.0;
+/// Distance, half-power bandwidths, below which a pole may belong to a shifted mode.
+const MATCH_BANDWIDTHS: f64 = 1.0;
+/// Groupings of the poles around a strong one: maximum distance in half-power bandwidths and as a
+/// fraction of the frequency. The poles of a group may stand for one mode, or for two that shift
+/// together.
+const GROUP_BANDWIDTHS_AND_FRACTIONS: [(f64, f64); 3] = [
+    (MATCH_BANDWIDTHS, 0.0),
+    (2.5, 0.0),
+    (2.5, MAX_SHIFT_FRACTION),
+];
+/// Maximum number of alignments of the runs.
+const MAX_ROUNDS: usize = 3;
+/// Step of a pole over the scatter below which it has converged.
+const CONVERGED_SHIFT_OVER_SCATTER: f64 = 0.01;
+/// Maximum fits of every resonance; later ones use the shifted poles of the others.
+const MAX_SWEEPS: usize = 3;
+/// Minimum number of runs: fewer may share a profile of shifts by chance.
+const MIN_RUNS: usize = 4;
+/// Minimum fraction of the scatter of all modes that one cause must explain.
+const MIN_EXPLAINED_FRACTION: f64 = 0.8;
+/// Minimum distance of an outlying run from the mean, standard deviations.
+const OUTLYING_STDS: f64 = 5.0;
 
-/// How the functions fall into runs, and the modes that are known to move from one to another.
+/// Measurement runs of the FRFs, and the modes with a frequency that shifts between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::identify) struct Moved {
     runs: Vec<Vec<usize>>,
-    /// Whether a run is a position of a sensor, not a hit point.
+    /// Whether a run is a position of a sensor rather than an excitation point.
     roving_sensor: bool,
     /// Degrees of freedom of shapes and of participation factors.
     factors: usize,
-    modes: Vec<Moving>,
+    modes: Vec<ShiftedMode>,
     rounds: usize,
 }
 
-/// One mode with a pole of its own in every run.
+/// One mode with an individual pole in every run.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Moving {
+pub(in crate::identify) struct ShiftedMode {
     /// Mean of the runs, rad/s.
     pub lambda: Complex64,
     /// Standard deviation of the frequency between runs, rad/s.
     pub scatter: f64,
     /// Standard deviation of the decay rate at the mean, rad/s.
     pub decay_std: f64,
-    /// Pole of each run less the mean, rad/s, as far as it is believed.
+    /// Pole of each run less the mean, rad/s, shrunk by its variance.
     shifts: Vec<Complex64>,
     /// Standard deviation of the frequency of each run by its noise, rad/s.
     stds: Vec<f64>,
-    /// Residue of each function, m/(N s).
+    /// Residue of each FRF, m/(N s).
     residues: Vec<Complex64>,
 }
 
-/// The modes that move by one grouping of the roots.
-struct Way {
-    moving: Vec<Moving>,
-    /// Modes of all groups, those of roots that do not move among them.
-    left: usize,
-    /// By how much the criterion speaks for those that move.
+/// Shifted modes by one grouping of the poles.
+struct Grouping {
+    shifted: Vec<ShiftedMode>,
+    /// Number of modes of all groups, unshifted ones included.
+    modes: usize,
+    /// Decrease of the criterion by the shifted modes.
     gain: f64,
 }
 
-/// A run that is away from the others.
-pub(in crate::identify) struct Away {
-    /// Its function with the largest residue.
+/// A run whose frequency of a mode is outlying.
+pub(in crate::identify) struct OutlyingRun {
+    /// Index of its FRF with the largest residue.
     pub function: usize,
     /// Shift and limit, over the frequency.
     pub shift: f64,
@@ -105,7 +110,7 @@ pub(in crate::identify) struct Away {
 }
 
 impl Moved {
-    /// Before anything is known.
+    /// Runs of the FRFs, without shifted modes.
     pub fn none(functions: &[Function]) -> Self {
         let (runs, roving_sensor) = runs(functions);
         let sides = Sides::new(functions);
@@ -117,7 +122,7 @@ impl Moved {
         }
     }
 
-    /// Brings every function to the mean of the runs.
+    /// Aligns every FRF to the mean of the runs.
     pub fn straighten(&self, data: &mut Receptances) {
         if self.modes.is_empty() {
             return;
@@ -126,54 +131,59 @@ impl Moved {
             for f in functions {
                 let line_shape = data.line_shape;
                 data.correct(*f, |omega| {
-                    let correction = |mode: &Moving| mode.correction(line_shape, (*f, run), omega);
+                    let correction =
+                        |mode: &ShiftedMode| mode.correction(line_shape, (*f, run), omega);
                     self.modes.iter().map(correction).sum()
                 });
             }
         }
     }
 
-    /// Takes in what a fit of the functions as they are now brought together tells; whether that
-    /// changed anything.
-    pub fn told_by(&mut self, data: &Receptances, roots: &[Root]) -> bool {
-        if self.rounds == ROUNDS || self.runs.len() < FEWEST_RUNS {
+    /// Updates the shifted modes from a fit of the FRFs as aligned now. Returns whether anything
+    /// changed.
+    pub fn update_from_fit(&mut self, data: &Receptances, roots: &[Root]) -> bool {
+        if self.rounds == MAX_ROUNDS || self.runs.len() < MIN_RUNS {
             return false;
         }
         self.rounds += 1;
-        let modes = self.moving(data, roots);
-        let same = |(now, before): (&Moving, &Moving)| now.stays(before);
+        let modes = self.shifted_modes(data, roots);
+        let same = |(now, before): (&ShiftedMode, &ShiftedMode)| now.is_converged(before);
         let changed = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
         changed
     }
 
-    /// Whether runs disagree.
+    /// Whether any mode shifts between runs.
     pub fn any(&self) -> bool {
         !self.modes.is_empty()
     }
 
-    /// Whether a pole lies in the resonance of a mode that moves.
-    pub fn holds(&self, lambda: Complex64) -> bool {
-        self.modes.iter().any(|mode| mode.holds(lambda))
+    /// Whether a pole lies in the resonance of a shifted mode.
+    pub fn contains_pole(&self, lambda: Complex64) -> bool {
+        self.modes.iter().any(|mode| mode.contains_pole(lambda))
     }
 
-    /// The mode of a pole that moves.
-    pub fn of(&self, lambda: Complex64) -> Option<&Moving> {
-        let distance = |mode: &&Moving| (mode.lambda.im - lambda.im).abs();
+    /// The shifted mode of a pole.
+    pub fn of(&self, lambda: Complex64) -> Option<&ShiftedMode> {
+        let distance = |mode: &&ShiftedMode| (mode.lambda.im - lambda.im).abs();
         let nearest = self
             .modes
             .iter()
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        nearest.holds(lambda).then_some(nearest)
+        nearest.contains_pole(lambda).then_some(nearest)
     }
 
-    /// A mode with the deviations that the merging of runs adds: of the frequency that between
-    /// runs, of damping at least that of the decay rate that all runs share. One that was not
-    /// merged beside others that were, and that the model misses, may move as much as they do.
-    pub fn merged(&self, mode: Candidate, missed: bool) -> Candidate {
+    /// Adds to a mode the standard deviations of the merged runs: to the frequency the scatter
+    /// between runs; the damping has at least that of the decay rate common to all runs. A mode
+    /// with misfit that was not merged, where others were, has their typical scatter.
+    pub fn merged(&self, mode: Candidate, has_misfit: bool) -> Candidate {
         let lambda = mode.pole.lambda;
         let Some(moving) = self.of(lambda) else {
-            let usual = if missed { self.usual_scatter() } else { 0.0 };
+            let usual = if has_misfit {
+                self.typical_scatter()
+            } else {
+                0.0
+            };
             let std = mode.frequency_std_hz;
             return Candidate {
                 frequency_std_hz: std.map(|std| std.hypot(usual * lambda.norm() / TAU)),
@@ -190,24 +200,25 @@ impl Moved {
         }
     }
 
-    /// Median of the scatter of those that move over their frequencies; 0 where none does.
-    fn usual_scatter(&self) -> f64 {
+    /// Median of the scatter of the shifted modes over their frequencies; 0 where there are none.
+    fn typical_scatter(&self) -> f64 {
         let ratios = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
         let mut parts: Vec<f64> = ratios.collect();
         parts.sort_by(f64::total_cmp);
         parts.get(parts.len() / 2).copied().unwrap_or(0.0)
     }
 
-    /// The run that is farthest from the mean of a mode, in half-power widths.
-    pub fn farthest(&self) -> Option<Away> {
+    /// The outlying run farthest from the mean of a mode, in half-power bandwidths.
+    pub fn outlying_run(&self) -> Option<OutlyingRun> {
         let widths =
-            |(mode, run): &(&Moving, usize)| mode.shifts[*run].im.abs() / mode.lambda.re.abs();
+            |(mode, run): &(&ShiftedMode, usize)| mode.shifts[*run].im.abs() / mode.lambda.re.abs();
         let all = self
             .modes
             .iter()
             .flat_map(|mode| (0..self.runs.len()).map(move |run| (mode, run)));
-        let away =
-            |(mode, run): &(&Moving, usize)| mode.shifts[*run].im.abs() > AWAY * mode.stds[*run];
+        let away = |(mode, run): &(&ShiftedMode, usize)| {
+            mode.shifts[*run].im.abs() > OUTLYING_STDS * mode.stds[*run]
+        };
         let (mode, run) = all
             .filter(away)
             .max_by(|a, b| widths(a).total_cmp(&widths(b)))?;
@@ -215,121 +226,133 @@ impl Moved {
         let function = *self.runs[run]
             .iter()
             .max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        Some(Away {
+        Some(OutlyingRun {
             function,
             shift: mode.shifts[run].im / mode.lambda.im,
-            limit: AWAY * mode.stds[run] / mode.lambda.im,
+            limit: OUTLYING_STDS * mode.stds[run] / mode.lambda.im,
         })
     }
 
-    /// The modes that move, as far as runs are known to disagree, by that grouping of roots which
-    /// leaves the fewest modes, and of several that for which most speaks.
-    fn moving(&self, data: &Receptances, roots: &[Root]) -> Vec<Moving> {
-        let mut groupings: Vec<Vec<Vec<usize>>> = REACHES.map(|reach| groups(roots, reach)).into();
+    /// Shifted modes by the grouping of poles with the fewest modes, and of several such groupings
+    /// the one with the largest gain.
+    fn shifted_modes(&self, data: &Receptances, roots: &[Root]) -> Vec<ShiftedMode> {
+        let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
+            .map(|reach| groups(roots, reach))
+            .into();
         groupings.dedup();
-        let ways = groupings.into_iter();
-        let ways = ways.map(|groups| self.moving_by(groups, data, roots));
-        let better = |a: &Way, b: &Way| b.left < a.left || b.left == a.left && b.gain > a.gain;
-        let best = ways.reduce(|a, b| if better(&a, &b) { b } else { a });
-        let mut moving = best.map_or_else(Vec::new, |way| way.moving);
+        let alternatives = groupings.into_iter();
+        let alternatives = alternatives.map(|groups| self.modes_of_grouping(groups, data, roots));
+        let better =
+            |a: &Grouping, b: &Grouping| b.modes < a.modes || b.modes == a.modes && b.gain > a.gain;
+        let best = alternatives.reduce(|a, b| if better(&a, &b) { b } else { a });
+        let mut moving = best.map_or_else(Vec::new, |grouping| grouping.shifted);
         moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         moving
     }
 
-    /// The modes that move, by one grouping of the roots, and how much speaks for them: where half
-    /// of the resonances that could tell it say so, and what moves them has one cause.
-    fn moving_by(&self, groups: Vec<Vec<usize>>, data: &Receptances, roots: &[Root]) -> Way {
-        let group_modes: Vec<Vec<&Moving>> = self.owned(&groups, roots);
+    /// Shifted modes by one grouping of the poles, and the gain of the criterion: none unless half
+    /// of the decidable resonances shift, and one cause explains the shifts.
+    fn modes_of_grouping(
+        &self,
+        groups: Vec<Vec<usize>>,
+        data: &Receptances,
+        roots: &[Root],
+    ) -> Grouping {
+        let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, roots);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), self);
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
-        let look = |(modes, resonance): (&Vec<&Moving>, &Option<Resonance>)| match resonance {
-            _ if !modes.is_empty() => FirstLook::Worthwhile,
-            Some(resonance) => resonance.first_look(&self.runs),
-            None => FirstLook::Unclear,
+        let look = |(modes, resonance): (&Vec<&ShiftedMode>, &Option<Resonance>)| match resonance {
+            _ if !modes.is_empty() => Screening::Candidate,
+            Some(resonance) => resonance.screen(&self.runs),
+            None => Screening::Undecided,
         };
         let looks = group_modes.par_iter().zip(&resonances);
-        let looks: Vec<FirstLook> = looks.map(look).collect();
-        if !looks.contains(&FirstLook::Worthwhile) {
-            return Way {
-                moving: self.modes.clone(),
-                left: roots.len(),
+        let looks: Vec<Screening> = looks.map(look).collect();
+        if !looks.contains(&Screening::Candidate) {
+            return Grouping {
+                shifted: self.modes.clone(),
+                modes: roots.len(),
                 gain: 0.0,
             };
         }
-        let known = |group_modes: &Vec<&Moving>| {
+        let known = |group_modes: &Vec<&ShiftedMode>| {
             let poles: Poles = group_modes.iter().map(|mode| mode.poles()).collect();
             (!poles.is_empty()).then_some(poles)
         };
         let mut poles: Vec<Option<Poles>> = group_modes.iter().map(known).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
-        for _ in 0..SWEEPS {
+        for _ in 0..MAX_SWEEPS {
             let fit = |index: usize| {
                 let resonance = resonances[index].as_ref();
-                let resonance = resonance.filter(|_| looks[index] == FirstLook::Worthwhile)?;
+                let resonance = resonance.filter(|_| looks[index] == Screening::Candidate)?;
                 let beside = |run| poles_beside(roots, (&groups, &poles), (index, run));
                 let one = |root: usize| vec![vec![roots[root].lambda; self.runs.len()]];
                 match (&poles[index], &groups[index][..]) {
                     (Some(poles), _) => {
-                        resonance.fitted(&resonance.runs(&self.runs, beside), poles.clone())
+                        resonance.fit_poles(&resonance.runs(&self.runs, beside), poles.clone())
                     }
                     (None, [root]) => {
-                        resonance.fitted(&resonance.runs(&self.runs, beside), one(*root))
+                        resonance.fit_poles(&resonance.runs(&self.runs, beside), one(*root))
                     }
-                    (None, _) => resonance.searched(&self.runs, beside),
+                    (None, _) => resonance.search_poles(&self.runs, beside),
                 }
             };
             fitted = (0..groups.len()).into_par_iter().map(fit).collect();
-            let moved = |(shifted, group_modes): (&Option<Fitted>, &Vec<&Moving>)| match shifted {
-                Some(shifted) => Some(
-                    shifted
-                        .tracks
-                        .iter()
-                        .map(|track| track.poles.clone())
-                        .collect(),
-                ),
-                None => known(group_modes),
-            };
+            let moved =
+                |(shifted, group_modes): (&Option<Fitted>, &Vec<&ShiftedMode>)| match shifted {
+                    Some(shifted) => Some(
+                        shifted
+                            .tracks
+                            .iter()
+                            .map(|track| track.poles.clone())
+                            .collect(),
+                    ),
+                    None => known(group_modes),
+                };
             poles = fitted.iter().zip(&group_modes).map(moved).collect();
         }
-        // Of those that could tell it, what they tell.
+        // Decisions of the resonances with enough runs.
         let judge = |index: usize| match (&resonances[index], looks[index]) {
-            (_, FirstLook::Unclear) => None,
-            (_, FirstLook::Still) => Some(Vec::new()),
-            (Some(resonance), FirstLook::Worthwhile) => resonance.judged(
+            (_, Screening::Undecided) => None,
+            (_, Screening::Unshifted) => Some(Vec::new()),
+            (Some(resonance), Screening::Candidate) => resonance.decide(
                 fitted[index].as_ref(),
                 (&self.runs, self.factors),
                 (&group_modes[index], index),
             ),
-            (None, FirstLook::Worthwhile) => {
-                Told::as_known(group_modes[index].iter().copied(), index)
+            (None, Screening::Candidate) => {
+                ShiftDecision::from_known_modes(group_modes[index].iter().copied(), index)
             }
         };
-        let decisions: Vec<Option<Vec<Told>>> = (0..groups.len()).map(judge).collect();
-        let all: Vec<&Told> = decisions.iter().flatten().flatten().collect();
+        let decisions: Vec<Option<Vec<ShiftDecision>>> = (0..groups.len()).map(judge).collect();
+        let all: Vec<&ShiftDecision> = decisions.iter().flatten().flatten().collect();
         let doubt = all
             .iter()
             .all(|decision| decision.group == all[0].group && !decision.alone);
-        let agreeing = self.agreeing(if doubt { Vec::new() } else { all.clone() });
-        let moves =
-            |taken: &[&Told], index: usize| taken.iter().any(|decision| decision.group == index);
+        let agreeing = self.modes_with_common_cause(if doubt { Vec::new() } else { all.clone() });
+        let moves = |taken: &[&ShiftDecision], index: usize| {
+            taken.iter().any(|decision| decision.group == index)
+        };
         let indices = 0..groups.len();
         let agree = indices.filter(|index| moves(&agreeing, *index)).count();
         let taken = match agree > 0 && 2 * agree >= decisions.iter().flatten().count() {
             true => agreeing,
-            // What is known already does not hang on what more was tried.
-            false => self.agreeing(all.into_iter().filter(|decision| decision.known).collect()),
+            // Modes that were shifted before do not depend on further candidates.
+            false => self.modes_with_common_cause(
+                all.into_iter().filter(|decision| decision.known).collect(),
+            ),
         };
         let stay = (0..groups.len()).filter(|index| !moves(&taken, *index));
         let stay: usize = stay.map(|index| groups[index].len()).sum();
-        Way {
-            left: stay + taken.len(),
+        Grouping {
+            modes: stay + taken.len(),
             gain: taken.iter().map(|decision| decision.gain).sum(),
-            moving: taken.iter().map(|decision| decision.mode.clone()).collect(),
+            shifted: taken.iter().map(|decision| decision.mode.clone()).collect(),
         }
     }
 
-    /// The known modes of each group: those to which one of its roots is the nearest of all.
-    fn owned(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&Moving>> {
+    /// Previous shifted modes of each group: those to which one of its poles is nearest.
+    fn modes_by_group(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&ShiftedMode>> {
         let mut group_modes = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
             let near = |j: &usize| (roots[*j].lambda.im - mode.lambda.im).abs();
@@ -338,8 +361,11 @@ impl Moved {
                 distances.fold(f64::INFINITY, f64::min)
             };
             let nearest = (0..groups.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let within =
-                |index: &usize| groups[*index].iter().any(|j| mode.holds(roots[*j].lambda));
+            let within = |index: &usize| {
+                groups[*index]
+                    .iter()
+                    .any(|j| mode.contains_pole(roots[*j].lambda))
+            };
             if let Some(index) = nearest.filter(within) {
                 group_modes[index].push(mode);
             }
@@ -347,22 +373,27 @@ impl Moved {
         group_modes
     }
 
-    /// The modes whose shifts have one cause: a state of the structure that changes from run to run
-    /// moves all modes together, and the mass of a sensor lowers a mode by so much as its point
-    /// moves in it. Pairs of close modes, which look as if one of them moved, do neither.
-    fn agreeing<'a>(&self, decisions: Vec<&'a Told>) -> Vec<&'a Told> {
-        let together = of_one_cause(decisions.clone(), together);
+    /// Modes whose shifts have one cause: a structure that changes between runs shifts all modes
+    /// together, and the mass of a sensor lowers the frequency of a mode in proportion to the
+    /// squared motion of its point. Pairs of close modes, which look like one shifted mode, do
+    /// neither.
+    fn modes_with_common_cause<'a>(
+        &self,
+        decisions: Vec<&'a ShiftDecision>,
+    ) -> Vec<&'a ShiftDecision> {
+        let together = explained_by_one_cause(decisions.clone(), mean_correlation);
         if !self.roving_sensor {
             return together;
         }
-        let by_mass = of_one_cause(decisions, |decisions| {
+        let by_mass = explained_by_one_cause(decisions, |decisions| {
             let parts = decisions
                 .iter()
-                .map(|decision| moved_by_mass(&decision.mode, &self.runs));
+                .map(|decision| explained_by_mass(&decision.mode, &self.runs));
             parts.collect()
         });
-        let gain =
-            |decisions: &[&Told]| decisions.iter().map(|decision| decision.gain).sum::<f64>();
+        let gain = |decisions: &[&ShiftDecision]| {
+            decisions.iter().map(|decision| decision.gain).sum::<f64>()
+        };
         match (together.len(), gain(&together)) < (by_mass.len(), gain(&by_mass)) {
             true => by_mass,
             false => together,
@@ -370,12 +401,15 @@ impl Moved {
     }
 }
 
-/// Those modes that one cause explains, so much of the scatter of all, without the groups of the
-/// least explained ones.
-fn of_one_cause(mut decisions: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f64>) -> Vec<&Told> {
+/// Modes of whose total scatter one cause explains the minimum fraction; groups with the least
+/// explained scatter are removed.
+fn explained_by_one_cause(
+    mut decisions: Vec<&ShiftDecision>,
+    explained: impl Fn(&[&ShiftDecision]) -> Vec<f64>,
+) -> Vec<&ShiftDecision> {
     while !decisions.is_empty() {
         let parts = explained(&decisions);
-        if parts.iter().sum::<f64>() > ONE_CAUSE * parts.len() as f64 {
+        if parts.iter().sum::<f64>() > MIN_EXPLAINED_FRACTION * parts.len() as f64 {
             break;
         }
         let least = (0..parts.len()).min_by(|a, b| parts[*a].total_cmp(&parts[*b]));
@@ -387,11 +421,11 @@ fn of_one_cause(mut decisions: Vec<&Told>, explained: impl Fn(&[&Told]) -> Vec<f
 
 /// Mean correlation of the shifts of each mode with those of other resonances; 0 where there are
 /// none.
-fn together(decisions: &[&Told]) -> Vec<f64> {
-    // Vectors of length 1, or 0 where a mode stays.
-    let direction = |decision: &&Told| -> Vec<f64> {
+fn mean_correlation(decisions: &[&ShiftDecision]) -> Vec<f64> {
+    // Vectors of length 1, or 0 for an unshifted mode.
+    let direction = |decision: &&ShiftDecision| -> Vec<f64> {
         let shift = |run: usize| {
-            let (shift, squares) = decision.mode.centred(run);
+            let (shift, squares) = decision.mode.centred_shift(run);
             if squares > 0.0 {
                 shift / squares.sqrt()
             } else {
@@ -414,9 +448,9 @@ fn together(decisions: &[&Told]) -> Vec<f64> {
     (0..decisions.len()).map(mean).collect()
 }
 
-/// Part of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, A the residues of
-/// the run.
-fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
+/// Fraction of the scatter of a mode that shifts `d = −b |A|²` with b > 0 explain, with the
+/// residues A of the run.
+fn explained_by_mass(mode: &ShiftedMode, runs: &[Vec<usize>]) -> f64 {
     let power = |run: &Vec<usize>| {
         let squares = run.iter().map(|f| mode.residues[*f].norm_sqr());
         squares.sum::<f64>() / run.len().max(1) as f64
@@ -425,7 +459,7 @@ fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
     let mean = powers.iter().sum::<f64>() / powers.len() as f64;
     let (mut cross, mut square, mut all) = (0.0, 0.0, 0.0);
     for (run, power) in powers.iter().enumerate() {
-        let (shift, squares) = mode.centred(run);
+        let (shift, squares) = mode.centred_shift(run);
         cross -= shift * (power - mean);
         square += (power - mean).powi(2);
         all = squares;
@@ -437,9 +471,9 @@ fn moved_by_mass(mode: &Moving, runs: &[Vec<usize>]) -> f64 {
     }
 }
 
-impl Moving {
+impl ShiftedMode {
     /// Frequency of a run less the mean of all, and the sum of the squares of all.
-    fn centred(&self, run: usize) -> (f64, f64) {
+    fn centred_shift(&self, run: usize) -> (f64, f64) {
         let count = self.shifts.len() as f64;
         let mean = self.shifts.iter().map(|shift| shift.im).sum::<f64>() / count;
         let squares = self
@@ -450,12 +484,12 @@ impl Moving {
         (self.shifts[run].im - mean, squares)
     }
 
-    /// Whether a pole may stand for it.
-    fn holds(&self, lambda: Complex64) -> bool {
-        (self.lambda.im - lambda.im).abs() < -2.0 * SAME * self.lambda.re
+    /// Whether a pole lies in the resonance of the mode.
+    fn contains_pole(&self, lambda: Complex64) -> bool {
+        (self.lambda.im - lambda.im).abs() < -2.0 * MATCH_BANDWIDTHS * self.lambda.re
     }
 
-    /// In each run.
+    /// Poles in each run.
     fn poles(&self) -> Vec<Complex64> {
         self.shifts
             .iter()
@@ -463,14 +497,16 @@ impl Moving {
             .collect()
     }
 
-    /// Whether it is where it was, as far as it matters.
-    fn stays(&self, before: &Self) -> bool {
-        let near =
-            |(now, then): (Complex64, Complex64)| (now - then).norm() <= SETTLED * self.scatter;
+    /// Whether the step since `before` is below the limit.
+    fn is_converged(&self, before: &Self) -> bool {
+        let near = |(now, then): (Complex64, Complex64)| {
+            (now - then).norm() <= CONVERGED_SHIFT_OVER_SCATTER * self.scatter
+        };
         self.poles().into_iter().zip(before.poles()).all(near)
     }
 
-    /// What brings a function of a run from its own pole to the mean, at one frequency, rad/s.
+    /// Correction that aligns an FRF of a run from its individual pole to the mean, at one
+    /// frequency, rad/s.
     fn correction(&self, shape: LineShape, (f, run): (usize, usize), omega: f64) -> Complex64 {
         let pole = |lambda: Complex64| shape.pole(omega, lambda);
         let (a, lambda) = (self.residues[f], self.lambda);
@@ -480,8 +516,8 @@ impl Moving {
     }
 }
 
-/// Roots around each strong one within so many half-power widths or such a part of the frequency,
-/// the strong one first.
+/// Groups of the poles around each strong one, within a number of half-power bandwidths or a
+/// fraction of the frequency, the strong one first.
 fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
     let strength = |j: &usize| roots[*j].quality.significance();
     let mut order: Vec<usize> = (0..roots.len()).collect();
@@ -501,7 +537,7 @@ fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
     groups
 }
 
-/// Poles of the other groups in a run: as that group moves, or its roots where that is not known.
+/// Poles of the other groups in a run: shifted where that is estimated, else the poles of the fit.
 fn poles_beside(
     roots: &[Root],
     (groups, moved): (&[Vec<usize>], &[Option<Poles>]),

@@ -1,40 +1,41 @@
-//! Whether poles of runs are samples of one mode: the criterion by which descriptions are held
-//! against each other, and the scatter.
+//! Model selection for run variation: the information criterion that compares common with
+//! individual poles, and the scatter between runs.
 
 use crate::identify::run_variation::pole_shift::Fitted;
 
-/// Steps of halving for the variance between runs.
-const HALVINGS: usize = 60;
+/// Maximum number of bisections for the variance between runs.
+const MAX_BISECTIONS: usize = 60;
 
-/// The Bayesian information criterion of descriptions of the same runs.
+/// Bayesian information criterion of models of the same runs.
 pub(super) struct Criterion {
-    /// Variance of what a description may leave over.
+    /// Variance of the noise.
     pub noise: f64,
-    /// Real numbers that are measured.
+    /// Number of measured real values.
     pub numbers: f64,
     pub functions: usize,
     pub runs: usize,
 }
 
 impl Criterion {
-    pub fn of(&self, left: f64, unknowns: usize) -> f64 {
-        2.0 * left / self.noise + unknowns as f64 * self.numbers.ln()
+    pub fn of(&self, residual_energy: f64, unknowns: usize) -> f64 {
+        2.0 * residual_energy / self.noise + unknowns as f64 * self.numbers.ln()
     }
 
-    /// Residues, frequencies, and a straight line of the decay rates for each pole.
+    /// Criterion of individual poles: residues, frequencies, and a straight line of the decay rates
+    /// for each pole.
     pub fn of_runs(&self, fitted: &Fitted) -> f64 {
         let unknowns = 2 * self.functions + self.runs + 2;
-        self.of(fitted.left, fitted.tracks.len() * unknowns)
+        self.of(fitted.residual_energy, fitted.tracks.len() * unknowns)
     }
 
-    /// Residues of each function by itself, and the poles.
-    pub fn of_roots(&self, left: f64, count: usize) -> f64 {
-        self.of(left, 2 * count * (self.functions + 1))
+    /// Criterion of common poles: free residues in each FRF, and the poles.
+    pub fn of_roots(&self, residual_energy: f64, count: usize) -> f64 {
+        self.of(residual_energy, 2 * count * (self.functions + 1))
     }
 }
 
-/// Variance between runs beside that of each, by which the weighted scatter is what it should be
-/// (Paule and Mandel 1982); 0 where the runs scatter no more than their own variances say.
+/// Variance between runs, in addition to that of each run, at which the weighted scatter equals its
+/// expected value (Paule and Mandel 1982); 0 where the variances of the runs explain their scatter.
 pub(super) fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
     let free = values.len() as f64 - 1.0;
     let scatter = |between: f64| {
@@ -48,10 +49,10 @@ pub(super) fn between_runs(values: &[f64], variances: &[f64]) -> f64 {
     if scatter(0.0) <= free {
         return 0.0;
     }
-    // The scatter falls with the variance, to 1 at most at that of the values themselves.
+    // The scatter falls with the variance, to at most 1 at the variance of the values themselves.
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let (mut lo, mut hi) = (0.0, values.iter().map(|value| (value - mean).powi(2)).sum());
-    for _ in 0..HALVINGS {
+    for _ in 0..MAX_BISECTIONS {
         let middle = 0.5 * (lo + hi);
         if scatter(middle) > free {
             lo = middle;
@@ -67,7 +68,7 @@ mod tests {
     use crate::identify::run_variation::model_selection::*;
 
     #[test]
-    fn the_variance_between_runs_is_what_their_own_does_not_explain() {
+    fn the_variance_between_runs_excludes_that_of_each_run() {
         // Equal variances: the sample variance less that of each.
         let values = [1.0, 3.0, 5.0, 7.0];
         let sample = 20.0 / 3.0;
@@ -76,8 +77,8 @@ mod tests {
         // However unequal, where they are far less than the scatter.
         let unequal = between_runs(&values, &[1e-3, 1e-9, 1e-6, 1e-9]);
         assert!((unequal - sample).abs() < 1e-2, "{unequal}");
-        // A run of which nothing is known scatters as it should: one degree of freedom too many is
-        // left to the others.
+        // An undetermined run scatters as expected: the other runs have one degree of freedom too
+        // many.
         let unknown = between_runs(&[1.0, 3.0, 5.0, 7.0, 1e3], &[0.5, 0.5, 0.5, 0.5, 1e12]);
         assert!((unknown - (20.0 / 4.0 - 0.5)).abs() < 1e-2, "{unknown}");
     }

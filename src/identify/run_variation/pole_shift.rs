@@ -1,57 +1,56 @@
-//! Poles of one resonance that move from run to run: where they begin, and Gauss-Newton steps from
-//! there.
+//! Poles of one resonance that shift between runs: initial poles and Gauss-Newton iteration.
 
 use num_complex::Complex64;
 
-use crate::identify::run_variation::resonance::{Resonance, STILL};
+use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
 use crate::identify::run_variation::run_fit::{Best, Line, Run, Step};
 
-/// Turns at most.
-const TURNS: usize = 30;
-/// Longest step, decay rates.
-const LONGEST: f64 = 0.5;
-/// Part of what is known of a frequency in the mean from which a run counts.
-const COUNTS: f64 = 0.1;
-/// Poles that are tried as beginnings: this many decay rates apart, so far beyond the outermost
-/// root, and no more than these.
-const APART: f64 = 1.0;
-const BEYOND: f64 = 2.0;
-const MOST_TRIED: usize = 64;
-/// Energy over that of noise, and over that of both, which a pole or a second one explains where
-/// there is one.
-const SECOND: f64 = 20.0;
-const LEAST_SECOND: f64 = 1e-3;
+/// Maximum number of iterations.
+const MAX_ITERATIONS: usize = 30;
+/// Maximum step, decay rates.
+const MAX_STEP_DECAY_RATES: f64 = 0.5;
+/// Weight of a run over the mean weight, above which its pole must stay within the lines.
+const MIN_RELATIVE_WEIGHT: f64 = 0.1;
+/// Trial poles for the initial poles: their spacing in decay rates, their margin beyond the
+/// outermost pole in decay rates, and their maximum number.
+const TRIAL_SPACING_DECAY_RATES: f64 = 1.0;
+const TRIAL_MARGIN_DECAY_RATES: f64 = 2.0;
+const MAX_TRIAL_POLES: usize = 64;
+/// Minimum energy that a pole or a second pole explains, over that of noise, and over that of both
+/// poles.
+const MIN_ENERGY_OVER_NOISE: f64 = 20.0;
+const MIN_SECOND_ENERGY_FRACTION: f64 = 1e-3;
 
 /// Poles in each run, pole by pole.
 pub(super) type Poles = Vec<Vec<Complex64>>;
 
-/// Where one pole moves to.
+/// One pole in all runs.
 pub(super) struct Track {
-    /// In each run.
+    /// Pole in each run.
     pub poles: Vec<Complex64>,
     /// κ: real part over imaginary part of a shift.
     pub slope: f64,
-    /// Of each frequency, in noise of unit variance, (rad/s)².
+    /// Variance of each frequency, in noise of unit variance, (rad/s)².
     pub variances: Vec<f64>,
-    /// Over the noise.
+    /// Residue of each FRF over the noise.
     pub amplitudes: Vec<Complex64>,
 }
 
-/// Where the poles of a resonance move to.
+/// Poles of a resonance in all runs.
 pub(super) struct Fitted {
     pub tracks: Vec<Track>,
-    /// `Σ|rest|²`.
-    pub left: f64,
+    /// Residual energy `Σ|r|²`.
+    pub residual_energy: f64,
 }
 
-/// One pole on its way: in each run, and the line of its decay rates.
+/// One pole during the iteration: in each run, and the line of its decay rates.
 struct Path {
     poles: Vec<Complex64>,
     line: Line,
 }
 
 impl Resonance<'_> {
-    /// The functions of each run, where the others have the poles `beside`.
+    /// The FRFs of each run, with the poles `beside` fitted as well.
     pub fn runs<'a>(
         &'a self,
         runs: &'a [Vec<usize>],
@@ -62,31 +61,31 @@ impl Resonance<'_> {
             .collect()
     }
 
-    /// Poles with a frequency of their own in every run, by Gauss-Newton steps; `None` where one
-    /// leaves the lines or damping.
-    pub fn fitted(&self, runs: &[Run], poles: Poles) -> Option<Fitted> {
+    /// Fits poles with an individual frequency in every run by Gauss-Newton steps; `None` where a
+    /// pole leaves the lines or its damping becomes negative.
+    pub fn fit_poles(&self, runs: &[Run], poles: Poles) -> Option<Fitted> {
         let line = Line {
             middle: self.strong(),
             slope: 0.0,
         };
         let path = |poles| Path { poles, line };
         let mut paths: Vec<Path> = poles.into_iter().map(path).collect();
-        for _ in 0..TURNS {
+        for _ in 0..MAX_ITERATIONS {
             let steps = steps(runs, &paths);
             let pairs = paths.iter().zip(&steps);
-            let moved = pairs.map(|(path, steps)| self.moved(&path.poles, steps));
+            let moved = pairs.map(|(path, steps)| self.step_poles(&path.poles, steps));
             let now = moved.collect::<Option<Vec<Path>>>()?;
             let mut all = paths.iter().zip(&now).zip(&steps);
-            let still = all.all(|((before, now), steps)| now.stays(before, steps));
+            let converged = all.all(|((before, now), steps)| now.is_converged(before, steps));
             paths = now;
-            if still {
+            if converged {
                 break;
             }
         }
         Some(self.evaluate(runs, paths))
     }
 
-    /// What the runs say of poles where they are.
+    /// Variances, amplitudes and residual energy at given poles.
     fn evaluate(&self, runs: &[Run], paths: Vec<Path>) -> Fitted {
         let track = |path: Path| Track {
             variances: Vec::with_capacity(runs.len()),
@@ -96,14 +95,14 @@ impl Resonance<'_> {
         };
         let mut fitted = Fitted {
             tracks: paths.into_iter().map(track).collect(),
-            left: 0.0,
+            residual_energy: 0.0,
         };
         for (number, run) in runs.iter().enumerate() {
             let poles: Vec<Complex64> = (fitted.tracks.iter())
                 .map(|track| track.poles[number])
                 .collect();
             let look = run.look(&poles);
-            fitted.left += look.left;
+            fitted.residual_energy += look.residual_energy;
             let steps = look.steps(0..run.functions.len());
             for (j, (track, step)) in fitted.tracks.iter_mut().zip(steps).enumerate() {
                 track.variances.push(0.5 / step.weight);
@@ -115,33 +114,34 @@ impl Resonance<'_> {
         fitted
     }
 
-    /// Where one pole and where two of each run may begin; none where no run has so many.
+    /// Initial values of one pole and of two poles in each run; none where no run shows as many.
     ///
-    /// A run of which one pole says no more than where it is in most runs has it there. Of two, a
-    /// run that has only one says nothing of the other, which begins at the median of the runs that
-    /// have both; the one that it has is that whose median is nearer.
-    pub fn beginnings(&self, runs: &[Run]) -> Vec<Poles> {
-        let tried = self.tried();
-        let best: Vec<Best> = runs.iter().map(|run| run.best(&tried)).collect();
+    /// A run with a weak response begins at the median of the runs. With two poles, a run that
+    /// shows one only begins with the other at its median over the runs that show both; the visible
+    /// pole is the one with the nearer median.
+    pub fn initial_poles(&self, runs: &[Run]) -> Vec<Poles> {
+        let trial_poles = self.trial_poles();
+        let best: Vec<Best> = runs.iter().map(|run| run.best(&trial_poles)).collect();
         let one = |(best, run): (&Best, &Run)| {
-            let clear = best.by_one > SECOND * run.functions.len() as f64;
+            let clear = best.by_one > MIN_ENERGY_OVER_NOISE * run.functions.len() as f64;
             clear.then_some(best.one)
         };
         let ones: Vec<Option<Complex64>> = best.iter().zip(runs).map(one).collect();
-        let mut beginnings = Vec::new();
+        let mut initial_poles = Vec::new();
         if let Some(median) = median(ones.iter().flatten().copied()) {
             let at = |pole: &Option<Complex64>| pole.unwrap_or(median);
-            beginnings.push(vec![ones.iter().map(at).collect()]);
+            initial_poles.push(vec![ones.iter().map(at).collect()]);
         }
         let both = |(best, run): (&Best, &Run)| {
             let (pair, by_two) = best.two?;
-            let least = (SECOND * run.functions.len() as f64).max(LEAST_SECOND * by_two);
+            let least = (MIN_ENERGY_OVER_NOISE * run.functions.len() as f64)
+                .max(MIN_SECOND_ENERGY_FRACTION * by_two);
             (by_two - best.by_one > least).then_some(pair)
         };
         let pairs: Vec<Option<[Complex64; 2]>> = best.iter().zip(runs).map(both).collect();
         let median = |j: usize| median(pairs.iter().flatten().map(|pair| pair[j]));
         let (Some(first), Some(second)) = (median(0), median(1)) else {
-            return beginnings;
+            return initial_poles;
         };
         let medians = [first, second];
         let pair = |(pair, one): (&Option<[Complex64; 2]>, &Option<Complex64>)| {
@@ -154,30 +154,32 @@ impl Resonance<'_> {
         };
         let pairs: Vec<[Complex64; 2]> = pairs.iter().zip(&ones).map(pair).collect();
         let of = |j: usize| pairs.iter().map(|pair| pair[j]).collect();
-        beginnings.push(vec![of(0), of(1)]);
-        beginnings
+        initial_poles.push(vec![of(0), of(1)]);
+        initial_poles
     }
 
-    /// Poles of the strong root's decay rate over the lines of the group.
-    fn tried(&self) -> Vec<Complex64> {
+    /// Trial poles with the decay rate of the strong pole, over the lines of the group.
+    fn trial_poles(&self) -> Vec<Complex64> {
         let decay = -self.strong().re;
         let (lo, hi) = self.span();
-        let lo = (lo - BEYOND * decay).max(self.omega[1]);
-        let hi = (hi + BEYOND * decay).min(self.omega[self.omega.len() - 2]);
-        let count = (((hi - lo) / (APART * decay)).ceil() as usize).clamp(1, MOST_TRIED - 1);
+        let lo = (lo - TRIAL_MARGIN_DECAY_RATES * decay).max(self.omega[1]);
+        let hi = (hi + TRIAL_MARGIN_DECAY_RATES * decay).min(self.omega[self.omega.len() - 2]);
+        let count = (((hi - lo) / (TRIAL_SPACING_DECAY_RATES * decay)).ceil() as usize)
+            .clamp(1, MAX_TRIAL_POLES - 1);
         let at = |n: usize| lo + (hi - lo) * n as f64 / count as f64;
         (0..=count).map(|n| Complex64::new(-decay, at(n))).collect()
     }
 
-    /// Poles after a step of each, their decay rates on one line; `None` where they leave the lines
-    /// or damping.
-    fn moved(&self, poles: &[Complex64], steps: &[Step]) -> Option<Path> {
+    /// Poles after a step of each, with their decay rates on one line; `None` where a pole leaves
+    /// the lines or its damping becomes negative.
+    fn step_poles(&self, poles: &[Complex64], steps: &[Step]) -> Option<Path> {
         let weights: f64 = steps.iter().map(|step| step.weight).sum();
         if !weights.is_finite() || weights <= 0.0 {
             return None;
         }
         let (lo, hi) = (self.omega[0], self.omega[self.omega.len() - 1]);
-        let longest = -LONGEST * poles.iter().map(|pole| pole.re).sum::<f64>() / poles.len() as f64;
+        let longest = -MAX_STEP_DECAY_RATES * poles.iter().map(|pole| pole.re).sum::<f64>()
+            / poles.len() as f64;
         let stepped = |(pole, step): (&Complex64, &Step)| {
             let change = |part: f64| part.clamp(-longest, longest);
             Complex64::new(
@@ -190,12 +192,12 @@ impl Resonance<'_> {
         if line.middle.re.is_nan() || line.middle.re >= 0.0 {
             return None;
         }
-        // One that hardly counts may be far off.
+        // A run of low weight may be far off.
         let damped = |decay: f64| if decay < 0.0 { decay } else { line.middle.re };
         let on_line = |pole: &Complex64| Complex64::new(damped(line.at(pole.im)), pole.im);
         let poles: Vec<Complex64> = stepped.iter().map(on_line).collect();
         let strays = |(pole, step): (&Complex64, &Step)| {
-            let counts = step.weight > COUNTS * weights / poles.len() as f64;
+            let counts = step.weight > MIN_RELATIVE_WEIGHT * weights / poles.len() as f64;
             counts && (pole.im <= lo || pole.im >= hi || pole.re >= 0.0)
         };
         let stray = poles.iter().zip(steps).any(strays);
@@ -210,7 +212,7 @@ fn median(poles: impl Iterator<Item = Complex64>) -> Option<Complex64> {
     poles.get(poles.len() / 2).copied()
 }
 
-/// Of each pole, the step in each run.
+/// Step of each pole in each run.
 fn steps(runs: &[Run], paths: &[Path]) -> Vec<Vec<Step>> {
     let mut steps = vec![Vec::with_capacity(runs.len()); paths.len()];
     for (number, run) in runs.iter().enumerate() {
@@ -224,13 +226,13 @@ fn steps(runs: &[Run], paths: &[Path]) -> Vec<Vec<Step>> {
 }
 
 impl Path {
-    /// Whether the last steps were hardly any; runs near a node may wander.
-    fn stays(&self, before: &Self, steps: &[Step]) -> bool {
+    /// Whether the last weighted steps are below the limit; runs near a node may wander.
+    fn is_converged(&self, before: &Self, steps: &[Step]) -> bool {
         let weights: f64 = steps.iter().map(|step| step.weight).sum();
         let moved = |((now, before), step): ((&Complex64, &Complex64), &Step)| {
             (step.weight / weights).sqrt() * (now - before).norm()
         };
         let moved = self.poles.iter().zip(&before.poles).zip(steps).map(moved);
-        moved.fold(0.0, f64::max) < STILL * self.line.middle.re.abs()
+        moved.fold(0.0, f64::max) < CONVERGED_STEP_DECAY_RATES * self.line.middle.re.abs()
     }
 }

@@ -1,5 +1,5 @@
-//! One resonance of which every run has a pole of its own, and whether that describes the data
-//! better than several roots for all runs.
+//! One resonance with an individual pole in every run, and the test whether this fits the data
+//! better than several poles common to all runs.
 
 use num_complex::Complex64;
 
@@ -14,76 +14,79 @@ use crate::identify::noise::band_profile::Profile;
 use crate::identify::run_variation::model_selection::{Criterion, between_runs};
 use crate::identify::run_variation::pole_shift::{Fitted, Track};
 use crate::identify::run_variation::run_fit::{Run, Step, without};
-use crate::identify::run_variation::{Moved, Moving};
+use crate::identify::run_variation::{Moved, ShiftedMode};
 
-/// Half-power widths on either side in which a pole is looked at.
-const REACH: f64 = 3.0;
-/// Lines on either side, at least: a narrow resonance is told by the lines of its flanks as well.
-const SIDE: f64 = 10.0;
-/// Largest shift of a run, half-power widths or part of the frequency: the mass of a sensor or a
-/// drift moves no mode farther, but two modes look so.
-const MOST_SHIFT: f64 = 1.0;
-pub(super) const MOST_PART: f64 = 0.02;
-/// Least scatter between runs, half-power widths: noise of the force that neighbouring lines share
-/// makes as much.
-const LEAST_SCATTER: f64 = 0.005;
-/// Energy that rounding leaves over.
-const ROUNDING: f64 = 1e-14;
-/// Deviation of the frequency of a run, half-power widths, up to which the run says whether it
-/// moved.
-const CLEAR: f64 = 0.1;
-/// What a known mode leaves over, over what roots leave or noise, from which on it is not told
-/// anew.
-const POOR: f64 = 2.0;
-/// Part of what the criterion asks for, from which on a single root is looked at.
-const ENOUGH: f64 = 0.3;
-/// Half-power widths between the outermost roots of a group from which on they lie apart, and the
-/// part of half the distance of two within which a run has the pole of one.
-const LYING_APART: f64 = 0.8;
-const CHOSEN: f64 = 0.05;
-/// Runs with the largest response in a resonance of several roots, which are asked first where
-/// there are more than twice as many.
-const STRONGEST: usize = 6;
-/// Step that ends the turns, decay rates.
-pub(super) const STILL: f64 = 1e-6;
+/// Half-width of the fitted lines around a pole, half-power bandwidths.
+const HALF_WIDTH_BANDWIDTHS: f64 = 3.0;
+/// Minimum number of lines on each side: the flanks of a narrow resonance determine its pole as
+/// well.
+const MIN_LINES_PER_SIDE: f64 = 10.0;
+/// Maximum shift of a run, half-power bandwidths or fraction of the frequency: the mass of a sensor
+/// or a drift causes no larger shift, but two modes look like one.
+const MAX_SHIFT_BANDWIDTHS: f64 = 1.0;
+pub(super) const MAX_SHIFT_FRACTION: f64 = 0.02;
+/// Minimum scatter between runs, half-power bandwidths: force noise that is correlated between
+/// lines causes as much.
+const MIN_SCATTER_BANDWIDTHS: f64 = 0.005;
+/// Residual energy by rounding over the energy of the values.
+const ROUND_OFF_ENERGY: f64 = 1e-14;
+/// Standard deviation of the frequency of a run, half-power bandwidths, below which the run decides
+/// whether the mode shifts.
+const MAX_FREQUENCY_STD_BANDWIDTHS: f64 = 0.1;
+/// Residual energy with shifted poles over that of common poles or noise, above which the previous
+/// shifts are retained.
+const MAX_RESIDUAL_RATIO: f64 = 2.0;
+/// Fraction of the decrease that the criterion requires, above which a single pole is a candidate
+/// for shifts.
+const MIN_CRITERION_FRACTION: f64 = 0.3;
+/// Minimum distance of the outermost poles of a group, half-power bandwidths, at which they are
+/// separate; and the fraction of half the distance of two poles within which a run has the pole of
+/// one.
+const MIN_GROUP_SPAN_BANDWIDTHS: f64 = 0.8;
+const MAX_DISTANCE_FRACTION: f64 = 0.05;
+/// Number of runs with the largest response that screen a resonance of several poles, where there
+/// are more than twice as many.
+const SCREENED_RUNS: usize = 6;
+/// Step that ends the iteration, decay rates.
+pub(super) const CONVERGED_STEP_DECAY_RATES: f64 = 1e-6;
 
-/// The lines around a strong root and the roots of its group, without what roots farther away
-/// explain.
+/// The lines around a strong pole and the poles of its group, without the response of poles farther
+/// away.
 pub(super) struct Resonance<'a> {
     pub(super) data: &'a Receptances,
     pub(super) omega: Vec<f64>,
     pub(super) profile: Profile,
-    /// Over the noise, as runs are brought together: lines × functions.
-    straight: ComplexMatrix,
-    /// The same as measured.
+    /// Values over the noise, of aligned runs: lines × FRFs.
+    aligned: ComplexMatrix,
+    /// Values over the noise, as measured.
     values: ComplexMatrix,
-    /// Of what lies farther away, with a curvature: lines × columns.
+    /// Profiles of out-of-band terms, with a curvature: lines × columns.
     background: ComplexMatrix,
     group: Vec<&'a Root>,
-    /// All other roots.
+    /// Poles outside the group.
     others: Vec<Complex64>,
 }
 
-/// A mode that moves.
-pub(super) struct Told {
-    pub mode: Moving,
-    /// Which group of roots it stands for.
+/// Decision that a mode shifts between runs.
+pub(super) struct ShiftDecision {
+    pub mode: ShiftedMode,
+    /// Index of its group of poles.
     pub group: usize,
-    /// Whether it says so beyond doubt, were it the only one.
+    /// Whether the evidence suffices without any other mode.
     pub alone: bool,
-    /// Whether it was known before.
+    /// Whether the mode was shifted before.
     pub known: bool,
-    /// By how much the criterion speaks for it.
+    /// Decrease of the criterion.
     pub gain: f64,
 }
 
-impl Told {
-    /// What is known already.
-    pub fn as_known<'a>(
-        known: impl IntoIterator<Item = &'a Moving>,
+impl ShiftDecision {
+    /// Decisions for modes that were shifted before.
+    pub fn from_known_modes<'a>(
+        known: impl IntoIterator<Item = &'a ShiftedMode>,
         group: usize,
     ) -> Option<Vec<Self>> {
-        let decision = |mode: &Moving| Self {
+        let decision = |mode: &ShiftedMode| Self {
             mode: mode.clone(),
             group,
             alone: true,
@@ -95,19 +98,19 @@ impl Told {
     }
 }
 
-/// What one look at a resonance says of its pole.
+/// Result of the screening of a resonance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FirstLook {
-    /// Too few runs can tell.
-    Unclear,
-    /// It is the same in all runs.
-    Still,
-    /// It may move.
-    Worthwhile,
+pub(super) enum Screening {
+    /// Too few runs decide.
+    Undecided,
+    /// The pole is the same in all runs.
+    Unshifted,
+    /// The pole may shift between runs.
+    Candidate,
 }
 
 impl<'a> Resonance<'a> {
-    /// `None` where too few lines tell the roots around apart.
+    /// `None` where too few lines separate the poles around.
     pub fn new(
         data: &'a Receptances,
         (roots, group): (&'a [Root], &[usize]),
@@ -116,7 +119,8 @@ impl<'a> Resonance<'a> {
         let strong = &roots[group[0]];
         let distance = |j: &usize| (roots[*j].lambda.im - strong.lambda.im).abs();
         let farthest = group.iter().map(distance).fold(0.0, f64::max) / strong.width();
-        let side = farthest + REACH.max(SIDE * data.step / strong.width());
+        let side =
+            farthest + HALF_WIDTH_BANDWIDTHS.max(MIN_LINES_PER_SIDE * data.step / strong.width());
         let lines = lines_around(data, strong, side);
         let omega = data.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| beside(&omega, lambda);
@@ -132,21 +136,22 @@ impl<'a> Resonance<'a> {
                 background.value(column, &omega, k)
             }
         });
-        // The background, the pole with its derivative, and as many rows again to tell a misfit.
+        // Out-of-band terms, the pole with its derivative, and as many lines again to detect
+        // misfit.
         if omega.len() < 2 * (roots_near.len() + background.ncols() + 2) {
             return None;
         }
         let profile = Profile::new(data, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
         let explained = courses(data.line_shape, &omega, &far) * residues(&far, data.functions());
-        let straight = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
+        let aligned = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
             let value = data.values[f][lines.start + k] - explained[(k, f)];
             value / over(k, f)
         });
-        let modes_near: Vec<&Moving> = (moved.modes.iter())
+        let modes_near: Vec<&ShiftedMode> = (moved.modes.iter())
             .filter(|mode| near(mode.lambda))
             .collect();
-        let mut values = straight.clone();
+        let mut values = aligned.clone();
         for (run, functions) in moved.runs.iter().enumerate() {
             for (f, k) in functions
                 .iter()
@@ -160,7 +165,7 @@ impl<'a> Resonance<'a> {
         }
         let other = |j: &usize| !group.contains(j);
         Some(Self {
-            straight,
+            aligned,
             values,
             group: group.iter().map(|j| &roots[*j]).collect(),
             others: (0..roots.len())
@@ -174,8 +179,8 @@ impl<'a> Resonance<'a> {
         })
     }
 
-    /// An orthonormal basis of the background and the courses of those poles that are near, over
-    /// the course of the noise.
+    /// Orthonormal basis of the out-of-band profiles and of the profiles of the poles that are
+    /// near, over the profile of the noise.
     pub(super) fn basis(&self, poles: &[Complex64]) -> ComplexMatrix {
         let near: Vec<Complex64> = (poles.iter().copied())
             .filter(|lambda| beside(&self.omega, *lambda))
@@ -191,12 +196,12 @@ impl<'a> Resonance<'a> {
         ThinQr::or_not_a_number(&columns).q
     }
 
-    /// Of the strong root.
+    /// The strong pole.
     pub fn strong(&self) -> Complex64 {
         self.group[0].lambda
     }
 
-    /// Lowest and highest root, rad/s.
+    /// Lowest and highest frequency of the poles of the group, rad/s.
     pub fn span(&self) -> (f64, f64) {
         let frequencies = self.group.iter().map(|root| root.lambda.im);
         frequencies.fold((f64::INFINITY, 0.0), |(lo, hi), at| {
@@ -208,19 +213,19 @@ impl<'a> Resonance<'a> {
         self.data.functions()
     }
 
-    /// As measured, over the noise: lines × functions.
+    /// Measured values over the noise: lines × FRFs.
     pub fn values(&self) -> &ComplexMatrix {
         &self.values
     }
 
-    /// What one step tells of a pole of its own in every run; where several roots are, a few runs
-    /// are tried.
-    pub fn first_look(&self, runs: &[Vec<usize>]) -> FirstLook {
+    /// Screens the resonance by one Gauss-Newton step of an individual pole in every run; for a
+    /// group of several poles, by fits of a few runs.
+    pub fn screen(&self, runs: &[Vec<usize>]) -> Screening {
         let [root] = self.group[..] else {
-            return self.look_at_strongest(runs);
+            return self.screen_strongest_runs(runs);
         };
         let functions: Vec<usize> = (0..self.functions()).collect();
-        let run = Run::new(self, (&self.straight, &functions), &self.others);
+        let run = Run::new(self, (&self.aligned, &functions), &self.others);
         let look = run.look(&[root.lambda]);
         let run_step = |run: &Vec<usize>| look.steps(run.iter().copied())[0];
         let steps: Vec<Step> = runs.iter().map(run_step).collect();
@@ -228,63 +233,65 @@ impl<'a> Resonance<'a> {
         let correlation_factor = self.data.shared.of_pole(self.data, root);
         let noise = correlation_factor * (look.without_derivative() / values).min(1.0);
         let variances = steps.iter().map(|step| 0.5 / step.weight);
-        if !tells(variances, self.clear(root.decay(), noise)) {
-            return FirstLook::Unclear;
+        if !has_enough_runs(variances, self.max_frequency_variance(root.decay(), noise)) {
+            return Screening::Undecided;
         }
         let gained = steps
             .iter()
             .map(|step| step.weight * step.change.im.powi(2));
         let wanted = runs.len() as f64 * (2.0 * values / correlation_factor).ln();
-        match 2.0 * gained.sum::<f64>() / noise > ENOUGH * wanted {
-            true => FirstLook::Worthwhile,
-            false => FirstLook::Still,
+        match 2.0 * gained.sum::<f64>() / noise > MIN_CRITERION_FRACTION * wanted {
+            true => Screening::Candidate,
+            false => Screening::Unshifted,
         }
     }
 
-    /// Whether the runs with the largest response speak for poles that move.
-    fn look_at_strongest(&self, runs: &[Vec<usize>]) -> FirstLook {
-        if runs.len() <= 2 * STRONGEST {
-            return FirstLook::Worthwhile;
+    /// Screens the resonance by fits of the runs with the largest response.
+    fn screen_strongest_runs(&self, runs: &[Vec<usize>]) -> Screening {
+        if runs.len() <= 2 * SCREENED_RUNS {
+            return Screening::Candidate;
         }
         let power = |run: &Vec<usize>| -> f64 {
-            let powers = run.iter().map(|f| self.straight.col(*f).squared_norm_l2());
+            let powers = run.iter().map(|f| self.aligned.col(*f).squared_norm_l2());
             powers.sum()
         };
         let mut order: Vec<(f64, &Vec<usize>)> = runs.iter().map(|run| (power(run), run)).collect();
         order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        let strongest: Vec<Vec<usize>> = (order.into_iter().take(STRONGEST))
+        let strongest: Vec<Vec<usize>> = (order.into_iter().take(SCREENED_RUNS))
             .map(|(_, run)| run.clone())
             .collect();
-        let Some(fitted) = self.searched(&strongest, |_| self.others.clone()) else {
-            return FirstLook::Still;
+        let Some(fitted) = self.search_poles(&strongest, |_| self.others.clone()) else {
+            return Screening::Unshifted;
         };
         let group_residual_energy = self.group_residual_energy(&strongest);
-        let criterion = self.criterion(&strongest, group_residual_energy.min(fitted.left));
+        let criterion = self.criterion(
+            &strongest,
+            group_residual_energy.min(fitted.residual_energy),
+        );
         match criterion.of_runs(&fitted)
             < criterion.of_roots(group_residual_energy, self.group.len())
         {
-            true => FirstLook::Worthwhile,
-            false => FirstLook::Still,
+            true => Screening::Candidate,
+            false => Screening::Unshifted,
         }
     }
 
-    /// One pole or two in every run, whichever describes them better of those that may be, found
-    /// wherever they are.
-    pub fn searched(
+    /// Fits one pole or two in every run from all initial poles, and takes the better fit.
+    pub fn search_poles(
         &self,
         runs: &[Vec<usize>],
         beside: impl Fn(usize) -> Vec<Complex64>,
     ) -> Option<Fitted> {
         let run_data = self.runs(runs, beside);
-        let mut beginnings = self.beginnings(&run_data);
-        beginnings.push(vec![vec![self.strong(); runs.len()]]);
-        let fits = beginnings.into_iter();
+        let mut initial_poles = self.initial_poles(&run_data);
+        initial_poles.push(vec![vec![self.strong(); runs.len()]]);
+        let fits = initial_poles.into_iter();
         let fits: Vec<Fitted> = fits
-            .filter_map(|poles| self.fitted(&run_data, poles))
+            .filter_map(|poles| self.fit_poles(&run_data, poles))
             .collect();
         let least = fits
             .iter()
-            .map(|fit| fit.left)
+            .map(|fit| fit.residual_energy)
             .fold(f64::INFINITY, f64::min);
         let criterion = self.criterion(runs, least);
         let rank = |fit: &Fitted| {
@@ -300,87 +307,90 @@ impl<'a> Resonance<'a> {
         best.map(|(_, fit)| fit)
     }
 
-    /// The modes of such poles in noise of some variance; `None` where too few runs could tell how
-    /// they move, none where they hardly move, or too far, or into another resonance.
-    fn modes(&self, fitted: &Fitted, noise: f64) -> Option<Vec<Moving>> {
+    /// Modes of the fitted poles in noise of a given variance; `None` where too few runs decide,
+    /// empty where the shifts are too small, too large or lead into another resonance.
+    fn modes(&self, fitted: &Fitted, noise: f64) -> Option<Vec<ShiftedMode>> {
         let merged = |track: &Track| self.merged(track, noise);
-        let modes: Vec<Moving> = fitted.tracks.iter().map(merged).collect();
+        let modes: Vec<ShiftedMode> = fitted.tracks.iter().map(merged).collect();
         let pairs = || fitted.tracks.iter().zip(&modes);
-        let most = |mode: &Moving| self.clear(-mode.lambda.re, noise);
-        let clear =
-            |(track, mode): (&Track, &Moving)| tells(track.variances.iter().copied(), most(mode));
+        let most = |mode: &ShiftedMode| self.max_frequency_variance(-mode.lambda.re, noise);
+        let clear = |(track, mode): (&Track, &ShiftedMode)| {
+            has_enough_runs(track.variances.iter().copied(), most(mode))
+        };
         if !pairs().all(clear) {
             return None;
         }
-        let far = |(track, mode): (&Track, &Moving)| {
-            let farthest = (MOST_SHIFT * -2.0 * mode.lambda.re).max(MOST_PART * mode.lambda.im);
+        let far = |(track, mode): (&Track, &ShiftedMode)| {
+            let farthest = (MAX_SHIFT_BANDWIDTHS * -2.0 * mode.lambda.re)
+                .max(MAX_SHIFT_FRACTION * mode.lambda.im);
             let mut shifts = mode.shifts.iter().zip(&track.variances);
             shifts.any(|(shift, v)| *v < most(mode) && shift.im.abs() > farthest)
         };
-        let little = |mode: &Moving| mode.scatter < LEAST_SCATTER * -2.0 * mode.lambda.re;
-        let astray = |mode: &Moving| !self.owns(mode.lambda);
+        let little =
+            |mode: &ShiftedMode| mode.scatter < MIN_SCATTER_BANDWIDTHS * -2.0 * mode.lambda.re;
+        let astray = |mode: &ShiftedMode| !self.is_nearest_group(mode.lambda);
         let none = modes.iter().all(little) || modes.iter().any(astray) || pairs().any(far);
         Some(if none { Vec::new() } else { modes })
     }
 
-    /// Whether a pole is nearer to a root of the group than to all others.
-    fn owns(&self, lambda: Complex64) -> bool {
+    /// Whether a pole is nearer to a pole of the group than to all others.
+    fn is_nearest_group(&self, lambda: Complex64) -> bool {
         let distance = |other: Complex64| (other.im - lambda.im).abs();
         let distances = self.group.iter().map(|root| distance(root.lambda));
         let nearest = distances.fold(f64::INFINITY, f64::min);
         self.others.iter().all(|other| distance(*other) >= nearest)
     }
 
-    /// `Σ|rest|²` of some runs that the roots leave over with residues of their own.
+    /// Residual energy `Σ|r|²` of some runs with common poles and free residues.
     fn group_residual_energy(&self, runs: &[Vec<usize>]) -> f64 {
         let group_poles = self.group.iter().map(|root| root.lambda);
         let all: Vec<Complex64> = group_poles.chain(self.others.iter().copied()).collect();
         let functions: Vec<usize> = runs.iter().flatten().copied().collect();
         let values = linalg::complex_matrix(self.omega.len(), functions.len(), |k, index| {
-            self.straight[(k, functions[index])]
+            self.aligned[(k, functions[index])]
         });
         without(&self.basis(&all), &values).squared_norm_l2()
     }
 
-    /// What the best description of some runs leaves over tells the noise where the data do not
-    /// state it.
-    fn criterion(&self, runs: &[Vec<usize>], left: f64) -> Criterion {
+    /// Criterion for some runs; the noise variance is estimated from the residual of their best fit
+    /// where the data state none.
+    fn criterion(&self, runs: &[Vec<usize>], residual_energy: f64) -> Criterion {
         let functions = runs.iter().map(Vec::len).sum();
         let values = (self.omega.len() * functions) as f64;
         let correlation_factor = self.data.shared.of_pole(self.data, self.group[0]);
-        let rounding = ROUNDING * self.straight.squared_norm_l2();
-        let left = left.max(rounding).max(f64::MIN_POSITIVE);
+        let rounding = ROUND_OFF_ENERGY * self.aligned.squared_norm_l2();
+        let residual_energy = residual_energy.max(rounding).max(f64::MIN_POSITIVE);
         Criterion {
-            noise: correlation_factor * (left / values).min(1.0),
+            noise: correlation_factor * (residual_energy / values).min(1.0),
             numbers: 2.0 * values / correlation_factor,
             functions,
             runs: runs.len(),
         }
     }
 
-    /// Variance of a frequency in noise of unit variance up to which a run says whether it moved.
-    fn clear(&self, decay: f64, noise: f64) -> f64 {
-        (CLEAR * 2.0 * decay).powi(2) / noise
+    /// Variance of a frequency in noise of unit variance, below which a run decides whether the
+    /// mode shifts.
+    fn max_frequency_variance(&self, decay: f64, noise: f64) -> f64 {
+        (MAX_FREQUENCY_STD_BANDWIDTHS * 2.0 * decay).powi(2) / noise
     }
 
-    /// The modes, where their poles move or are `known` to; `None` where too few runs could tell
-    /// it.
-    pub fn judged(
+    /// Decides which modes shift, `known` ones included; `None` where too few runs decide.
+    pub fn decide(
         &self,
         fitted: Option<&Fitted>,
         (runs, factors): (&[Vec<usize>], usize),
-        (known, group): (&[&Moving], usize),
-    ) -> Option<Vec<Told>> {
-        let as_known = || Told::as_known(known.iter().copied(), group);
+        (known, group): (&[&ShiftedMode], usize),
+    ) -> Option<Vec<ShiftDecision>> {
+        let from_known_modes = || ShiftDecision::from_known_modes(known.iter().copied(), group);
         let Some(fitted) = fitted else {
-            return as_known();
+            return from_known_modes();
         };
         let group_residual_energy = self.group_residual_energy(runs);
-        let criterion = self.criterion(runs, group_residual_energy.min(fitted.left));
+        let criterion = self.criterion(runs, group_residual_energy.min(fitted.residual_energy));
         let modes = match self.modes(fitted, criterion.noise) {
             Some(modes) => modes,
             None if known.is_empty() => return None,
-            None => return as_known(),
+            None => return from_known_modes(),
         };
         if modes.is_empty() {
             return Some(Vec::new());
@@ -388,24 +398,26 @@ impl<'a> Resonance<'a> {
         let of_runs = criterion.of_runs(fitted);
         let of_roots = criterion.of_roots(group_residual_energy, self.group.len());
         if !known.is_empty() {
-            // Brought together each is one root, unless it never was one mode.
+            // Aligned, each is one pole, unless it never was one mode.
             if self.group.len() > known.len() && of_runs >= of_roots {
                 return Some(Vec::new());
             }
             let values = (self.omega.len() * self.functions()) as f64;
-            return match fitted.left < POOR * group_residual_energy.max(values) {
-                true => Told::as_known(&modes, group),
-                false => as_known(),
+            return match fitted.residual_energy
+                < MAX_RESIDUAL_RATIO * group_residual_energy.max(values)
+            {
+                true => ShiftDecision::from_known_modes(&modes, group),
+                false => from_known_modes(),
             };
         }
-        if of_runs >= of_roots || self.runs_choose_roots(fitted, &modes) {
+        if of_runs >= of_roots || self.runs_coincide_with_poles(fitted, &modes) {
             return Some(Vec::new());
         }
-        // As products of shapes and participation factors.
+        // Residues as products of shapes and participation factors.
         let of_group: usize = self.group.iter().map(|root| root.multiplicity()).sum();
-        let of_products = criterion.of(self.left_by_roots(), 2 * of_group * factors);
+        let of_products = criterion.of(self.residual_energy_as_fitted(), 2 * of_group * factors);
         let gain = (of_roots - of_runs) / modes.len() as f64;
-        let decision = |mode: Moving| Told {
+        let decision = |mode: ShiftedMode| ShiftDecision {
             alone: of_runs < of_products,
             known: false,
             mode,
@@ -415,12 +427,13 @@ impl<'a> Resonance<'a> {
         Some(modes.into_iter().map(decision).collect())
     }
 
-    /// Whether the runs have their poles where the roots are that lie apart: modes that each
-    /// respond in some of the runs alone look so, and what moves would have to stop there.
-    fn runs_choose_roots(&self, fitted: &Fitted, modes: &[Moving]) -> bool {
+    /// Whether the poles of the runs coincide with separate poles of the group: modes that each
+    /// respond in separate runs look like that, whereas a shifted mode would have to stop at these
+    /// poles.
+    fn runs_coincide_with_poles(&self, fitted: &Fitted, modes: &[ShiftedMode]) -> bool {
         let (lo, hi) = self.span();
         let gap = (hi - lo) / (self.group.len().max(2) - 1) as f64;
-        let chosen = |(track, mode): (&Track, &Moving)| {
+        let chosen = |(track, mode): (&Track, &ShiftedMode)| {
             let distance = |pole: &Complex64| {
                 let roots = self
                     .group
@@ -430,28 +443,28 @@ impl<'a> Resonance<'a> {
             };
             let mut distances: Vec<f64> = track.poles.iter().map(distance).collect();
             distances.sort_by(f64::total_cmp);
-            let wide = hi - lo > LYING_APART * -2.0 * mode.lambda.re;
-            wide && distances[distances.len() / 2] < CHOSEN * 0.5 * gap
+            let wide = hi - lo > MIN_GROUP_SPAN_BANDWIDTHS * -2.0 * mode.lambda.re;
+            wide && distances[distances.len() / 2] < MAX_DISTANCE_FRACTION * 0.5 * gap
         };
         fitted.tracks.iter().zip(modes).any(chosen)
     }
 
-    /// `Σ|rest|²` of the roots of the group as they were fitted, beside others and background
-    /// fitted here.
-    fn left_by_roots(&self) -> f64 {
+    /// Residual energy `Σ|r|²` of the poles of the group as fitted; other poles and out-of-band
+    /// terms are fitted here.
+    fn residual_energy_as_fitted(&self) -> f64 {
         let group_poles: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
         let explained = courses(self.data.line_shape, &self.omega, &group_poles)
             * residues(&group_poles, self.data.functions());
         let Profile { course, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.functions());
         let rest = linalg::complex_matrix(lines, functions, |k, f| {
-            self.straight[(k, f)] - explained[(k, f)] / (course[k] * level[f])
+            self.aligned[(k, f)] - explained[(k, f)] / (course[k] * level[f])
         });
         without(&self.basis(&self.others), &rest).squared_norm_l2()
     }
 
-    /// The runs as samples of one mode, in noise of this variance.
-    fn merged(&self, fitted: &Track, noise: f64) -> Moving {
+    /// Merges the runs as samples of one mode, in noise of a given variance.
+    fn merged(&self, fitted: &Track, noise: f64) -> ShiftedMode {
         let variances: Vec<f64> = fitted.variances.iter().map(|v| v * noise).collect();
         let omegas: Vec<f64> = fitted.poles.iter().map(|pole| pole.im).collect();
         let between = between_runs(&omegas, &variances);
@@ -461,30 +474,30 @@ impl<'a> Resonance<'a> {
         let weighted = weighted.map(|(pole, v)| pole * weight(v));
         let lambda = weighted.sum::<Complex64>() / weights;
         let direction = Complex64::new(fitted.slope, 1.0);
-        let believed =
+        let shrunk_shift =
             |(omega, v): (&f64, &f64)| direction * (omega - lambda.im) * between * weight(v);
         let residues = fitted.amplitudes.iter().zip(&self.profile.level);
         let known: f64 = variances.iter().map(|v| v.recip()).sum();
-        Moving {
+        ShiftedMode {
             lambda,
             scatter: between.sqrt(),
             decay_std: known.recip().sqrt(),
-            shifts: omegas.iter().zip(&variances).map(believed).collect(),
+            shifts: omegas.iter().zip(&variances).map(shrunk_shift).collect(),
             stds: variances.iter().map(|v| v.sqrt()).collect(),
             residues: residues.map(|(a, level)| a * level).collect(),
         }
     }
 }
 
-/// Whether enough runs know their frequency to this variance.
-fn tells(variances: impl ExactSizeIterator<Item = f64>, most: f64) -> bool {
+/// Whether the frequency of enough runs has at most this variance.
+fn has_enough_runs(variances: impl ExactSizeIterator<Item = f64>, most: f64) -> bool {
     let runs = variances.len();
     variances.filter(|v| *v < most).count() >= 2.max(runs / 2)
 }
 
-/// Whether a pole lies within some lines, or so near that it is more than the background there.
+/// Whether a pole lies within some lines, or so near that it exceeds the out-of-band terms there.
 fn beside(omega: &[f64], lambda: Complex64) -> bool {
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
-    let reach = (hi - lo).max(-2.0 * REACH * lambda.re);
+    let reach = (hi - lo).max(-2.0 * HALF_WIDTH_BANDWIDTHS * lambda.re);
     lambda.im > lo - reach && lambda.im < hi + reach
 }

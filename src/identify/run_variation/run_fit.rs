@@ -1,23 +1,23 @@
-//! What one run says of a pole: a Gauss-Newton step from where it is, and where to begin, beside
-//! all else that is known there.
+//! Fit of the poles of one run: Gauss-Newton steps and initial poles, with all other poles and
+//! out-of-band terms fitted as well.
 
 use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-use crate::identify::run_variation::resonance::{Resonance, STILL};
+use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
 
-/// Largest change of a decay rate over that of its frequency.
-const STEEPEST: f64 = 0.5;
-/// Part of two courses that both must have of their own.
-const TOLD_APART: f64 = 1e-6;
-/// Distance of two beginnings, decay rates.
-const LEAST_APART: f64 = 0.1;
-/// Steps of a beginning, and the longest of them, decay rates.
-const FIRST_TURNS: usize = 8;
-const LONGEST_FIRST: f64 = 0.5;
+/// Maximum change of a decay rate over that of its frequency.
+const MAX_SLOPE: f64 = 0.5;
+/// Minimum independent fraction of two profiles.
+const MIN_INDEPENDENT_FRACTION: f64 = 1e-6;
+/// Minimum distance of two initial poles, decay rates.
+const MIN_SEPARATION_DECAY_RATES: f64 = 0.1;
+/// Maximum number of steps of an initial pole, and maximum step, decay rates.
+const MAX_INITIAL_STEPS: usize = 8;
+const MAX_INITIAL_STEP_DECAY_RATES: f64 = 0.5;
 
-/// A straight line of decay over frequency.
+/// A straight line of decay rate over frequency.
 #[derive(Clone, Copy)]
 pub(super) struct Line {
     pub middle: Complex64,
@@ -25,7 +25,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Through poles, each by the weight of its run.
+    /// The line through poles, each with the weight of its run.
     pub fn through(poles: &[Complex64], steps: &[Step]) -> Self {
         let pairs = || poles.iter().zip(steps);
         let weights: f64 = steps.iter().map(|step| step.weight).sum();
@@ -37,12 +37,12 @@ impl Line {
             cross += step.weight * from.re * from.im;
             square += step.weight * from.im * from.im;
         }
-        // Shifts of rounding have no slope.
-        let shifted = square > weights * (STILL * middle.re).powi(2);
+        // Shifts by rounding have no slope.
+        let shifted = square > weights * (CONVERGED_STEP_DECAY_RATES * middle.re).powi(2);
         let slope = if shifted { cross / square } else { 0.0 };
         Self {
             middle,
-            slope: slope.clamp(-STEEPEST, STEEPEST),
+            slope: slope.clamp(-MAX_SLOPE, MAX_SLOPE),
         }
     }
 
@@ -51,34 +51,34 @@ impl Line {
     }
 }
 
-/// The functions of a run around a resonance.
+/// The FRFs of a run around a resonance.
 pub(super) struct Run<'a> {
     resonance: &'a Resonance<'a>,
     pub functions: &'a [usize],
-    /// Orthonormal: background and other poles.
+    /// Orthonormal basis of out-of-band terms and other poles.
     others: ComplexMatrix,
-    /// What those do not explain: lines × functions of the run.
+    /// Values orthogonal to that basis: lines × FRFs of the run.
     values: ComplexMatrix,
 }
 
-/// What functions say of some poles.
+/// Fit of FRFs with some poles.
 pub(super) struct Look {
-    /// Poles × functions.
+    /// Amplitudes: poles × FRFs.
     pub amplitudes: ComplexMatrix,
-    /// Of the courses of the poles' derivatives in what the poles leave over: poles × functions.
+    /// Products of the derivatives of the profiles with the residual: poles × FRFs.
     along: ComplexMatrix,
-    /// Products of those courses.
+    /// Products of those derivatives with each other.
     second: ComplexMatrix,
-    /// `Σ|rest|²`.
-    pub left: f64,
+    /// Residual energy `Σ|r|²`.
+    pub residual_energy: f64,
 }
 
-/// Where one pole or two of a run may begin.
+/// Initial values of one pole or two of a run.
 pub(super) struct Best {
     pub one: Complex64,
-    /// What one pole explains after a few steps from there.
+    /// Energy that one pole explains after a few steps from there.
     pub by_one: f64,
-    /// In ascending order, and what they explain.
+    /// Two poles in ascending order, and the energy that they explain.
     pub two: Option<([Complex64; 2], f64)>,
 }
 
@@ -86,21 +86,22 @@ pub(super) struct Best {
 #[derive(Clone, Copy)]
 pub(super) struct Step {
     pub change: Complex64,
-    /// One over the variance of the change in noise of unit variance: `Σ|A|²|g|²` of a pole alone.
+    /// Reciprocal of the variance of the change in noise of unit variance: `Σ|A|²|g|²` of a single
+    /// pole.
     pub weight: f64,
 }
 
 impl Look {
-    /// What one pole and the course of its derivative leave over.
+    /// Residual energy of one pole and the derivative of its profile.
     pub fn without_derivative(&self) -> f64 {
-        self.left - self.along.squared_norm_l2() / self.second[(0, 0)].re
+        self.residual_energy - self.along.squared_norm_l2() / self.second[(0, 0)].re
     }
 
-    /// The changes of the poles that some of the functions ask for.
+    /// Gauss-Newton steps of the poles from some of the FRFs.
     pub fn steps(&self, functions: impl Iterator<Item = usize> + Clone) -> Vec<Step> {
         let poles = self.along.nrows();
         let a = &self.amplitudes;
-        let asked = linalg::complex_matrix(poles, 1, |j, _| {
+        let gradient = linalg::complex_matrix(poles, 1, |j, _| {
             let selected = functions.clone();
             selected
                 .map(|f| a[(j, f)].conj() * self.along[(j, f)])
@@ -111,19 +112,19 @@ impl Look {
             products.sum::<Complex64>() * self.second[(j, i)]
         });
         if let Some(inverse) = linalg::inverse_hermitian(&normal) {
-            let changes = &inverse * asked;
+            let changes = &inverse * gradient;
             let step = |j: usize| Step {
                 change: changes[(j, 0)],
                 weight: inverse[(j, j)].re.recip(),
             };
             return (0..poles).map(step).collect();
         }
-        // Poles that are not told apart say nothing, but one beside others that are not there does.
+        // Inseparable poles have no step, but one near others of no amplitude has.
         let step = |j: usize| {
             let weight = normal[(j, j)].re;
             let alone = (0..poles).all(|i| i == j || normal[(i, i)].re <= 0.0);
             if alone && weight > 0.0 {
-                let change = asked[(j, 0)] / weight;
+                let change = gradient[(j, 0)] / weight;
                 return Step { change, weight };
             }
             Step {
@@ -153,7 +154,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Courses of a power of `1/(iω − λ)` for some poles over that of the noise: lines × poles.
+    /// Profiles: powers of `1/(iω − λ)` for some poles over the profile of the noise, lines ×
+    /// poles.
     fn courses(&self, poles: &[Complex64], power: usize) -> ComplexMatrix {
         let Resonance {
             omega,
@@ -176,21 +178,22 @@ impl<'a> Run<'a> {
             amplitudes: linalg::inverse_upper(&r) * &first,
             along: derivatives.adjoint() * &self.values,
             second: derivatives.adjoint() * &derivatives,
-            left: self.values.squared_norm_l2() - first.squared_norm_l2(),
+            residual_energy: self.values.squared_norm_l2() - first.squared_norm_l2(),
         }
     }
 
-    /// Beginnings among the poles that are tried: the one or the two that explain most.
-    pub fn best(&self, tried: &[Complex64]) -> Best {
-        let whole = self.courses(tried, 1);
+    /// Initial poles among trial poles: the one or the two that explain most energy.
+    pub fn best(&self, trial_poles: &[Complex64]) -> Best {
+        let whole = self.courses(trial_poles, 1);
         let courses = without(&self.others, &whole);
         let products = courses.adjoint() * &courses;
         let along = courses.adjoint() * &self.values;
         let power = &along * along.adjoint();
-        // What hardly differs from what is known says nothing.
-        let differs =
-            |j: &usize| products[(*j, *j)].re > TOLD_APART * whole.col(*j).squared_norm_l2();
-        let places: Vec<usize> = (0..tried.len()).filter(differs).collect();
+        // A profile that hardly differs from the others carries no information.
+        let differs = |j: &usize| {
+            products[(*j, *j)].re > MIN_INDEPENDENT_FRACTION * whole.col(*j).squared_norm_l2()
+        };
+        let places: Vec<usize> = (0..trial_poles.len()).filter(differs).collect();
         let explained = |j: &usize| power[(*j, *j)].re / products[(*j, *j)].re;
         let by_energy = |i: &&usize, j: &&usize| explained(i).total_cmp(&explained(j));
         let one = places.iter().max_by(by_energy).map_or(0, |j| *j);
@@ -200,58 +203,59 @@ impl<'a> Run<'a> {
             for j in &places[index + 1..] {
                 let energy = explained_by_two((&products, &power), (*i, *j));
                 if let Some(energy) = energy.filter(|energy| *energy > by_two) {
-                    (two, by_two) = (Some(vec![tried[*i], tried[*j]]), energy);
+                    (two, by_two) = (Some(vec![trial_poles[*i], trial_poles[*j]]), energy);
                 }
             }
         }
-        let (alone, left_by_one) = self.turned(vec![tried[one]]);
-        // The two that explain most may be beside a strong one alone.
-        let apart = |a: Complex64, b: Complex64| (a - b).norm() > LEAST_APART * -a.re;
-        let beside = |j: &&usize| apart(alone[0], tried[**j]);
+        let (alone, left_by_one) = self.refine_initial_poles(vec![trial_poles[one]]);
+        // The two poles that explain most may lie near a single strong one.
+        let apart =
+            |a: Complex64, b: Complex64| (a - b).norm() > MIN_SEPARATION_DECAY_RATES * -a.re;
+        let beside = |j: &&usize| apart(alone[0], trial_poles[**j]);
         let beside = places.iter().filter(beside).map(|j| {
-            let pair = vec![alone[0], tried[*j]];
-            (self.look(&pair).left, pair)
+            let pair = vec![alone[0], trial_poles[*j]];
+            (self.look(&pair).residual_energy, pair)
         });
         let second = beside.min_by(|(a, _), (b, _)| a.total_cmp(b));
         let pairs = two.into_iter().chain(second.map(|(_, pair)| pair));
-        let pairs = pairs.map(|pair| self.turned(pair));
+        let pairs = pairs.map(|pair| self.refine_initial_poles(pair));
         let pairs = pairs.filter(|(pair, _)| apart(pair[0], pair[1]));
         let two = pairs.min_by(|(_, a), (_, b)| a.total_cmp(b));
         let whole = self.values.squared_norm_l2();
         Best {
-            one: tried[one],
+            one: trial_poles[one],
             by_one: whole - left_by_one,
-            two: two.map(|(mut pair, left)| {
+            two: two.map(|(mut pair, residual_energy)| {
                 pair.sort_by(|a, b| a.im.total_cmp(&b.im));
-                ([pair[0], pair[1]], whole - left)
+                ([pair[0], pair[1]], whole - residual_energy)
             }),
         }
     }
 
-    /// Poles after a few Gauss-Newton steps by this run alone, and what they leave over.
-    fn turned(&self, mut poles: Vec<Complex64>) -> (Vec<Complex64>, f64) {
+    /// Poles after a few Gauss-Newton steps of this run alone, and their residual energy.
+    fn refine_initial_poles(&self, mut poles: Vec<Complex64>) -> (Vec<Complex64>, f64) {
         let mut look = self.look(&poles);
-        for _ in 0..FIRST_TURNS {
+        for _ in 0..MAX_INITIAL_STEPS {
             let steps = look.steps(0..self.functions.len());
             let moved = |(pole, step): (&Complex64, &Step)| {
-                let most = -LONGEST_FIRST * pole.re;
+                let most = -MAX_INITIAL_STEP_DECAY_RATES * pole.re;
                 let change = step.change * (most / step.change.norm()).min(1.0);
                 let pole = pole + change;
                 Complex64::new(pole.re.min(-f64::MIN_POSITIVE), pole.im)
             };
             let now: Vec<Complex64> = poles.iter().zip(&steps).map(moved).collect();
             let then = self.look(&now);
-            if then.left.is_nan() || then.left >= look.left {
+            if then.residual_energy.is_nan() || then.residual_energy >= look.residual_energy {
                 break;
             }
             (poles, look) = (now, then);
         }
-        (poles, look.left)
+        (poles, look.residual_energy)
     }
 }
 
-/// Energy that two courses explain, `tr(G⁻¹ P)` of their products G with each other and P with the
-/// values; `None` where they are hardly two.
+/// Energy that two profiles explain, `tr(G⁻¹ P)` of their products G with each other and P with the
+/// values; `None` where they are hardly independent.
 fn explained_by_two(
     (products, power): (&ComplexMatrix, &ComplexMatrix),
     (i, j): (usize, usize),
@@ -260,7 +264,7 @@ fn explained_by_two(
     let determinant = a * b - products[(i, j)].norm_sqr();
     let cross = 2.0 * (products[(i, j)] * power[(j, i)]).re;
     let energy = b * power[(i, i)].re + a * power[(j, j)].re - cross;
-    (determinant > TOLD_APART * a * b).then_some(energy / determinant)
+    (determinant > MIN_INDEPENDENT_FRACTION * a * b).then_some(energy / determinant)
 }
 
 /// Columns less what an orthonormal basis explains of them.
@@ -273,7 +277,7 @@ mod tests {
     use crate::identify::run_variation::run_fit::*;
 
     #[test]
-    fn two_courses_explain_what_their_orthonormal_basis_does() {
+    fn two_profiles_explain_the_energy_along_their_orthonormal_basis() {
         let value = |k: usize, n: usize| {
             let phase = 0.7 * (k * k) as f64 + 1.3 * (n * (k + 1)) as f64;
             Complex64::from_polar(1.0 + 0.1 * n as f64, phase)

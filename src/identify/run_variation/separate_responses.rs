@@ -1,6 +1,6 @@
-//! Close modes each of which responds in runs of its own: parts of a structure, or one mode that
-//! moved from run to run. The functions do not tell which. Directions at one point are one run
-//! here: bending in two planes is no such case.
+//! Close modes that respond in separate runs: modes of parts of a structure, or one mode that
+//! shifted between runs. The FRFs do not distinguish these cases. All directions at one point are
+//! one run here: bending in two planes is no such case.
 
 use std::collections::BTreeMap;
 
@@ -10,16 +10,16 @@ use crate::frf::{Function, runs};
 
 use crate::identify::data::model_pole::Root;
 
-/// Half-power widths between two modes that may be one.
-const CLOSE: f64 = 2.0;
-/// Part of the power of both that the other one may have in a run.
-const OTHER: f64 = 0.05;
-/// Runs with less of the largest power than this say nothing.
-const LEAST: f64 = 0.01;
-/// Runs of each of them, fewest: two modes of few runs may look so by chance.
-const FEWEST_RUNS: usize = 2;
+/// Maximum separation of two modes that may be one, half-power bandwidths.
+const MAX_SEPARATION_BANDWIDTHS: f64 = 2.0;
+/// Maximum fraction of the power of both modes that the other mode may have in a run.
+const MAX_OTHER_POWER_FRACTION: f64 = 0.05;
+/// Minimum power of a run over the largest; runs below it are ignored.
+const MIN_POWER_FRACTION: f64 = 0.01;
+/// Minimum number of runs of each mode: two modes of fewer runs may look so by chance.
+const MIN_RUNS_PER_MODE: usize = 2;
 
-/// The functions of each point that the sensor or the hammer went to, all directions together.
+/// The FRFs of each point of the roving sensor or hammer, all directions together.
 pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
     let (runs, roving_sensor) = runs(functions);
     let mut points: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -33,7 +33,7 @@ pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
     points.into_values().collect()
 }
 
-/// The roots that have such a partner, with the distance to the nearest in half-power widths.
+/// Poles with such a partner, and the distance to the nearest one in half-power bandwidths.
 pub(in crate::identify) fn run_partners(
     roots: &[&Root],
     runs: &[Vec<usize>],
@@ -42,8 +42,8 @@ pub(in crate::identify) fn run_partners(
         let partner = |other: &&Root| {
             let width = 0.5 * (mode.width() + other.width());
             let distance = (mode.lambda.im - other.lambda.im).abs() / width;
-            let near = distance > 0.0 && distance < CLOSE;
-            (near && share_runs(mode, other, runs)).then_some(distance)
+            let near = distance > 0.0 && distance < MAX_SEPARATION_BANDWIDTHS;
+            (near && respond_separately(mode, other, runs)).then_some(distance)
         };
         let nearest = roots.iter().filter_map(partner).min_by(f64::total_cmp);
         nearest.map(|distance| (mode.lambda, distance))
@@ -51,8 +51,9 @@ pub(in crate::identify) fn run_partners(
     roots.iter().filter_map(of).collect()
 }
 
-/// Whether every run that has either of two roots has one of them alone, and each has some.
-fn share_runs(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
+/// Whether only one of two poles responds in every run, and each does in the minimum number of
+/// runs.
+fn respond_separately(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
     let power = |root: &Root, run: &[usize]| -> f64 {
         run.iter().map(|f| root.residues[*f].norm_sqr()).sum()
     };
@@ -61,16 +62,16 @@ fn share_runs(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
     let largest = powers.iter().map(|(a, b)| a + b).fold(0.0, f64::max);
     let (mut of_a, mut of_b) = (0, 0);
     for (a, b) in powers {
-        if a + b < LEAST * largest {
+        if a + b < MIN_POWER_FRACTION * largest {
             continue;
         }
-        of_a += usize::from(b < OTHER * (a + b));
-        of_b += usize::from(a < OTHER * (a + b));
-        if a.min(b) >= OTHER * (a + b) {
+        of_a += usize::from(b < MAX_OTHER_POWER_FRACTION * (a + b));
+        of_b += usize::from(a < MAX_OTHER_POWER_FRACTION * (a + b));
+        if a.min(b) >= MAX_OTHER_POWER_FRACTION * (a + b) {
             return false;
         }
     }
-    of_a.min(of_b) >= FEWEST_RUNS
+    of_a.min(of_b) >= MIN_RUNS_PER_MODE
 }
 
 #[cfg(test)]
@@ -79,7 +80,7 @@ mod tests {
     use crate::quantity::FrfKind;
 
     #[test]
-    fn modes_that_share_the_runs_between_them_are_told_and_no_others() {
+    fn only_modes_that_respond_in_separate_runs_are_partners() {
         let root = |hz: f64, residues: [f64; 6]| {
             let mut root = Root::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
             root.residues = residues.map(Complex64::from).to_vec();
@@ -93,7 +94,7 @@ mod tests {
         let far = root(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
         let partners = run_partners(&[&first, &everywhere, &second, &far], &runs);
         assert_eq!(partners, [(first.lambda, 1.5), (second.lambda, 1.5)]);
-        // Directions at one point are no runs of their own.
+        // Directions at one point are no separate runs.
         let function = |response: &str| Function {
             response: response.parse().unwrap(),
             reference: "9:+Z".parse().unwrap(),
@@ -108,7 +109,7 @@ mod tests {
         let in_x = root(100.0, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
         let in_y = root(101.0, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         assert!(run_partners(&[&in_x, &in_y], &points).is_empty());
-        // In one run alone it may be chance.
+        // A response in one run alone may be chance.
         let alone = root(103.0, [0.1, 0.0, 0.2, 0.0, 0.8, 0.0]);
         assert!(run_partners(&[&first, &alone], &runs).is_empty());
     }

@@ -1,4 +1,4 @@
-//! Tests whose runs disagree, against known truth.
+//! Identification of tests with run variation, compared with known truth.
 
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -15,7 +15,8 @@ use crate::identify::synthetic::Pair;
 use crate::identify::synthetic::{Measurement, Structure, close_pair, separated_modes, width_hz};
 use crate::modal::{ModalModel, Mode, PoleSelection, SelectedPole, mac};
 
-/// Every point in a run of its own, mode j of point p shifted by so many of its half-power widths.
+/// Every point in a separate run, mode j of point p shifted by `shift(p, j)` of its half-power
+/// bandwidths.
 fn roving(
     (structure, how): &(Structure, Measurement),
     hammer: bool,
@@ -50,7 +51,8 @@ fn test(seed: u64) -> (Structure, Measurement) {
     (structure, how)
 }
 
-/// The mass of a sensor: the shift of the point that moves most, half-power widths.
+/// Shift by the mass of a sensor, half-power bandwidths; `most`: shift at the point with the
+/// largest motion.
 fn loaded(structure: &Structure, most: f64) -> impl Fn(usize, usize) -> f64 {
     move |point, j| {
         let shape = &structure.modes[j].2;
@@ -69,7 +71,7 @@ pub(super) fn findings_of(model: &ModalModel, code: Code) -> Vec<&Finding> {
 }
 
 #[test]
-fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviation() {
+fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_scatter_in_its_deviation() {
     for (seed, most) in [(0, 0.05), (1, 0.2), (2, 0.5), (3, 0.5), (4, 0.2)] {
         let test = test(seed);
         let shift = loaded(&test.0, most);
@@ -103,7 +105,7 @@ fn a_mode_that_moves_with_the_sensor_is_one_mode_with_the_scatter_in_its_deviati
 }
 
 #[test]
-fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
+fn a_shifted_mode_is_one_mode_with_two_references_as_well() {
     for seed in 0..4 {
         let (structure, how) = test(seed);
         let shift = loaded(&structure, 0.3);
@@ -135,10 +137,10 @@ fn a_mode_that_moves_is_one_mode_with_two_references_as_well() {
 }
 
 #[test]
-fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
+fn selected_poles_keep_the_scatter_between_runs() {
     let test = test(1);
     let set = roving(&test, false, loaded(&test.0, 0.3));
-    let by_itself = found(&set);
+    let automatic = found(&set);
     let pole = |mode: &Mode| SelectedPole {
         frequency_hz: mode.frequency_hz,
         damping_ratio: mode.damping_ratio,
@@ -147,14 +149,14 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
     let chosen = |count: usize| {
         let options = IdentifyOptions {
             selection: Some(PoleSelection {
-                poles: by_itself.modes[..count].iter().map(pole).collect(),
+                poles: automatic.modes[..count].iter().map(pole).collect(),
                 tolerance_hz: None,
             }),
             ..IdentifyOptions::default()
         };
         identify(&set, &options).unwrap()
     };
-    // Of the others nothing is said.
+    // No pole of the other modes is selected.
     let first = chosen(1);
     assert_eq!(
         (
@@ -163,13 +165,13 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
         ),
         (1, 1)
     );
-    let model = chosen(by_itself.modes.len());
-    assert_eq!(model.modes.len(), by_itself.modes.len());
+    let model = chosen(automatic.modes.len());
+    assert_eq!(model.modes.len(), automatic.modes.len());
     assert_eq!(
         findings_of(&model, Code::RunsMerged).len(),
         model.modes.len()
     );
-    for (mode, other) in model.modes.iter().zip(&by_itself.modes) {
+    for (mode, other) in model.modes.iter().zip(&automatic.modes) {
         let ratio = |of: fn(&Mode) -> Option<f64>| of(mode).unwrap() / of(other).unwrap();
         assert!((ratio(|mode| mode.frequency_std_hz) - 1.0).abs() < 0.01);
         let damping = ratio(|mode| mode.damping_std);
@@ -177,15 +179,15 @@ fn chosen_poles_of_runs_that_disagree_keep_what_is_known_of_the_runs() {
     }
 }
 
-/// Shifts of all modes together from run to run, as a part of the frequency: normal variables of
-/// such a deviation.
+/// Shifts of all modes together in each run, as a fraction of the frequency: normal variables of a
+/// given standard deviation.
 fn drift(seed: u64, deviation: f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
     (0..16).map(|_| deviation * normal()).collect()
 }
 
-/// A test whose modes are merged and are where they should be.
+/// Asserts that the modes of a drifting test are merged at their true mean.
 fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
     let drift = drift(seed, deviation);
     let modes = &test.0.modes;
@@ -212,8 +214,8 @@ fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
 }
 
 #[test]
-fn modes_that_drift_by_as_much_as_they_are_wide_are_merged() {
-    // Of 0 to 11 without those whose first fit, with many roots on long records, takes minutes.
+fn modes_that_drift_by_a_bandwidth_are_merged() {
+    // Seeds 0 to 11 without those whose first fit, with many poles on long records, takes minutes.
     for seed in [0, 1, 3, 4, 5, 7, 8, 10, 11] {
         drifts(seed, &test(seed), 0.005);
     }
@@ -237,7 +239,7 @@ fn two_close_modes_that_drift_together_are_two_modes() {
 }
 
 #[test]
-fn the_run_that_changed_is_named() {
+fn the_changed_run_is_reported() {
     for hammer in [false, true] {
         let changed = |point: usize, _: usize| if point == 2 { 0.3 } else { 0.0 };
         let test = test(5);
@@ -261,7 +263,7 @@ fn the_run_that_changed_is_named() {
 }
 
 #[test]
-fn runs_that_agree_are_not_touched() {
+fn runs_that_agree_are_not_merged() {
     for seed in 0..40 {
         let model = found(&roving(&test(seed), false, |_, _| 0.0));
         assert!(findings_of(&model, Code::RunsMerged).is_empty(), "{seed}");
@@ -269,8 +271,9 @@ fn runs_that_agree_are_not_touched() {
     }
 }
 
-/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by
-/// so many half-power widths, and noise that grows with the response beside some that does not.
+/// Four narrow modes of one to eleven lines, nine points in runs between which all modes drift by a
+/// given number of half-power bandwidths, with noise proportional to the response and constant
+/// noise.
 fn beam(seed: u64, widths: f64) -> (Structure, FrfSet) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -309,7 +312,7 @@ fn beam(seed: u64, widths: f64) -> (Structure, FrfSet) {
 }
 
 #[test]
-fn narrow_modes_in_noise_that_grows_with_them_are_no_more_modes_whether_they_move_or_not() {
+fn narrow_modes_in_proportional_noise_are_not_split_with_or_without_drift() {
     for widths in [0.0, 0.1] {
         for seed in 0..8 {
             let (structure, set) = beam(seed, widths);
@@ -331,7 +334,7 @@ fn narrow_modes_in_noise_that_grows_with_them_are_no_more_modes_whether_they_mov
 }
 
 #[test]
-fn two_close_modes_are_no_mode_that_moves() {
+fn two_close_modes_are_not_merged() {
     for (seed, spacing_widths) in [(0, 0.5), (1, 0.5), (2, 1.0), (3, 1.0)] {
         let (structure, mut how) = close_pair(
             seed,
@@ -349,9 +352,9 @@ fn two_close_modes_are_no_mode_that_moves() {
     }
 }
 
-/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power widths above the
-/// second, is the weaker. `None` where hardly anything tells it: its residues are a hundredth of
-/// the second's, or its shape is nearly that.
+/// Four modes of four to eight lines at two sensors; the third, 0.8 half-power bandwidths above the
+/// second, is the weaker. `None` where it is hardly detectable: its residues are a hundredth of
+/// those of the second, or its shape is nearly that of the second.
 fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let modes = [
@@ -391,7 +394,7 @@ fn weak_beside_strong(seed: u64) -> Option<(usize, FrfSet)> {
 }
 
 #[test]
-fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
+fn a_weak_mode_near_a_strong_one_is_not_taken_for_force_noise() {
     let tests: Vec<_> = (0..32).filter_map(weak_beside_strong).collect();
     assert!(tests.len() > 20, "{}", tests.len());
     for (index, (modes, set)) in tests.iter().enumerate() {
@@ -402,7 +405,8 @@ fn a_weak_mode_beside_a_strong_one_is_no_noise_of_the_force() {
     }
 }
 
-/// Three pairs of modes so many half-power widths apart, their shapes in phase, at ten sensors.
+/// Three pairs of modes a given number of half-power bandwidths apart, their shapes in phase, at
+/// ten sensors.
 fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, FrfSet) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut modes = Vec::new();
@@ -437,7 +441,7 @@ fn pairs(seed: u64, widths: f64, references: usize, snr_db: f64) -> (Structure, 
 }
 
 #[test]
-fn a_structure_of_close_pairs_alone_has_no_mode_that_moves() {
+fn close_pairs_are_not_merged() {
     for (widths, references, snr_db) in [
         (0.08, 1, 40.0),
         (0.1, 2, 40.0),
