@@ -54,20 +54,20 @@ pub(in crate::identify) struct AcceptanceTest<'a> {
 
 impl AcceptanceTest<'_> {
     /// Required edits, at most one of poles within a half-power bandwidth of each other.
-    pub fn required_edits(&self, roots: &[Root]) -> Vec<PoleEdit> {
-        let mut order: Vec<usize> = (0..roots.len()).collect();
+    pub fn required_edits(&self, poles: &[Root]) -> Vec<PoleEdit> {
+        let mut order: Vec<usize> = (0..poles.len()).collect();
         order.sort_by(|a, b| {
-            let worth = |j: &usize| roots[*j].quality.significance();
+            let worth = |j: &usize| poles[*j].quality.significance();
             worth(a).total_cmp(&worth(b))
         });
         let mut changes: Vec<PoleEdit> = Vec::new();
         let mut touched: Vec<usize> = Vec::new();
         for j in order {
-            let leans = |other: &usize| apart(&roots[j], &roots[*other]) < 1.0;
+            let leans = |other: &usize| apart(&poles[j], &poles[*other]) < 1.0;
             if touched.iter().any(leans) {
                 continue;
             }
-            if let Some(change) = self.required_edit(roots, j) {
+            if let Some(change) = self.required_edit(poles, j) {
                 touched.push(j);
                 changes.push(change);
             }
@@ -75,48 +75,49 @@ impl AcceptanceTest<'_> {
         changes
     }
 
-    fn required_edit(&self, roots: &[Root], j: usize) -> Option<PoleEdit> {
-        let (root, quality) = (&roots[j], &roots[j].quality);
-        let chance = self.false_alarm_probability / (WIDTHS_PER_LINE * self.lines as f64);
-        let (significance, limit) = significance(root, self.sides, chance);
-        if significance <= limit && root.multiplicity() > 1 {
-            let modes = modes_above_noise(root, self.sides, chance);
+    fn required_edit(&self, poles: &[Root], j: usize) -> Option<PoleEdit> {
+        let (pole, quality) = (&poles[j], &poles[j].quality);
+        let false_alarm_probability =
+            self.false_alarm_probability / (WIDTHS_PER_LINE * self.lines as f64);
+        let (significance, limit) = significance(pole, self.sides, false_alarm_probability);
+        if significance <= limit && pole.multiplicity() > 1 {
+            let modes = modes_above_noise(pole, self.sides, false_alarm_probability);
             return Some(PoleEdit::ReduceMultiplicity(j, modes.max(1)));
         }
         if significance <= limit {
             return Some(remove_or_reduce(
-                roots,
+                poles,
                 j,
                 DropReason::BelowNoise(significance, limit),
             ));
         }
-        if let Some(edit) = merge_or_remove(roots, self.sides.inputs, j) {
+        if let Some(edit) = merge_or_remove(poles, self.sides.inputs, j) {
             return Some(edit);
         }
-        let width = root.width();
+        let width = pole.width();
         let widest = WIDEST * self.step * self.lines.saturating_sub(1) as f64;
-        let reason = if quality.pole_std >= MAX_POLE_STD_OVER_DECAY_RATE * root.decay() {
-            DropReason::PoleUndetermined(quality.pole_std / root.decay())
-        } else if quality.offset.norm() >= MAX_OFFSET_OVER_DECAY_RATE * root.decay() {
-            DropReason::PoleUndetermined(quality.offset.norm() / root.decay())
-        } else if !resonates(root.lambda) || width >= widest || width <= MIN_WIDTH_LINES * self.step
+        let reason = if quality.pole_std >= MAX_POLE_STD_OVER_DECAY_RATE * pole.decay() {
+            DropReason::PoleUndetermined(quality.pole_std / pole.decay())
+        } else if quality.offset.norm() >= MAX_OFFSET_OVER_DECAY_RATE * pole.decay() {
+            DropReason::PoleUndetermined(quality.offset.norm() / pole.decay())
+        } else if !resonates(pole.lambda) || width >= widest || width <= MIN_WIDTH_LINES * self.step
         {
             DropReason::NotResonant(width / TAU)
         } else {
             return None;
         };
-        Some(remove_or_reduce(roots, j, reason))
+        Some(remove_or_reduce(poles, j, reason))
     }
 }
 
 /// Edit that reduces the multiplicity of a pole by one, or removes a single pole.
 pub(in crate::identify) fn remove_or_reduce(
-    roots: &[Root],
+    poles: &[Root],
     j: usize,
     reason: DropReason,
 ) -> PoleEdit {
-    if roots[j].multiplicity() > 1 {
-        PoleEdit::ReduceMultiplicity(j, roots[j].multiplicity() - 1)
+    if poles[j].multiplicity() > 1 {
+        PoleEdit::ReduceMultiplicity(j, poles[j].multiplicity() - 1)
     } else {
         PoleEdit::Remove(j, reason)
     }
@@ -124,21 +125,21 @@ pub(in crate::identify) fn remove_or_reduce(
 
 /// Edit for a pole that is inseparable from a stronger one: a merge into a repeated pole where the
 /// participation factors differ, else a removal.
-fn merge_or_remove(roots: &[Root], inputs: usize, j: usize) -> Option<PoleEdit> {
+fn merge_or_remove(poles: &[Root], inputs: usize, j: usize) -> Option<PoleEdit> {
     let near = |i: &usize| {
-        let (a, b) = (&roots[*i], &roots[j]);
+        let (a, b) = (&poles[*i], &poles[j]);
         let (p, q) = (a.quality.pole_error(), b.quality.pole_error());
         let apart = (a.lambda - b.lambda).norm();
         let stronger = a.quality.significance() >= b.quality.significance();
-        let beside =
+        let is_inseparable =
             apart < 2.0 * a.decay().max(b.decay()) && apart < MIN_SEPARATION_STDS * p.hypot(q);
-        *i != j && stronger && beside && (a.pair.is_none() || a.pair != b.pair)
+        *i != j && stronger && is_inseparable && (a.pair.is_none() || a.pair != b.pair)
     };
-    let distance = |i: &usize| (roots[*i].lambda - roots[j].lambda).norm();
-    let i = (0..roots.len())
+    let distance = |i: &usize| (poles[*i].lambda - poles[j].lambda).norm();
+    let i = (0..poles.len())
         .filter(near)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let (a, b) = (&roots[i], &roots[j]);
+    let (a, b) = (&poles[i], &poles[j]);
     let modes = a.multiplicity() + b.multiplicity();
     let max_mac = a
         .parts
@@ -149,6 +150,6 @@ fn merge_or_remove(roots: &[Root], inputs: usize, j: usize) -> Option<PoleEdit> 
         PoleEdit::Merge(i, j)
     } else {
         let deviation = a.quality.pole_error().hypot(b.quality.pole_error());
-        remove_or_reduce(roots, j, DropReason::NotSeparable(distance(&i) / deviation))
+        remove_or_reduce(poles, j, DropReason::NotSeparable(distance(&i) / deviation))
     })
 }

@@ -89,8 +89,8 @@ impl Fit {
     pub fn add_companions(&mut self) {
         self.mark_companions();
         let modes: Vec<&Root> = (self.roots.iter().zip(self.standings()))
-            .filter(|(root, metrics)| self.may_have_companion(root, metrics.reduced_chi_square))
-            .map(|(root, _)| root)
+            .filter(|(pole, metrics)| self.may_have_companion(pole, metrics.reduced_chi_square))
+            .map(|(pole, _)| pole)
             .collect();
         if modes.is_empty() {
             return;
@@ -102,27 +102,27 @@ impl Fit {
         self.settle(Stop::Judging);
         self.mark_companions();
         // A pole that was not in the fit before and is no companion is a failed trial.
-        let is_mode = |root: &Root| {
-            let distance = |mode: &Root| (mode.lambda - root.lambda).norm() / mode.decay();
+        let is_mode = |pole: &Root| {
+            let distance = |mode: &Root| (mode.lambda - pole.lambda).norm() / mode.decay();
             before.iter().any(|mode| distance(mode) < 1.0)
         };
         let all = self.roots.len();
-        self.roots.retain(|root| root.is_companion || is_mode(root));
+        self.roots.retain(|pole| pole.is_companion || is_mode(pole));
         if self.roots.len() < all {
             unsettle(&mut self.roots);
             self.settle(Stop::Judging);
             self.mark_companions();
         }
-        let modes = |roots: &[Root]| roots.iter().filter(|root| !root.is_companion).count();
-        let has_companions = self.roots.iter().any(|root| root.is_companion);
+        let modes = |poles: &[Root]| poles.iter().filter(|pole| !pole.is_companion).count();
+        let has_companions = self.roots.iter().any(|pole| pole.is_companion);
         if !has_companions || modes(&self.roots) != modes(&before) {
             self.roots = before;
             self.dropped.truncate(dropped);
             return;
         }
         let is_fitted = |lambda: Complex64| {
-            let mut companions = self.roots.iter().filter(|root| root.is_companion);
-            companions.any(|root| (root.lambda - lambda).norm() < root.decay())
+            let mut companions = self.roots.iter().filter(|pole| pole.is_companion);
+            companions.any(|pole| (pole.lambda - lambda).norm() < pole.decay())
         };
         let rejected: Vec<_> = self
             .dropped
@@ -138,19 +138,19 @@ impl Fit {
 
     fn mark_companions(&mut self) {
         let pairs = companions(&self.roots);
-        for (index, root) in self.roots.iter_mut().enumerate() {
-            root.is_companion = pairs.iter().any(|pair| pair.0 == index);
+        for (index, pole) in self.roots.iter_mut().enumerate() {
+            pole.is_companion = pairs.iter().any(|pair| pair.0 == index);
         }
     }
 
-    fn may_have_companion(&self, root: &Root, misfit: f64) -> bool {
-        let has_one = self.roots.iter().any(|other| is_companion(other, root));
+    fn may_have_companion(&self, pole: &Root, misfit: f64) -> bool {
+        let has_one = self.roots.iter().any(|other| is_companion(other, pole));
         let rejected = self.dropped.iter().any(|dropped| {
-            let [lambda, of] = [dropped.lambda, root.lambda];
+            let [lambda, of] = [dropped.lambda, pole.lambda];
             matches!(dropped.reason, DropReason::Rejected(_))
                 && (is_first(lambda, of) || is_second(lambda, of))
         });
-        let is_single = root.multiplicity() == 1 && !root.is_companion;
+        let is_single = pole.multiplicity() == 1 && !pole.is_companion;
         is_single && !has_one && (misfit > MIN_MISFIT || rejected)
     }
 }
@@ -162,32 +162,32 @@ fn trial(mode: &Root) -> Root {
 }
 
 /// Whether a pole is a companion of another, the first or the second.
-fn is_companion(root: &Root, of: &Root) -> bool {
-    is_first_companion(root, of) || has_shape_of(root, of) && is_second(root.lambda, of.lambda)
+fn is_companion(pole: &Root, of: &Root) -> bool {
+    is_first_companion(pole, of) || has_shape_of(pole, of) && is_second(pole.lambda, of.lambda)
 }
 
-fn is_first_companion(root: &Root, of: &Root) -> bool {
-    let of_stiffness = is_first(root.lambda, of.lambda) && in_quadrature(root, of);
-    has_shape_of(root, of) && (of_stiffness || is_companion_of_damping(root, of))
+fn is_first_companion(pole: &Root, of: &Root) -> bool {
+    let of_stiffness = is_first(pole.lambda, of.lambda) && in_quadrature(pole, of);
+    has_shape_of(pole, of) && (of_stiffness || is_companion_of_damping(pole, of))
 }
 
-fn is_companion_of_damping(root: &Root, of: &Root) -> bool {
-    let ratio = root.decay() / of.decay();
+fn is_companion_of_damping(pole: &Root, of: &Root) -> bool {
+    let ratio = pole.decay() / of.decay();
     let largest = MAX_RESIDUE_IN_PHASE[usize::from(ratio > 2.5)];
-    let has_shape = mac(&root.residues, &of.residues) > Some(MIN_MAC_IN_PHASE);
-    let is_weaker = residue_norm(root) < largest * residue_norm(of);
-    has_shape && is_weaker && is_at_frequency(root.lambda, of.lambda)
+    let has_shape = mac(&pole.residues, &of.residues) > Some(MIN_MAC_IN_PHASE);
+    let is_weaker = residue_norm(pole) < largest * residue_norm(of);
+    has_shape && is_weaker && is_at_frequency(pole.lambda, of.lambda)
 }
 
-fn residue_norm(root: &Root) -> f64 {
-    let squares = root.residues.iter().map(Complex64::norm_sqr);
+fn residue_norm(pole: &Root) -> f64 {
+    let squares = pole.residues.iter().map(Complex64::norm_sqr);
     squares.sum::<f64>().sqrt()
 }
 
 /// Whether both are single and of one shape.
-fn has_shape_of(root: &Root, of: &Root) -> bool {
-    let single = root.multiplicity() == 1 && of.multiplicity() == 1;
-    single && mac(&root.residues, &of.residues) > Some(MIN_MAC)
+fn has_shape_of(pole: &Root, of: &Root) -> bool {
+    let single = pole.multiplicity() == 1 && of.multiplicity() == 1;
+    single && mac(&pole.residues, &of.residues) > Some(MIN_MAC)
 }
 
 /// Whether a pole lies where the first companion of stiffness would.
@@ -212,12 +212,12 @@ fn distance(lambda: Complex64, of: Complex64) -> f64 {
 
 /// Indices of the companions among some poles, each with that of its mode. The second companion
 /// counts only together with the first.
-fn companions(roots: &[Root]) -> Vec<(usize, usize)> {
-    let pairs = (0..roots.len()).flat_map(|j| (0..roots.len()).map(move |i| (j, i)));
+fn companions(poles: &[Root]) -> Vec<(usize, usize)> {
+    let pairs = (0..poles.len()).flat_map(|j| (0..poles.len()).map(move |i| (j, i)));
     let all: Vec<(usize, usize)> = pairs
-        .filter(|(j, i)| j != i && is_companion(&roots[*j], &roots[*i]))
+        .filter(|(j, i)| j != i && is_companion(&poles[*j], &poles[*i]))
         .collect();
-    let is_first = |(j, i): &(usize, usize)| is_first_companion(&roots[*j], &roots[*i]);
+    let is_first = |(j, i): &(usize, usize)| is_first_companion(&poles[*j], &poles[*i]);
     let has_first =
         |pair: &&(usize, usize)| all.iter().any(|other| other.1 == pair.1 && is_first(other));
     let counted: Vec<(usize, usize)> = all.iter().filter(has_first).copied().collect();
@@ -227,22 +227,22 @@ fn companions(roots: &[Root]) -> Vec<(usize, usize)> {
 }
 
 /// Whether residues of one shape differ by a quarter turn rather than by none or a half.
-fn in_quadrature(root: &Root, of: &Root) -> bool {
-    let terms = root.residues.iter().zip(&of.residues);
+fn in_quadrature(pole: &Root, of: &Root) -> bool {
+    let terms = pole.residues.iter().zip(&of.residues);
     let along: Complex64 = terms.map(|(a, b)| a * b.conj()).sum();
     along.re.abs() < MAX_IN_PHASE * along.im.abs()
 }
 
 /// Pole of each mode that has companions, with the largest residue of one over that of the mode.
-pub(in crate::identify) fn strongest_companions(roots: &[Root]) -> Vec<(Complex64, f64)> {
-    let pairs = companions(roots);
-    let fitted = pairs.iter().filter(|pair| roots[pair.0].is_companion);
+pub(in crate::identify) fn strongest_companions(poles: &[Root]) -> Vec<(Complex64, f64)> {
+    let pairs = companions(poles);
+    let fitted = pairs.iter().filter(|pair| poles[pair.0].is_companion);
     let strongest = |(index, mode): (usize, &Root)| {
         let of_mode = fitted.clone().filter(|pair| pair.1 == index);
-        let residues = of_mode.map(|pair| residue_norm(&roots[pair.0]));
+        let residues = of_mode.map(|pair| residue_norm(&poles[pair.0]));
         Some((mode.lambda, residues.reduce(f64::max)? / residue_norm(mode)))
     };
-    roots.iter().enumerate().filter_map(strongest).collect()
+    poles.iter().enumerate().filter_map(strongest).collect()
 }
 
 #[cfg(test)]
@@ -432,17 +432,17 @@ mod tests {
     }
 
     /// A pole of one shape, its residues rotated from those of a mode in phase.
-    fn root(hz: f64, damping: f64, turn: f64) -> Root {
+    fn pole(hz: f64, damping: f64, turn: f64) -> Root {
         let lambda = Pole::from_frequency(hz, damping).lambda;
-        let mut root = Root::single(lambda, &[Complex64::ONE], 3);
+        let mut pole = Root::single(lambda, &[Complex64::ONE], 3);
         let phase = Complex64::from_polar(1.0, turn - std::f64::consts::FRAC_PI_2);
-        root.residues = [1.0, -0.5, 2.0].map(|a| a * phase).to_vec();
-        root
+        pole.residues = [1.0, -0.5, 2.0].map(|a| a * phase).to_vec();
+        pole
     }
 
     /// Number of companions of a mode of 1 % damping among other poles.
     fn count(others: &[Root]) -> usize {
-        let mode = root(100.0, 0.01, 0.0);
+        let mode = pole(100.0, 0.01, 0.0);
         companions(&[&[mode], others].concat()).len()
     }
 
@@ -452,11 +452,11 @@ mod tests {
         let hz = 100.6;
         let quarter = std::f64::consts::FRAC_PI_2;
         let is_one = |other: Root| count(&[other]) == 1;
-        assert!(is_one(root(hz, 0.03, quarter)));
+        assert!(is_one(pole(hz, 0.03, quarter)));
         // Part in phase over that in quadrature.
-        assert!(is_one(root(hz, 0.03, 0.25f64.atan() + quarter)));
-        assert!(!is_one(root(hz, 0.03, 0.5f64.atan() + quarter)));
-        assert!(!is_one(root(hz, 0.03, 0.3)));
+        assert!(is_one(pole(hz, 0.03, 0.25f64.atan() + quarter)));
+        assert!(!is_one(pole(hz, 0.03, 0.5f64.atan() + quarter)));
+        assert!(!is_one(pole(hz, 0.03, 0.3)));
         // Ratio of the decay rates.
         for (damping, expected) in [
             (0.013, false),
@@ -465,30 +465,30 @@ mod tests {
             (0.036, true),
             (0.044, false),
         ] {
-            assert_eq!(is_one(root(hz, damping, quarter)), expected, "{damping}");
+            assert_eq!(is_one(pole(hz, damping, quarter)), expected, "{damping}");
         }
         // Distance of 0.37, 0.7 and 1 decay rates.
         for (hz, expected) in [(101.1, true), (102.1, false), (103.0, false)] {
-            assert_eq!(is_one(root(hz, 0.03, quarter)), expected, "{hz}");
+            assert_eq!(is_one(pole(hz, 0.03, quarter)), expected, "{hz}");
         }
         // Shapes of MAC 0.94, 0.89 and 0.27.
         for (factor, expected) in [(0.6, true), (0.5, false), (-1.0, false)] {
-            let mut other = root(hz, 0.03, quarter);
+            let mut other = pole(hz, 0.03, quarter);
             other.residues[2] *= factor;
             assert_eq!(is_one(other), expected, "{factor}");
         }
         // The second companion needs the first, and no quadrature.
         for (damping, expected) in [(0.034, 1), (0.042, 2), (0.06, 2), (0.07, 1)] {
-            let all = [root(hz, 0.03, quarter), root(hz, damping, 0.0)];
+            let all = [pole(hz, 0.03, quarter), pole(hz, damping, 0.0)];
             assert_eq!(count(&all), expected, "{damping}");
         }
-        assert!(!is_one(root(hz, 0.05, 0.0)));
+        assert!(!is_one(pole(hz, 0.05, 0.0)));
     }
 
     #[test]
     fn companions_of_damping_are_at_the_frequency_of_their_mode() {
         let is_one_of = |hz: f64, damping: f64, residue: f64, factor: f64| {
-            let mut other = root(hz, damping, 0.0);
+            let mut other = pole(hz, damping, 0.0);
             other.residues.iter_mut().for_each(|a| *a *= residue);
             other.residues[2] *= factor;
             count(&[other]) == 1

@@ -34,68 +34,71 @@ const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 /// Noise produces one of them with less than the false-alarm probability.
 pub(in crate::identify) fn close_pair_candidates(
     (data, sides): (&Receptances, &Sides),
-    roots: &[Root],
-    rest: &Rest,
-    chance: f64,
+    poles: &[Root],
+    residual: &Rest,
+    false_alarm_probability: f64,
 ) -> Vec<(usize, Root)> {
-    if roots.is_empty() {
+    if poles.is_empty() {
         return Vec::new();
     }
     let functions = data.functions();
-    let quantile = upper_quantile(2.0 * functions as f64, chance / roots.len() as f64);
+    let quantile = upper_quantile(
+        2.0 * functions as f64,
+        false_alarm_probability / poles.len() as f64,
+    );
     let second = |j: usize| {
-        let root = &roots[j];
-        if reduced_chi_square(data, rest, root) > MAX_CHI_SQUARE_CLOSE_PAIR {
+        let pole = &poles[j];
+        if reduced_chi_square(data, residual, pole) > MAX_CHI_SQUARE_CLOSE_PAIR {
             return None;
         }
-        let terms = second_terms(data, (roots, j), rest)?;
-        let top = data.line_of(root.lambda);
-        let energy = data.shared.held((data, rest), top, |f| terms[f]);
-        let correlation_factor = data.correlation.of_amplitude(root.decay(), data.step);
+        let terms = second_terms(data, (poles, j), residual)?;
+        let top = data.line_of(pole.lambda);
+        let energy = data.shared.held((data, residual), top, |f| terms[f]);
+        let correlation_factor = data.correlation.of_amplitude(pole.decay(), data.step);
         if 2.0 * energy <= correlation_factor * quantile {
             return None;
         }
         let physical = |f: usize| terms[f] * data.deviation(f, top);
         let parts = strongest_inputs(sides, 1, physical);
-        let lambda = root.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * root.width());
+        let lambda = pole.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * pole.width());
         Some((energy, j, Root::single(lambda, &parts[0], functions)))
     };
-    let mut found: Vec<_> = (0..roots.len()).filter_map(second).collect();
+    let mut found: Vec<_> = (0..poles.len()).filter_map(second).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, j, root)| (j, root)).collect()
+    found.into_iter().map(|(_, j, pole)| (j, pole)).collect()
 }
 
 /// Amplitude of the second term in the residual of each FRF, over its noise; `None` where the poles
 /// around explain its profile.
 fn second_terms(
     data: &Receptances,
-    (roots, j): (&[Root], usize),
-    rest: &Rest,
+    (poles, j): (&[Root], usize),
+    residual: &Rest,
 ) -> Option<Vec<Complex64>> {
-    let lines = lines_around(data, &roots[j], HALF_WIDTH_BANDWIDTHS);
+    let lines = lines_around(data, &poles[j], HALF_WIDTH_BANDWIDTHS);
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
     let inside =
-        |root: &&Root| root.lambda.im > lo - root.width() && root.lambda.im < hi + root.width();
-    let near: Vec<&Root> = roots.iter().filter(inside).collect();
+        |pole: &&Root| pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width();
+    let near: Vec<&Root> = poles.iter().filter(inside).collect();
     // Constant and slope for out-of-band terms, and enough lines to separate all columns.
     if lines.len() < near.len() + 3 {
         return None;
     }
-    let course = Profile::new(data, lines.clone()).course;
-    let power = |k: usize, root: &Root, n: usize| {
-        let at = (data.omega[lines.start + k], root.lambda);
-        data.line_shape.power(root.decay(), at, n)
+    let profile = Profile::new(data, lines.clone()).course;
+    let power = |k: usize, pole: &Root, n: usize| {
+        let at = (data.omega[lines.start + k], pole.lambda);
+        data.line_shape.power(pole.decay(), at, n)
     };
     let middle = 0.5 * lines.len() as f64;
     let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
         let value = match near.get(column) {
-            Some(root) => power(k, root, 1),
+            Some(pole) => power(k, pole, 1),
             None if column == near.len() => Complex64::ONE,
             None => Complex64::from(k as f64 / middle - 1.0),
         };
-        value / course[k]
+        value / profile[k]
     });
-    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &roots[j], 2) / course[k]);
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &poles[j], 2) / profile[k]);
     let basis = linalg::thin_qr(&others).ok()?.q;
     let unexplained = &second - &basis * (basis.adjoint() * &second);
     let norm = unexplained.norm_l2();
@@ -105,7 +108,7 @@ fn second_terms(
     let term = |f: usize| -> Complex64 {
         let products = lines
             .clone()
-            .map(|k| unexplained[(k - lines.start, 0)].conj() * rest.at(f, k));
+            .map(|k| unexplained[(k - lines.start, 0)].conj() * residual.at(f, k));
         products.sum::<Complex64>() / norm
     };
     Some((0..data.functions()).map(term).collect())
@@ -135,7 +138,7 @@ mod tests {
             ..Measurement::of_sensors(SENSORS, axis)
         });
         let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
-        let root = Root::single(
+        let pole = Root::single(
             Pole::from_frequency(100.0, 0.01).lambda,
             &[Complex64::ONE],
             SENSORS,
@@ -143,41 +146,45 @@ mod tests {
         let noise: Vec<Vec<Complex64>> = (0..SENSORS as u64)
             .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
             .collect();
-        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
-        let rest = Rest::of_all(rest);
-        (data, Sides::new(set.functions()), root, rest)
+        let residual = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
+        let residual = Rest::of_all(residual);
+        (data, Sides::new(set.functions()), pole, residual)
     }
 
     #[test]
     fn a_close_pair_below_the_noise_of_every_line_is_detected() {
-        let (data, sides, root, noise) = fitted(1);
+        let (data, sides, pole, noise) = fitted(1);
         let second = |k: usize| {
-            let first = root.decay() / (Complex64::new(0.0, data.omega[k]) - root.lambda);
+            let first = pole.decay() / (Complex64::new(0.0, data.omega[k]) - pole.lambda);
             first * first
         };
         // At most 0.8 of the noise; of alternating sign over the sensors, so that no shift of the
         // pole explains it.
-        let rest = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
+        let residual = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)
         });
-        let rest = Rest::of_all(rest);
-        let found =
-            close_pair_candidates((&data, &sides), std::slice::from_ref(&root), &rest, 1e-3);
-        let [(place, beside)] = &found[..] else {
+        let residual = Rest::of_all(residual);
+        let found = close_pair_candidates(
+            (&data, &sides),
+            std::slice::from_ref(&pole),
+            &residual,
+            1e-3,
+        );
+        let [(index, beside)] = &found[..] else {
             panic!("{} poles", found.len());
         };
-        assert_eq!(*place, 0);
-        assert!((beside.lambda - root.lambda).norm() < root.width());
+        assert_eq!(*index, 0);
+        assert!((beside.lambda - pole.lambda).norm() < pole.width());
     }
 
     #[test]
     fn noise_alone_is_no_close_pair() {
         for seed in 0..20 {
-            let (data, sides, root, rest) = fitted(seed);
-            assert!(close_pair_candidates((&data, &sides), &[root], &rest, 1e-3).is_empty());
+            let (data, sides, pole, residual) = fitted(seed);
+            assert!(close_pair_candidates((&data, &sides), &[pole], &residual, 1e-3).is_empty());
         }
-        let (data, sides, _, rest) = fitted(0);
-        assert!(close_pair_candidates((&data, &sides), &[], &rest, 1e-3).is_empty());
+        let (data, sides, _, residual) = fitted(0);
+        assert!(close_pair_candidates((&data, &sides), &[], &residual, 1e-3).is_empty());
     }
 }

@@ -176,9 +176,9 @@ impl Automatic {
                 break;
             }
         }
-        let moves = |root: &&Root| {
+        let moves = |pole: &&Root| {
             fits.iter()
-                .any(|(fit, _)| fit.moved.contains_pole(root.lambda))
+                .any(|(fit, _)| fit.moved.contains_pole(pole.lambda))
         };
         let needed = |(fit, _): &(Fit, Found)| fit.roots.iter().filter(moves).count();
         let fewest = (0..fits.len())
@@ -275,9 +275,15 @@ impl Fit {
         let free = std::mem::take(&mut self.roots);
         self.dropped.clear();
         self.sides = sides;
-        let chance = self.options.false_alarm_probability / self.data.lines() as f64;
+        let false_alarm_probability =
+            self.options.false_alarm_probability / self.data.lines() as f64;
         let frfs = (&self.data, &self.sides);
-        self.roots = completed(frfs, by_inputs, (&free, &pole_metrics), chance);
+        self.roots = completed(
+            frfs,
+            by_inputs,
+            (&free, &pole_metrics),
+            false_alarm_probability,
+        );
         Ok(())
     }
 
@@ -349,9 +355,9 @@ impl Fit {
 
     pub fn refine(&mut self, stop: Stop) {
         let stop = if self.fixed { Stop::Residues } else { stop };
-        let (roots, limits) = (std::mem::take(&mut self.roots), self.limits());
+        let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
         let frfs = (&self.data, &self.sides);
-        self.roots = refine(frfs, &mut self.windows, roots, (limits, stop));
+        self.roots = refine(frfs, &mut self.windows, poles, (limits, stop));
     }
 
     /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
@@ -365,7 +371,7 @@ impl Fit {
                 }
             }
         }
-        self.roots.retain(|root| !root.parts.is_empty());
+        self.roots.retain(|pole| !pole.parts.is_empty());
         unsettle(&mut self.roots);
         self.refine(Stop::Residues);
     }
@@ -381,7 +387,7 @@ impl Fit {
             for change in required_edits {
                 self.apply(change);
             }
-            self.roots.retain(|root| !root.parts.is_empty());
+            self.roots.retain(|pole| !pole.parts.is_empty());
             unsettle(&mut self.roots);
             self.refine(stop);
         }
@@ -425,9 +431,9 @@ impl Fit {
     pub fn measure_noise(&mut self) -> bool {
         unsettle(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
-        let mut rest = self.rest();
-        self.data.tell_noise(&mut rest);
-        self.data.shared = self.data.shared.of_rest(&self.data, &rest);
+        let mut residual = self.rest();
+        self.data.tell_noise(&mut residual);
+        self.data.shared = self.data.shared.of_rest(&self.data, &residual);
         let changed =
             |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
         self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
@@ -451,9 +457,9 @@ impl Fit {
 
     /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
     pub fn relative_residual(&self) -> f64 {
-        let rest = self.rest();
+        let normalised = self.rest();
         let of = |f: usize| {
-            let residual = |k: usize| rest.at(f, k).norm_sqr() * self.data.variance[f][k];
+            let residual = |k: usize| normalised.at(f, k).norm_sqr() * self.data.variance[f][k];
             let lines = 0..self.data.lines();
             let residual: f64 = lines.clone().map(residual).sum();
             residual
@@ -468,37 +474,37 @@ impl Fit {
     /// each FRF and its line correlation. An error of the pole changes all residues of an isolated
     /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
     /// repeated pole.
-    fn residue_stds(&self, root: &Root, metrics: &PoleMetrics) -> Option<Vec<f64>> {
+    fn residue_stds(&self, pole: &Root, metrics: &PoleMetrics) -> Option<Vec<f64>> {
         let modes = self.roots.iter().filter(|other| !other.is_companion);
-        let near = modes.filter(|other| apart(root, other) < ISOLATED_BANDWIDTHS);
-        if root.multiplicity() > 1 || near.count() > 1 {
+        let near = modes.filter(|other| apart(pole, other) < ISOLATED_BANDWIDTHS);
+        if pole.multiplicity() > 1 || near.count() > 1 {
             return None;
         }
         let correlation_factor = self
             .data
             .correlation
-            .of_amplitude(root.decay(), self.data.step);
+            .of_amplitude(pole.decay(), self.data.step);
         let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
-        let stds = root.residue_variances.iter().map(|v| factor * v.sqrt());
+        let stds = pole.residue_variances.iter().map(|v| factor * v.sqrt());
         Some(stds.collect())
     }
 
     pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
         let described = self.data.far().beside(&self.data, &self.roots);
-        let is_mode = |root: &Root| {
-            let hz = root.lambda.norm() / TAU;
-            !root.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
+        let is_mode = |pole: &Root| {
+            let hz = pole.lambda.norm() / TAU;
+            !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
         };
         let mut pole_metrics = self.standings();
         let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
         let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
-        let modes = with_standing.filter(|(root, _)| is_mode(root));
-        modes.for_each(|(root, metrics)| metrics.band_deviation = narrower_bands.deviation(root));
+        let modes = with_standing.filter(|(pole, _)| is_mode(pole));
+        modes.for_each(|(pole, metrics)| metrics.band_deviation = narrower_bands.deviation(pole));
         let modes = self.roots.iter().zip(&pole_metrics);
         let mut kept: Vec<(&Root, &PoleMetrics)> =
-            modes.filter(|(root, _)| is_mode(root)).collect();
+            modes.filter(|(pole, _)| is_mode(pole)).collect();
         if let Some(most) = self.options.max_modes {
-            let worth = |(root, _): &(&Root, &PoleMetrics)| root.quality.significance();
+            let worth = |(pole, _): &(&Root, &PoleMetrics)| pole.quality.significance();
             kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
             kept.truncate(most);
             kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
@@ -518,11 +524,11 @@ impl Fit {
         PoleTable {
             candidates: kept
                 .iter()
-                .map(|(root, metrics)| Candidate {
-                    residue_stds: self.residue_stds(root, metrics),
+                .map(|(pole, metrics)| Candidate {
+                    residue_stds: self.residue_stds(pole, metrics),
                     ..self
                         .moved
-                        .merged(candidate(root, metrics), metrics.inflation() > 1.0)
+                        .merged(candidate(pole, metrics), metrics.inflation() > 1.0)
                 })
                 .collect(),
             findings: evidence.findings(),

@@ -105,14 +105,14 @@ impl FindingContext<'_> {
                 None => finding,
             });
         }
-        if let Some(roots) = self.scattered {
+        if let Some(poles) = self.scattered {
             let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Place::Whole);
-            findings.push(finding.value(roots as f64, ""));
+            findings.push(finding.value(poles as f64, ""));
         }
         findings.extend(self.run_finding());
         findings.extend(self.misfit_finding());
-        for (root, metrics) in self.kept {
-            findings.extend(self.mode_findings(root, metrics));
+        for (pole, metrics) in self.kept {
+            findings.extend(self.mode_findings(pole, metrics));
         }
         findings.extend(self.run_partner_findings());
         findings.extend(self.rejection_findings());
@@ -143,7 +143,7 @@ impl FindingContext<'_> {
 
     /// Close modes that respond in separate runs.
     fn run_partner_findings(&self) -> Vec<Finding> {
-        let kept: Vec<&Root> = self.kept.iter().map(|(root, _)| *root).collect();
+        let kept: Vec<&Root> = self.kept.iter().map(|(pole, _)| *pole).collect();
         let partners = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
             Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
@@ -151,32 +151,32 @@ impl FindingContext<'_> {
         partners.map(finding).collect()
     }
 
-    fn mode_findings(&self, root: &Root, metrics: &PoleMetrics) -> Vec<Finding> {
-        let place = self.place(root.lambda);
+    fn mode_findings(&self, pole: &Root, metrics: &PoleMetrics) -> Vec<Finding> {
+        let place = self.place(pole.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, place.clone())
                 .value(value, unit)
                 .limit(limit)
         };
         let mut findings = Vec::new();
-        if let Some(mode) = self.moved.of(root.lambda) {
+        if let Some(mode) = self.moved.of(pole.lambda) {
             let finding = Finding::new(Severity::Warning, Code::RunsMerged, place.clone());
             let percent = 100.0 * mode.scatter / mode.lambda.im;
             findings.push(finding.value(percent, "%"));
         }
-        if root.multiplicity() > 1 {
+        if pole.multiplicity() > 1 {
             let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
-            findings.push(finding.value(root.multiplicity() as f64, ""));
+            findings.push(finding.value(pole.multiplicity() as f64, ""));
         }
         let companion = self
             .companions
             .iter()
-            .find(|(pole, _)| *pole == root.lambda);
+            .find(|(lambda, _)| *lambda == pole.lambda);
         if let Some((_, size)) = companion {
             let finding = Finding::new(Severity::Warning, Code::AmplitudeDependent, place.clone());
             findings.push(finding.value(*size, ""));
         }
-        let decay = root.decay() - self.set.added_damping_rad_s;
+        let decay = pole.decay() - self.set.added_damping_rad_s;
         let limit = MAX_BAND_DEVIATION_PERCENT;
         let percent = 100.0 * metrics.band_deviation / decay;
         if percent > limit && decay > 0.0 {
@@ -189,11 +189,11 @@ impl FindingContext<'_> {
                 place.clone(),
             ));
         }
-        let lines = root.width() / self.data.step;
+        let lines = pole.width() / self.data.step;
         if lines < MIN_LINES_PER_BANDWIDTH {
             findings.push(warning(Code::FewLines, lines, "", MIN_LINES_PER_BANDWIDTH));
         }
-        findings.extend(reach(self.set, self.data, root.lambda, &place));
+        findings.extend(reach(self.set, self.data, pole.lambda, &place));
         findings
     }
 
@@ -245,7 +245,7 @@ impl FindingContext<'_> {
                 && !self
                     .kept
                     .iter()
-                    .any(|(root, _)| at(root.width(), root.lambda))
+                    .any(|(pole, _)| at(pole.width(), pole.lambda))
                 && !rejected.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
         };
         let mut findings: Vec<Finding> = found

@@ -146,21 +146,21 @@ impl Fit {
             return Vec::new();
         }
         let limit = shape.split_lines() * self.data.step;
-        let is_of = |root: &Root, group: &Group| group.distance(root) < limit;
-        let is_other = |root: &&Root| !groups.iter().any(|group| is_of(root, group));
-        let others = |roots: &[Root]| roots.iter().filter(is_other).count();
+        let is_of = |pole: &Root, group: &Group| group.distance(pole) < limit;
+        let is_other = |pole: &&Root| !groups.iter().any(|group| is_of(pole, group));
+        let others = |poles: &[Root]| poles.iter().filter(is_other).count();
         let expected = others(&self.roots);
-        let (roots, dropped) = (self.roots.clone(), self.dropped.clone());
+        let (poles, dropped) = (self.roots.clone(), self.dropped.clone());
         let (noise, scattered) = (self.data.noise(), self.scattered);
-        self.roots.retain(|root| is_other(&root));
+        self.roots.retain(|pole| is_other(&pole));
         let merged = groups.iter().flat_map(|group| &group.merged);
         self.roots.extend(merged.cloned());
         (self.roots).sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         self.reestimate_noise_and_prune();
         self.complete();
-        let is_lost = |group: &Group| !self.roots.iter().any(|root| is_of(root, group));
+        let is_lost = |group: &Group| !self.roots.iter().any(|pole| is_of(pole, group));
         if others(&self.roots) < expected || groups.iter().any(is_lost) {
-            (self.roots, self.dropped, self.scattered) = (roots, dropped, scattered);
+            (self.roots, self.dropped, self.scattered) = (poles, dropped, scattered);
             self.data.set_noise(noise);
             return Vec::new();
         }
@@ -174,9 +174,9 @@ impl Fit {
         band: Band,
     ) -> Vec<Finding> {
         let finding = |mode: &SplitMode| {
-            let distance = |root: &&Root| (root.lambda.im - mode.omega).abs();
-            let roots = self.roots.iter();
-            let nearest = roots.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            let distance = |pole: &&Root| (pole.lambda.im - mode.omega).abs();
+            let poles = self.roots.iter();
+            let nearest = poles.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             let hz = Pole {
                 lambda: nearest.lambda,
             }
@@ -192,8 +192,8 @@ impl Fit {
 
 /// Whether the bias of damping of a mode is worth a finding.
 fn is_narrow(fit: &Fit, shape: LineShape) -> bool {
-    let bias = |root: &Root| shape.leakage_bias(root.decay());
-    let is_biased = |root: &Root| bias(root) > Some(MAX_LEAKAGE_BIAS);
+    let bias = |pole: &Root| shape.leakage_bias(pole.decay());
+    let is_biased = |pole: &Root| bias(pole) > Some(MAX_LEAKAGE_BIAS);
     fit.roots.iter().any(is_biased)
 }
 
@@ -207,8 +207,8 @@ impl NearModes {
     fn new(fit: &Fit) -> Self {
         let limit = MAX_LINES_FROM_MODE * fit.data.step;
         let is_near = |line: &usize| {
-            let distance = |root: &Root| (root.lambda.im - fit.data.omega[*line]).abs();
-            fit.roots.iter().any(|root| distance(root) < limit)
+            let distance = |pole: &Root| (pole.lambda.im - fit.data.omega[*line]).abs();
+            fit.roots.iter().any(|pole| distance(pole) < limit)
         };
         let lines: Vec<usize> = (0..fit.data.lines()).filter(is_near).collect();
         Self {
@@ -221,10 +221,10 @@ impl NearModes {
 
     /// Squared residual of a fit over these variances, summed over FRFs and lines.
     fn residual(&self, fit: &Fit) -> f64 {
-        let rest = fit.rest();
+        let normalised = fit.rest();
         let of_function = |(f, variance): (usize, &Vec<f64>)| {
             let of_line = |(k, variance): (&usize, &f64)| {
-                rest.at(f, *k).norm_sqr() * fit.data.variance[f][*k] / variance
+                normalised.at(f, *k).norm_sqr() * fit.data.variance[f][*k] / variance
             };
             self.lines.iter().zip(variance).map(of_line).sum::<f64>()
         };
@@ -233,7 +233,7 @@ impl NearModes {
 
     /// Squared residual of its poles under a line shape, refined from their present values.
     fn residual_under(&self, fit: &mut Fit, shape: LineShape) -> f64 {
-        let roots = fit.roots.clone();
+        let poles = fit.roots.clone();
         let correlation = fit.data.correlation.clone();
         fit.data.observe(shape);
         unsettle(&mut fit.roots);
@@ -241,14 +241,14 @@ impl NearModes {
         let residual = self.residual(fit);
         fit.data.observe(LineShape::EXACT);
         fit.data.correlation = correlation;
-        fit.roots = roots;
+        fit.roots = poles;
         residual
     }
 }
 
 /// Whether two poles lie so close that they may be one mode under a window.
 fn has_close_poles(fit: &Fit, shape: LineShape) -> bool {
-    let mut frequencies: Vec<f64> = fit.roots.iter().map(|root| root.lambda.im).collect();
+    let mut frequencies: Vec<f64> = fit.roots.iter().map(|pole| pole.lambda.im).collect();
     frequencies.sort_by(f64::total_cmp);
     let limit = shape.split_lines() * fit.data.step;
     frequencies.windows(2).any(|pair| pair[1] - pair[0] < limit)
@@ -262,14 +262,14 @@ struct Group {
 
 impl Group {
     /// Distance of a pole from the nearest of the group, rad/s.
-    fn distance(&self, root: &Root) -> f64 {
+    fn distance(&self, pole: &Root) -> f64 {
         let all = self.split.iter().chain(&self.merged);
-        all.map(|member| (member.lambda.im - root.lambda.im).abs())
+        all.map(|member| (member.lambda.im - pole.lambda.im).abs())
             .fold(f64::INFINITY, f64::min)
     }
 
     fn mode(&self, shape: LineShape) -> SplitMode {
-        let sum: f64 = self.merged.iter().map(|root| root.lambda.im).sum();
+        let sum: f64 = self.merged.iter().map(|pole| pole.lambda.im).sum();
         SplitMode {
             omega: sum / self.merged.len() as f64,
             poles: self.split.len(),
@@ -281,15 +281,15 @@ impl Group {
 /// The groups in which leakage under a window may have split poles.
 fn split_groups(fit: &Fit, smoothed: &Fit, shape: LineShape) -> Vec<Group> {
     let limit = shape.split_lines() * fit.data.step;
-    let plain = fit.roots.iter().map(|root| (root, false));
-    let smoothed = smoothed.roots.iter().map(|root| (root, true));
+    let plain = fit.roots.iter().map(|pole| (pole, false));
+    let smoothed = smoothed.roots.iter().map(|pole| (pole, true));
     let mut all: Vec<(&Root, bool)> = plain.chain(smoothed).collect();
     all.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
     let is_near = |a: &(&Root, bool), b: &(&Root, bool)| b.0.lambda.im - a.0.lambda.im < limit;
     let group = |chunk: &[(&Root, bool)]| {
         let of = |is_smoothed: bool| -> Vec<Root> {
-            let roots = chunk.iter().filter(|root| root.1 == is_smoothed);
-            roots.map(|root| root.0.clone()).collect()
+            let poles = chunk.iter().filter(|pole| pole.1 == is_smoothed);
+            poles.map(|pole| pole.0.clone()).collect()
         };
         Group {
             split: of(false),

@@ -36,7 +36,7 @@ const LISTED_MODES: usize = 5;
 
 /// Effect of the misfit near a mode on its results.
 struct Consequence<'a> {
-    root: &'a Root,
+    pole: &'a Root,
     metrics: &'a PoleMetrics,
     /// Residual above the noise over the response, root mean square.
     residual: f64,
@@ -76,13 +76,13 @@ impl FindingContext<'_> {
             .kept
             .iter()
             .filter(|mode| mode.1.reduced_chi_square > MAX_CHI_SQUARE);
-        let consequences = misfitting.map(|(root, metrics)| self.consequence(root, metrics));
+        let consequences = misfitting.map(|(pole, metrics)| self.consequence(pole, metrics));
         let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
         let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
         all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let worst = all.first()?;
         let place = match all.len() {
-            1 => self.place(worst.root.lambda),
+            1 => self.place(worst.pole.lambda),
             _ => Place::Whole,
         };
         let largest = all
@@ -96,29 +96,29 @@ impl FindingContext<'_> {
         Some(finding.detail(self.detail_of(&all)))
     }
 
-    fn consequence<'a>(&self, root: &'a Root, metrics: &'a PoleMetrics) -> Consequence<'a> {
-        let decay = root.decay() - self.set.added_damping_rad_s;
+    fn consequence<'a>(&self, pole: &'a Root, metrics: &'a PoleMetrics) -> Consequence<'a> {
+        let decay = pole.decay() - self.set.added_damping_rad_s;
         let correlation = &self.data.correlation;
         let squared =
-            metrics.reduced_chi_square * correlation.of_amplitude(root.decay(), self.data.step);
-        let variance: f64 = root.residue_variances.iter().sum();
-        let size: f64 = root.residues.iter().map(|a| a.norm_sqr()).sum();
+            metrics.reduced_chi_square * correlation.of_amplitude(pole.decay(), self.data.step);
+        let variance: f64 = pole.residue_variances.iter().sum();
+        let size: f64 = pole.residues.iter().map(|a| a.norm_sqr()).sum();
         Consequence {
-            root,
+            pole,
             metrics,
-            residual: ((metrics.reduced_chi_square - 1.0) / self.response_over_noise(root)).sqrt(),
+            residual: ((metrics.reduced_chi_square - 1.0) / self.response_over_noise(pole)).sqrt(),
             // Where the decay is that of the window, the damping is not determined.
             damping: match decay > 0.0 {
-                true => root.quality.pole_std * metrics.inflation() / decay,
+                true => pole.quality.pole_std * metrics.inflation() / decay,
                 false => f64::INFINITY,
             },
-            shape: (root.multiplicity() == 1).then_some(squared * variance / size),
+            shape: (pole.multiplicity() == 1).then_some(squared * variance / size),
         }
     }
 
     /// Mean square of the response over the noise on the lines on which the misfit is measured.
-    fn response_over_noise(&self, root: &Root) -> f64 {
-        let (lines, functions) = (lines_of_pole(self.data, root), self.data.functions());
+    fn response_over_noise(&self, pole: &Root) -> f64 {
+        let (lines, functions) = (lines_of_pole(self.data, pole), self.data.functions());
         let of = |f: usize| {
             let power = |k: usize| self.data.values[f][k].norm_sqr() / self.data.variance[f][k];
             lines.clone().map(power).sum::<f64>()
@@ -129,14 +129,14 @@ impl FindingContext<'_> {
     /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
     /// residual over noise, those of the worst mode.
     fn detail_of(&self, all: &[Consequence]) -> String {
-        let hz = |consequence: &Consequence| match self.place(consequence.root.lambda) {
+        let hz = |consequence: &Consequence| match self.place(consequence.pole.lambda) {
             Place::Mode(hz) => format!("{hz:.2} Hz: {}", consequence.figures()),
             _ => consequence.figures(),
         };
         let mut texts = vec![format!(
             "{} ({})",
             hz(&all[0]),
-            self.functions_of(all[0].root)
+            self.functions_of(all[0].pole)
         )];
         texts.extend(all[1..].iter().take(LISTED_MODES - 1).map(hz));
         if all.len() > LISTED_MODES {
@@ -146,9 +146,9 @@ impl FindingContext<'_> {
     }
 
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
-    fn functions_of(&self, root: &Root) -> String {
-        let rest = self.described.left_over(lines_of_pole(self.data, root));
-        let misfits = reduced_chi_square_by_frf(self.data, &rest, root);
+    fn functions_of(&self, pole: &Root) -> String {
+        let residual = self.described.left_over(lines_of_pole(self.data, pole));
+        let misfits = reduced_chi_square_by_frf(self.data, &residual, pole);
         let above = misfits
             .iter()
             .filter(|misfit| **misfit > MAX_CHI_SQUARE)

@@ -25,17 +25,19 @@ const MIN_RELATIVE_STRENGTH: f64 = 0.03;
 const MATCH_DECAY_RATES: f64 = 1.0;
 
 /// One single pole for each distinct pole of FRFs that are outputs of one input.
-pub(in crate::identify) fn distinct_poles(roots: &[Root]) -> Vec<Root> {
+pub(in crate::identify) fn distinct_poles(estimates: &[Root]) -> Vec<Root> {
     let mut poles: Vec<Complex64> = Vec::new();
-    for root in roots {
-        let near = |pole: &Complex64| (*pole - root.lambda).norm() < 0.5 * root.decay();
+    for estimate in estimates {
+        let near = |pole: &Complex64| (*pole - estimate.lambda).norm() < 0.5 * estimate.decay();
         if !poles.iter().any(near) {
-            poles.push(root.lambda);
+            poles.push(estimate.lambda);
         }
     }
-    let functions = roots.first().map_or(0, |root| root.residues.len());
-    let root = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
-    poles.iter().map(root).collect()
+    let functions = estimates
+        .first()
+        .map_or(0, |estimate| estimate.residues.len());
+    let estimate = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    poles.iter().map(estimate).collect()
 }
 
 /// Completes the multiplicities of poles. `free` are the poles of FRFs as outputs of one input,
@@ -43,21 +45,22 @@ pub(in crate::identify) fn distinct_poles(roots: &[Root]) -> Vec<Root> {
 /// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
 pub(in crate::identify) fn completed(
     (data, sides): (&Receptances, &Sides),
-    roots: Vec<Root>,
+    estimates: Vec<Root>,
     (free, pole_metrics): (&[Root], &[PoleMetrics]),
-    chance: f64,
+    false_alarm_probability: f64,
 ) -> Vec<Root> {
-    let nearest = |root: &Root| {
-        let distance = |pole: &usize| (free[*pole].lambda - root.lambda).norm();
+    let nearest = |estimate: &Root| {
+        let distance = |pole: &usize| (free[*pole].lambda - estimate.lambda).norm();
         let pole = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&pole) < MATCH_DECAY_RATES * root.decay().max(free[pole].decay())).then_some(pole)
+        (distance(&pole) < MATCH_DECAY_RATES * estimate.decay().max(free[pole].decay()))
+            .then_some(pole)
     };
     let mut groups: Vec<Vec<Root>> = vec![Vec::new(); free.len()];
     let mut completed = Vec::new();
-    for root in roots {
-        match nearest(&root) {
-            Some(pole) => groups[pole].push(root),
-            None => completed.push(root),
+    for estimate in estimates {
+        match nearest(&estimate) {
+            Some(pole) => groups[pole].push(estimate),
+            None => completed.push(estimate),
         }
     }
     for (index, group) in groups.into_iter().enumerate() {
@@ -65,14 +68,17 @@ pub(in crate::identify) fn completed(
             completed.extend(group);
             continue;
         }
-        let parts =
-            participation_factors((data, sides), (&free[index], &pole_metrics[index]), chance);
+        let factors = participation_factors(
+            (data, sides),
+            (&free[index], &pole_metrics[index]),
+            false_alarm_probability,
+        );
         let keep_group =
-            parts.len() < group.len() || (parts.len() == group.len() && group.len() > 1);
+            factors.len() < group.len() || (factors.len() == group.len() && group.len() > 1);
         if keep_group {
             completed.extend(group);
         } else {
-            completed.extend(split_pole(&free[index], parts));
+            completed.extend(split_pole(&free[index], factors));
         }
     }
     completed
@@ -89,22 +95,22 @@ pub(in crate::identify) fn strongest(sides: &Sides, pole: &Root) -> Result<Root,
 }
 
 /// Two modes as two poles, which can separate in the fit; more modes as one repeated pole.
-fn split_pole(pole: &Root, mut parts: Vec<Vec<Complex64>>) -> Vec<Root> {
+fn split_pole(pole: &Root, mut factors: Vec<Vec<Complex64>>) -> Vec<Root> {
     let functions = pole.residues.len();
     let single = |part: &Vec<Complex64>| Root::single(pole.lambda, part, functions);
-    if parts.len() <= 2 {
-        return parts.iter().map(single).collect();
+    if factors.len() <= 2 {
+        return factors.iter().map(single).collect();
     }
-    let mut root = single(&parts[0]);
-    root.join(parts.split_off(1));
-    vec![root]
+    let mut repeated = single(&factors[0]);
+    repeated.join(factors.split_off(1));
+    vec![repeated]
 }
 
 /// Participation factors of the modes of one pole.
 fn participation_factors(
     (data, sides): (&Receptances, &Sides),
     (pole, metrics): (&Root, &PoleMetrics),
-    chance: f64,
+    false_alarm_probability: f64,
 ) -> Vec<Vec<Complex64>> {
     let line = data.line_of(pole.lambda);
     let level: Vec<f64> = (0..data.functions())
@@ -119,7 +125,7 @@ fn participation_factors(
     let deviations = linalg::real_matrix(sides.outputs.len(), sides.inputs, |o, i| {
         noise * level[sides.outputs[o][i].1]
     });
-    let above = terms_above_noise(&residues, &deviations, chance);
+    let above = terms_above_noise(&residues, &deviations, false_alarm_probability);
     independent_terms(&residues, &deviations, above)
 }
 
@@ -127,7 +133,7 @@ fn participation_factors(
 fn terms_above_noise(
     residues: &ComplexMatrix,
     deviations: &RealMatrix,
-    chance: f64,
+    false_alarm_probability: f64,
 ) -> Vec<Vec<Complex64>> {
     let (outputs, inputs) = (residues.nrows(), residues.ncols());
     let (by_output, by_input) = separable_factors(deviations);
@@ -137,7 +143,7 @@ fn terms_above_noise(
         return Vec::new();
     };
     let uneven = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
-    let limit = norm_of_uneven_noise((outputs, inputs), uneven, chance);
+    let limit = norm_of_uneven_noise((outputs, inputs), uneven, false_alarm_probability);
     let count = svd.values.iter().take_while(|s| **s > limit).count();
     // A = U S Vᴴ, so that the row space is that of conj(V).
     let factor = |rank: usize, i: usize| svd.right[(i, rank)].conj() * by_input[i];
@@ -151,22 +157,22 @@ fn terms_above_noise(
 fn independent_terms(
     residues: &ComplexMatrix,
     deviations: &RealMatrix,
-    parts: Vec<Vec<Complex64>>,
+    factors: Vec<Vec<Complex64>>,
 ) -> Vec<Vec<Complex64>> {
-    if parts.len() < 2 {
-        return parts;
+    if factors.len() < 2 {
+        return factors;
     }
     let inputs = residues.ncols();
-    let mut strength = Strength::none(parts.len());
+    let mut strength = Strength::none(factors.len());
     for o in 0..residues.nrows() {
         // Row o of the residues is ψᵀL over its noise.
-        let courses = linalg::complex_matrix(inputs, parts.len(), |i, part| {
-            parts[part][i] / deviations[(o, i)]
+        let columns = linalg::complex_matrix(inputs, factors.len(), |i, part| {
+            factors[part][i] / deviations[(o, i)]
         });
         let values =
             linalg::complex_matrix(inputs, 1, |i, _| residues[(o, i)] / deviations[(o, i)]);
-        let Ok(qr) = linalg::thin_qr(&courses) else {
-            return parts;
+        let Ok(qr) = linalg::thin_qr(&columns) else {
+            return factors;
         };
         let inverse = linalg::inverse_upper(&qr.r);
         let shape = &inverse * (qr.q.adjoint() * values);
@@ -174,11 +180,11 @@ fn independent_terms(
     }
     let strengths = strength.values();
     let Some(strongest) = strengths.values.last() else {
-        return parts;
+        return factors;
     };
     let weak = |s: &&f64| **s < MIN_RELATIVE_STRENGTH * MIN_RELATIVE_STRENGTH * strongest;
     let weakest = strengths.values.iter().take_while(weak).count();
-    let mut kept = combined(&parts, &strengths.combinations).split_off(weakest);
+    let mut kept = combined(&factors, &strengths.combinations).split_off(weakest);
     kept.reverse();
     kept
 }
@@ -238,10 +244,10 @@ mod tests {
 
     #[test]
     fn residues_of_three_modes_give_three_participation_factors() {
-        let parts = modes(1.0, 1e-5);
-        assert_eq!(parts.len(), 3);
+        let factors = modes(1.0, 1e-5);
+        assert_eq!(factors.len(), 3);
         // Every true factor is a combination of the estimated ones.
-        let basis = linalg::complex_matrix(INPUTS, 3, |i, part| parts[part][i]);
+        let basis = linalg::complex_matrix(INPUTS, 3, |i, part| factors[part][i]);
         for mode in 0..3 {
             let expected =
                 linalg::complex_matrix(INPUTS, 1, |i, _| Complex64::from(factor(mode, i)));

@@ -58,7 +58,7 @@ const MAX_LINEAR_DECAY_RATES: f64 = 1.0;
 /// A fit whose poles are compared with those of narrower bands.
 pub(in crate::identify) struct NarrowerBands<'a> {
     data: &'a Receptances,
-    roots: &'a [Root],
+    poles: &'a [Root],
     /// Residual on all lines, over the noise.
     residual: Rest,
 }
@@ -70,33 +70,33 @@ struct Shift {
 }
 
 impl<'a> NarrowerBands<'a> {
-    pub fn new(data: &'a Receptances, roots: &'a [Root], described: &Described) -> Self {
+    pub fn new(data: &'a Receptances, poles: &'a [Root], described: &Described) -> Self {
         Self {
             data,
-            roots,
+            poles,
             residual: described.left_over(0..data.lines()),
         }
     }
 
     /// Standard deviation of real and imaginary part of a pole, rad/s, from the largest shift that
     /// noise does not explain; 0 where noise explains all shifts.
-    pub fn deviation(&self, root: &Root) -> f64 {
-        let shifts = self.shifts(root).into_iter().flatten();
+    pub fn deviation(&self, pole: &Root) -> f64 {
+        let shifts = self.shifts(pole).into_iter().flatten();
         let beyond =
             shifts.filter(|shift| shift.mean_square > MIN_SHIFT_RATIO * shift.noise_variance);
         let variance = beyond.map(|shift| shift.mean_square - shift.noise_variance);
-        let longest = 0.5 * (MAX_LINEAR_DECAY_RATES * root.decay()).powi(2);
+        let longest = 0.5 * (MAX_LINEAR_DECAY_RATES * pole.decay()).powi(2);
         variance.fold(0.0, f64::max).min(longest).sqrt()
     }
 
     /// The shift over each of [`BANDS`]; `None` where a band has too few lines, or too much noise.
-    fn shifts(&self, root: &Root) -> [Option<Shift>; BANDS.len()] {
-        let fit = PoleFit::new(self, root);
+    fn shifts(&self, pole: &Root) -> [Option<Shift>; BANDS.len()] {
+        let fit = PoleFit::new(self, pole);
         let background = Background::new(&self.data.omega, &fit.lines, self.data.outside());
         let fitted = fit.step(fit.lines.clone(), background);
-        let variance = root.quality.pole_std.powi(2);
-        let correlated_over_white = variance / root.quality.pole_bound.powi(2);
-        let max_variance = (MAX_LINEAR_DECAY_RATES * root.decay()).powi(2);
+        let variance = pole.quality.pole_std.powi(2);
+        let correlated_over_white = variance / pole.quality.pole_bound.powi(2);
+        let max_variance = (MAX_LINEAR_DECAY_RATES * pole.decay()).powi(2);
         BANDS.map(|parts| {
             let (fitted, band) = (fitted?, fit.band(parts));
             if band.len() < MIN_LINES {
@@ -118,7 +118,7 @@ impl<'a> NarrowerBands<'a> {
 /// The residual on the lines of a pole, in the direction of its residues.
 struct PoleFit<'a> {
     model: &'a NarrowerBands<'a>,
-    root: &'a Root,
+    pole: &'a Root,
     lines: Range<usize>,
     /// Profile of the noise over these lines.
     course: Vec<f64>,
@@ -136,12 +136,12 @@ struct Step {
 }
 
 impl<'a> PoleFit<'a> {
-    fn new(model: &'a NarrowerBands<'a>, root: &'a Root) -> Self {
+    fn new(model: &'a NarrowerBands<'a>, pole: &'a Root) -> Self {
         let data = model.data;
-        let lines = window(data, std::iter::once(root));
+        let lines = window(data, std::iter::once(pole));
         let Profile { level, course } = Profile::new(data, lines.clone());
         let mut projected = vec![Complex64::ZERO; lines.len()];
-        for (f, (a, level)) in root.residues.iter().zip(&level).enumerate() {
+        for (f, (a, level)) in pole.residues.iter().zip(&level).enumerate() {
             let residual = model.residual.of(f, lines.clone());
             let variance = &data.variance[f][lines.clone()];
             let values = residual.iter().zip(variance).zip(&course);
@@ -149,10 +149,10 @@ impl<'a> PoleFit<'a> {
                 *sum += a.conj() / level * r * (variance.sqrt() / (level * course));
             }
         }
-        let weights = root.residues.iter().zip(&level);
+        let weights = pole.residues.iter().zip(&level);
         Self {
             model,
-            root,
+            pole,
             lines,
             course,
             projected,
@@ -162,7 +162,7 @@ impl<'a> PoleFit<'a> {
 
     /// Lines of a band, by its parts below and above the pole.
     fn band(&self, (below, above): (f64, f64)) -> Range<usize> {
-        let pole_line = self.model.data.line_of(self.root.lambda);
+        let pole_line = self.model.data.line_of(self.pole.lambda);
         let below = below * (pole_line - self.lines.start) as f64;
         let above = above * (self.lines.end - 1 - pole_line) as f64;
         pole_line - below.round() as usize..pole_line + above.round() as usize + 1
@@ -171,18 +171,18 @@ impl<'a> PoleFit<'a> {
     /// A step on some of the lines; `None` where they are too few.
     fn step(&self, lines: Range<usize>, background: Background) -> Option<Step> {
         let at = lines.start - self.lines.start..lines.end - self.lines.start;
-        let NarrowerBands { data, roots, .. } = self.model;
+        let NarrowerBands { data, poles, .. } = self.model;
         let fit = FitLines {
             lines,
             course: &self.course[at.clone()],
             background,
         };
-        let derivative = orthogonal_derivative(data, (roots, self.root), &fit)?;
+        let derivative = orthogonal_derivative(data, (poles, self.pole), &fit)?;
         let energy: f64 = derivative.iter().map(Complex64::norm_sqr).sum();
         let terms = derivative.iter().zip(&self.projected[at]);
         let along: Complex64 = terms.map(|(g, r)| g.conj() * r).sum();
         // The derivative is of (d/(iω − λ))² with the decay rate d.
-        let scale = self.root.decay().powi(2);
+        let scale = self.pole.decay().powi(2);
         let step = Step {
             value: along * scale / (self.weight * energy),
             variance: 0.5 * scale.powi(2) / (self.weight * energy),
@@ -308,9 +308,9 @@ mod tests {
                 let far = fit.data.far();
                 let described = far.beside(&fit.data, &fit.roots);
                 let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-                for root in &fit.roots {
-                    assert!(bands.deviation(root) <= 0.0, "{noise:?} {seed}");
-                    let shifts = bands.shifts(root).into_iter();
+                for pole in &fit.roots {
+                    assert!(bands.deviation(pole) <= 0.0, "{noise:?} {seed}");
+                    let shifts = bands.shifts(pole).into_iter();
                     for (ratios, shift) in ratios.iter_mut().zip(shifts) {
                         let shift = shift.expect("enough lines");
                         ratios.push(shift.mean_square / shift.noise_variance);
@@ -337,18 +337,18 @@ mod tests {
 
     #[test]
     fn a_step_leads_back_to_the_pole() {
-        let error = |root: &Root| Complex64::new(1e-3, -2e-3) * root.decay();
+        let error = |pole: &Root| Complex64::new(1e-3, -2e-3) * pole.decay();
         let fit = moved(Noise::None, error);
         let far = fit.data.far();
         let described = far.beside(&fit.data, &fit.roots);
         let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-        let (root, error) = (&fit.roots[1], error(&fit.roots[1]));
-        let pole = PoleFit::new(&bands, root);
+        let (pole, error) = (&fit.roots[1], error(&fit.roots[1]));
+        let pole_fit = PoleFit::new(&bands, pole);
         for parts in BANDS {
-            let band = pole.band(parts);
+            let band = pole_fit.band(parts);
             let omega = &fit.data.omega[band.clone()];
             let background = Background::new(omega, &(0..omega.len()), &Outside::Anywhere);
-            let step = pole.step(band, background).expect("enough lines");
+            let step = pole_fit.step(band, background).expect("enough lines");
             let left = (step.value + error).norm() / error.norm();
             assert!(left < 0.05, "{parts:?}: {left}");
         }
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_fixed_pole_off_its_maximum_has_no_deviation_by_narrower_bands() {
-        let fit = moved(Noise::Even, |root| (10.0 * root.quality.pole_std).into());
+        let fit = moved(Noise::Even, |pole| (10.0 * pole.quality.pole_std).into());
         let far = fit.data.far();
         let described = far.beside(&fit.data, &fit.roots);
         let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
@@ -376,10 +376,10 @@ mod tests {
             let fit = fitted(second_contribution, (Noise::Even, seed), WHOLE_HZ);
             let far = fit.data.far();
             let described = far.beside(&fit.data, &fit.roots);
-            let root = &fit.roots[1];
+            let pole = &fit.roots[1];
             let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-            let deviation = bands.deviation(root);
-            let by_noise = root.quality.pole_std;
+            let deviation = bands.deviation(pole);
+            let by_noise = pole.quality.pole_std;
             assert_eq!(
                 deviation > 2.0 * by_noise,
                 second_contribution >= 0.01,
@@ -389,7 +389,7 @@ mod tests {
             for band in NARROWER_HZ {
                 let other = fitted(second_contribution, (Noise::Even, seed), band);
                 let other = other.roots.last().expect("the second mode");
-                let shift = (other.lambda - root.lambda).norm() / 2f64.sqrt();
+                let shift = (other.lambda - pole.lambda).norm() / 2f64.sqrt();
                 let by_noise = by_noise.hypot(other.quality.pole_std);
                 let with_bands = shift / by_noise.hypot(deviation);
                 assert!(

@@ -40,9 +40,9 @@ impl Fit {
 
     /// Tries a set of out-of-band terms. Returns whether they are sufficient; otherwise nothing
     /// changes.
-    fn try_terms(&mut self, courses: Vec<Course>) -> bool {
+    fn try_terms(&mut self, terms: Vec<Course>) -> bool {
         let (before, drops_before) = (self.roots.clone(), self.dropped.len());
-        self.alternate_terms_and_poles(courses);
+        self.alternate_terms_and_poles(terms);
         if self.out_of_band_is_significant() && self.search().is_some() {
             self.settle(Stop::Judging);
         }
@@ -57,22 +57,22 @@ impl Fit {
 
     /// Fits out-of-band terms and poles alternately until both converge: terms estimated with
     /// biased poles are not optimal.
-    fn alternate_terms_and_poles(&mut self, mut courses: Vec<Course>) {
-        let mut count = courses.len();
+    fn alternate_terms_and_poles(&mut self, mut terms: Vec<Course>) {
+        let mut count = terms.len();
         for _ in 0..MAX_ROUNDS {
-            let before: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
-            self.data.set_outside(Outside::Courses(courses));
+            let before: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
+            self.data.set_outside(Outside::Courses(terms));
             unsettle(&mut self.roots);
             self.refine(Stop::Judging);
-            let moved = |(root, before): (&Root, &Complex64)| {
-                (root.lambda - before).norm() > CONVERGED_STEP_STDS * root.quality.pole_std
+            let moved = |(pole, before): (&Root, &Complex64)| {
+                (pole.lambda - before).norm() > CONVERGED_STEP_STDS * pole.quality.pole_std
             };
             let same = self.roots.len() == before.len();
             if count == 0 || same && !self.roots.iter().zip(&before).any(moved) {
                 return;
             }
-            courses = self.strongest_terms(count);
-            count = courses.len();
+            terms = self.strongest_terms(count);
+            count = terms.len();
         }
     }
 
@@ -106,7 +106,7 @@ impl Fit {
     /// and by the dropped terms. Above the limit that noise exceeds with probability 0.05 the bias
     /// is `√(|δ|² − E|δ|²)` along `δ`, else none.
     pub fn add_out_of_band_uncertainty(&mut self) {
-        let Outside::Courses(courses) = self.data.outside().clone() else {
+        let Outside::Courses(terms) = self.data.outside().clone() else {
             return;
         };
         let free = self.with_free_poles();
@@ -117,20 +117,20 @@ impl Fit {
             self.settle(Stop::Fine);
             return;
         }
-        for (root, free) in self.roots.iter_mut().zip(&free) {
-            let fraction = fraction_along_terms(&self.data, root, &courses);
-            root.quality.add_term_uncertainty(&free.quality, fraction);
+        for (pole, free) in self.roots.iter_mut().zip(&free) {
+            let fraction = fraction_along_terms(&self.data, pole, &terms);
+            pole.quality.add_term_uncertainty(&free.quality, fraction);
         }
     }
 
     /// The poles, fixed, with the quality of a fit with free out-of-band poles.
     fn with_free_poles(&mut self) -> Vec<Root> {
         let terms = self.data.set_outside(Outside::Anywhere);
-        let roots = self.roots.clone();
+        let poles = self.roots.clone();
         unsettle(&mut self.roots);
         self.refine(Stop::Residues);
         self.data.set_outside(terms);
-        std::mem::replace(&mut self.roots, roots)
+        std::mem::replace(&mut self.roots, poles)
     }
 }
 
@@ -163,21 +163,17 @@ impl Quality {
 }
 
 /// Fraction of the residue energy of a pole along the out-of-band terms, over the noise.
-fn fraction_along_terms(data: &Receptances, root: &Root, courses: &[Course]) -> f64 {
-    let line = data.line_of(root.lambda);
-    let over = |f: usize| root.residues[f] / data.deviation(f, line);
+fn fraction_along_terms(data: &Receptances, pole: &Root, terms: &[Course]) -> f64 {
+    let line = data.line_of(pole.lambda);
+    let over = |f: usize| pole.residues[f] / data.deviation(f, line);
     let residues: Vec<Complex64> = (0..data.functions()).map(over).collect();
     let all: f64 = residues.iter().map(Complex64::norm_sqr).sum();
-    let along = |course: &Course| {
-        let terms = course
-            .shares
-            .iter()
-            .zip(&residues)
-            .map(|(v, a)| v.conj() * a);
-        terms.sum::<Complex64>().norm_sqr()
+    let along = |term: &Course| {
+        let products = term.shares.iter().zip(&residues).map(|(v, a)| v.conj() * a);
+        products.sum::<Complex64>().norm_sqr()
     };
     if all > 0.0 {
-        (courses.iter().map(along).sum::<f64>() / all).min(1.0)
+        (terms.iter().map(along).sum::<f64>() / all).min(1.0)
     } else {
         1.0
     }
@@ -241,11 +237,11 @@ mod tests {
     fn the_reported_bias_is_that_of_a_dropped_out_of_band_mode() {
         let mut fit = fitted(70.0, 1, Outside::Courses(Vec::new()));
         fit.add_out_of_band_uncertainty();
-        for (root, truth) in fit.roots.iter().zip(truth()) {
-            let made = truth - root.lambda;
-            let bias = root.quality.bias.unwrap();
+        for (pole, truth) in fit.roots.iter().zip(truth()) {
+            let made = truth - pole.lambda;
+            let bias = pole.quality.bias.unwrap();
             // Noise shifts a pole by one standard deviation, free out-of-band poles by several.
-            assert!(made.norm() > 20.0 * root.quality.pole_bound);
+            assert!(made.norm() > 20.0 * pole.quality.pole_bound);
             assert!((bias - made).norm() < 0.2 * made.norm(), "{bias} {made}");
         }
     }
@@ -254,13 +250,13 @@ mod tests {
     fn without_dropped_terms_no_bias_is_reported() {
         let mut free = fitted(50.0, 2, Outside::Anywhere);
         free.add_out_of_band_uncertainty();
-        assert!(free.roots.iter().all(|root| root.quality.bias.is_none()));
+        assert!(free.roots.iter().all(|pole| pole.quality.bias.is_none()));
         free.reduce_out_of_band_terms();
         free.refine(Stop::Fine);
         free.add_out_of_band_uncertainty();
         let relative_bias =
-            |root: &Root| root.quality.bias.unwrap().norm() / root.quality.pole_bound;
-        assert!(free.roots.iter().all(|root| relative_bias(root) < 1.0));
+            |pole: &Root| pole.quality.bias.unwrap().norm() / pole.quality.pole_bound;
+        assert!(free.roots.iter().all(|pole| relative_bias(pole) < 1.0));
     }
 
     #[test]
@@ -268,21 +264,21 @@ mod tests {
         let mut fit = fitted(50.0, 3, Outside::Anywhere);
         let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.reduce_out_of_band_terms();
-        let Outside::Courses(courses) = fit.data.outside() else {
+        let Outside::Courses(terms) = fit.data.outside() else {
             panic!("free poles are kept");
         };
-        assert!((1..=2).contains(&courses.len()), "{}", courses.len());
+        assert!((1..=2).contains(&terms.len()), "{}", terms.len());
         fit.refine(Stop::Fine);
-        let known: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
+        let with_terms: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.add_out_of_band_uncertainty();
-        for ((root, free), known) in fit.roots.iter().zip(free).zip(known) {
-            let std = root.quality.pole_bound;
-            assert!(known < std && std < free, "{known} {std} {free}");
+        for ((pole, free), with_terms) in fit.roots.iter().zip(free).zip(with_terms) {
+            let std = pole.quality.pole_bound;
+            assert!(with_terms < std && std < free, "{with_terms} {std} {free}");
         }
-        for (root, truth) in fit.roots.iter().zip(truth()) {
+        for (pole, truth) in fit.roots.iter().zip(truth()) {
             // Four standard deviations of each part: exceeded by six parts in 100,000 seeds.
-            let error = root.lambda - truth;
-            assert!(error.re.abs().max(error.im.abs()) < 4.0 * root.quality.pole_bound);
+            let error = pole.lambda - truth;
+            assert!(error.re.abs().max(error.im.abs()) < 4.0 * pole.quality.pole_bound);
         }
     }
 

@@ -84,35 +84,35 @@ pub(in crate::identify) struct PoleMetrics {
 /// Metrics of each pole.
 pub(in crate::identify) fn pole_metrics(
     (data, sides): (&Receptances, &Sides),
-    roots: &[Root],
+    poles: &[Root],
 ) -> Vec<PoleMetrics> {
-    let described = data.far().beside(data, roots);
-    let metrics = |root: &Root| {
-        let lines = lines_of_pole(data, root);
+    let described = data.far().beside(data, poles);
+    let metrics = |pole: &Root| {
+        let lines = lines_of_pole(data, pole);
         let of = |f: usize| {
             let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
             lines.clone().map(power).sum::<f64>()
         };
         let whole: f64 = (0..data.functions()).map(of).sum();
         PoleMetrics {
-            reduced_chi_square: residual_chi_square(data, &described, root),
-            contribution: (0.5 * root.quality.significance().max(0.0) / whole).sqrt(),
+            reduced_chi_square: residual_chi_square(data, &described, pole),
+            contribution: (0.5 * pole.quality.significance().max(0.0) / whole).sqrt(),
             ghost_limit: 0.0,
             band_deviation: 0.0,
         }
     };
-    let mut pole_metrics: Vec<PoleMetrics> = roots.par_iter().map(metrics).collect();
+    let mut pole_metrics: Vec<PoleMetrics> = poles.par_iter().map(metrics).collect();
     let ghost_limit = |j: usize| {
         let least = |i: usize| GHOST_CONTRIBUTION * pole_metrics[i].contribution;
         let repeated = |i: &usize| {
-            let (weak, other) = (&roots[j], &roots[*i]);
+            let (weak, other) = (&poles[j], &poles[*i]);
             let weaker = pole_metrics[j].contribution < least(*i) && inside_bandwidth(weak, other);
             weaker && (same_shape(weak, other) || same_shape_or_participation(sides, weak, other))
         };
-        let others = (0..roots.len()).filter(repeated).map(least);
+        let others = (0..poles.len()).filter(repeated).map(least);
         others.fold(0.0, f64::max)
     };
-    let ghost_limits: Vec<f64> = (0..roots.len()).into_par_iter().map(ghost_limit).collect();
+    let ghost_limits: Vec<f64> = (0..poles.len()).into_par_iter().map(ghost_limit).collect();
     for (metrics, ghost_limit) in pole_metrics.iter_mut().zip(ghost_limits) {
         metrics.ghost_limit = ghost_limit;
     }
@@ -121,14 +121,14 @@ pub(in crate::identify) fn pole_metrics(
 
 /// Whether a pole lies inside the resonance of another and is no wider than it by more than a
 /// factor.
-fn inside_bandwidth(root: &Root, other: &Root) -> bool {
-    let distance = (root.lambda.im - other.lambda.im).abs();
+fn inside_bandwidth(pole: &Root, other: &Root) -> bool {
+    let distance = (pole.lambda.im - other.lambda.im).abs();
     distance < MAX_DISTANCE_BANDWIDTHS * other.width()
-        && root.width() < MAX_WIDTH_RATIO * other.width()
+        && pole.width() < MAX_WIDTH_RATIO * other.width()
 }
 
-fn same_shape(root: &Root, other: &Root) -> bool {
-    mac(&root.residues, &other.residues) > Some(MIN_MAC_SAME_SHAPE)
+fn same_shape(pole: &Root, other: &Root) -> bool {
+    mac(&pole.residues, &other.residues) > Some(MIN_MAC_SAME_SHAPE)
 }
 
 /// Whether a single pole has the shape or the participation factors of another pole. An error of
@@ -136,12 +136,12 @@ fn same_shape(root: &Root, other: &Root) -> bool {
 ///
 /// The fraction of a random vector of n values within the span of m others has a beta distribution
 /// of m and n − m. Only a fraction above its quantile is significant.
-fn same_shape_or_participation(sides: &Sides, root: &Root, other: &Root) -> bool {
-    if sides.inputs < 2 || root.multiplicity() > 1 {
+fn same_shape_or_participation(sides: &Sides, pole: &Root, other: &Root) -> bool {
+    if sides.inputs < 2 || pole.multiplicity() > 1 {
         return false;
     }
-    let of = |root: &Root| linalg::singular_vectors(&sides.matrix(|f| root.residues[f]));
-    let (Ok(vectors), Ok(other_vectors)) = (of(root), of(other)) else {
+    let of = |pole: &Root| linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]));
+    let (Ok(vectors), Ok(other_vectors)) = (of(pole), of(other)) else {
         return false;
     };
     let modes = other.multiplicity();
@@ -155,8 +155,9 @@ fn same_shape_or_participation(sides: &Sides, root: &Root, other: &Root) -> bool
             terms.sum()
         };
         let part: f64 = (0..modes).map(|m| product(m).norm_sqr()).sum();
-        let chance = Beta::new(modes as f64, (values - modes) as f64);
-        let limit = chance.map_or(1.0, |beta| beta.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY));
+        let distribution = Beta::new(modes as f64, (values - modes) as f64);
+        let limit =
+            distribution.map_or(1.0, |beta| beta.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY));
         part > limit.max(MIN_MAC_SAME_SHAPE)
     };
     within(&vectors.left, &other_vectors.left) || within(&vectors.right, &other_vectors.right)
@@ -166,48 +167,52 @@ fn same_shape_or_participation(sides: &Sides, root: &Root, other: &Root) -> bool
 pub(in crate::identify) fn residual_chi_square(
     data: &Receptances,
     described: &Described,
-    root: &Root,
+    pole: &Root,
 ) -> f64 {
-    reduced_chi_square(data, &described.left_over(lines_of_pole(data, root)), root)
+    reduced_chi_square(data, &described.left_over(lines_of_pole(data, pole)), pole)
 }
 
 /// Reduced chi-square of a given residual on the lines of a pole, without the force noise that FRFs
 /// have in common.
-pub(in crate::identify) fn reduced_chi_square(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
-    let lines = lines_of_pole(data, root);
+pub(in crate::identify) fn reduced_chi_square(
+    data: &Receptances,
+    residual: &Rest,
+    pole: &Root,
+) -> f64 {
+    let lines = lines_of_pole(data, pole);
     let values = (lines.len() * data.functions()) as f64;
-    let held = |k: usize| data.shared.held((data, rest), k, |f| rest.at(f, k));
-    lines.map(held).sum::<f64>() / values
+    let energy = |k: usize| data.shared.held((data, residual), k, |f| residual.at(f, k));
+    lines.map(energy).sum::<f64>() / values
 }
 
 /// Reduced chi-square of each FRF, force noise included.
 pub(in crate::identify) fn reduced_chi_square_by_frf(
     data: &Receptances,
-    rest: &Rest,
-    root: &Root,
+    residual: &Rest,
+    pole: &Root,
 ) -> Vec<f64> {
-    let lines = lines_of_pole(data, root);
+    let lines = lines_of_pole(data, pole);
     let of = |f: usize| {
-        let squares = lines.clone().map(|k| rest.at(f, k).norm_sqr());
+        let squares = lines.clone().map(|k| residual.at(f, k).norm_sqr());
         squares.sum::<f64>() / lines.len() as f64
     };
     (0..data.functions()).map(of).collect()
 }
 
 /// Lines of a pole on which its reduced chi-square is measured.
-pub(in crate::identify) fn lines_of_pole(data: &Receptances, root: &Root) -> Range<usize> {
-    lines_around(data, root, CHI_SQUARE_BANDWIDTHS)
+pub(in crate::identify) fn lines_of_pole(data: &Receptances, pole: &Root) -> Range<usize> {
+    lines_around(data, pole, CHI_SQUARE_BANDWIDTHS)
 }
 
 /// Lines within a number of half-power bandwidths of a pole, and a minimum on each side.
 pub(in crate::identify) fn lines_around(
     data: &Receptances,
-    root: &Root,
+    pole: &Root,
     widths: f64,
 ) -> Range<usize> {
-    let side = (widths * root.width() / data.step).round() as usize;
+    let side = (widths * pole.width() / data.step).round() as usize;
     let side = side.max(MIN_LINES_PER_SIDE);
-    let top = data.line_of(root.lambda);
+    let top = data.line_of(pole.lambda);
     top.saturating_sub(side)..(top + side + 1).min(data.lines())
 }
 
@@ -240,8 +245,8 @@ impl PoleMetrics {
 
     /// Standard deviation of real and imaginary part of the pole, rad/s, with the effect of misfit
     /// and of narrower bands.
-    pub fn pole_std(&self, root: &Root) -> f64 {
-        (root.quality.pole_std * self.inflation()).hypot(self.band_deviation)
+    pub fn pole_std(&self, pole: &Root) -> f64 {
+        (pole.quality.pole_std * self.inflation()).hypot(self.band_deviation)
     }
 }
 
@@ -266,13 +271,13 @@ pub(in crate::identify) enum RejectionPolicy {
 
 /// Reason to reject a pole, if there is one.
 pub(in crate::identify) fn doubt(
-    roots: &[Root],
+    poles: &[Root],
     pole_metrics: &[PoleMetrics],
-    (j, scrutiny): (usize, RejectionPolicy),
+    (j, policy): (usize, RejectionPolicy),
 ) -> Option<Rejection> {
-    let (root, metrics) = (&roots[j], &pole_metrics[j]);
-    let strict = scrutiny == RejectionPolicy::Strict;
-    let least = if root.multiplicity() > 1 {
+    let (pole, metrics) = (&poles[j], &pole_metrics[j]);
+    let strict = policy == RejectionPolicy::Strict;
+    let least = if pole.multiplicity() > 1 {
         MIN_CONTRIBUTION_REPEATED
     } else {
         MIN_CONTRIBUTION_LINEARITY
@@ -285,11 +290,11 @@ pub(in crate::identify) fn doubt(
     } else {
         MAX_CHI_SQUARE
     };
-    let misses = metrics.reduced_chi_square > most || scrutiny == RejectionPolicy::ScatteredPhases;
+    let misses = metrics.reduced_chi_square > most || policy == RejectionPolicy::ScatteredPhases;
     if misses && metrics.contribution < MIN_CONTRIBUTION_WITH_MISFIT {
         return Some(Rejection::LowContribution(metrics.contribution));
     }
-    let distance = |i: &usize| apart(root, &roots[*i]);
+    let distance = |i: &usize| apart(pole, &poles[*i]);
     if metrics.contribution < metrics.ghost_limit {
         return Some(Rejection::BelowLinearity(
             metrics.contribution,
@@ -297,26 +302,26 @@ pub(in crate::identify) fn doubt(
         ));
     }
     let strong = |i: &usize| *i != j && pole_metrics[*i].contribution >= DOMINANT_CONTRIBUTION;
-    let nearest = (0..roots.len())
+    let nearest = (0..poles.len())
         .filter(strong)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let repeats = distance(&nearest) < NEIGHBOUR_BANDWIDTHS && same_shape(root, &roots[nearest]);
+    let repeats = distance(&nearest) < NEIGHBOUR_BANDWIDTHS && same_shape(pole, &poles[nearest]);
     if metrics.contribution >= DOMINANT_CONTRIBUTION || !(strict || repeats) {
         return None;
     }
-    let (phase, other) = (residue_phase(root), residue_phase(&roots[nearest]));
+    let (phase, other) = (residue_phase(pole), residue_phase(&poles[nearest]));
     // A delay of a channel rotates both.
     let apart = phase_between(phase, other).min(phase_between(phase, 0.0));
-    (apart > MAX_PHASE_DIFFERENCE_RAD + phase_std(root, metrics))
+    (apart > MAX_PHASE_DIFFERENCE_RAD + phase_std(pole, metrics))
         .then_some(Rejection::WrongPhase(apart))
 }
 
 /// The pole with which the phase of a pole is compared: the nearest dominant mode, else the
 /// strongest pole.
-fn reference(roots: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
-    let others = || (0..roots.len()).filter(|i| *i != j);
-    let distance = |i: &usize| apart(&roots[j], &roots[*i]);
-    let strength = |i: &usize| roots[*i].quality.significance();
+fn reference(poles: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
+    let others = || (0..poles.len()).filter(|i| *i != j);
+    let distance = |i: &usize| apart(&poles[j], &poles[*i]);
+    let strength = |i: &usize| poles[*i].quality.significance();
     others()
         .filter(|i| pole_metrics[*i].contribution >= DOMINANT_CONTRIBUTION)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -324,8 +329,8 @@ fn reference(roots: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<u
 }
 
 /// Standard deviation of the phase of a pole, rad, with misfit as noise.
-fn phase_std(root: &Root, metrics: &PoleMetrics) -> f64 {
-    root.quality.pole_std * metrics.reduced_chi_square.max(1.0).sqrt() / root.decay()
+fn phase_std(pole: &Root, metrics: &PoleMetrics) -> f64 {
+    pole.quality.pole_std * metrics.reduced_chi_square.max(1.0).sqrt() / pole.decay()
 }
 
 /// Whether many poles are no modes of one structure: the strongest has a real shape, and a quarter
@@ -335,9 +340,9 @@ fn phase_std(root: &Root, metrics: &PoleMetrics) -> f64 {
 /// With enough poles a model fits any smooth profile down to the noise. The residual does not show
 /// such poles as spurious, but the arbitrary phases of their shapes do. With one or two FRFs every
 /// shape is nearly real: only shapes more in quadrature than in phase count there.
-pub(in crate::identify) fn phases_scatter(roots: &[Root], pole_metrics: &[PoleMetrics]) -> bool {
-    let strength = |root: &&Root| root.quality.significance();
-    let strongest = roots
+pub(in crate::identify) fn phases_scatter(poles: &[Root], pole_metrics: &[PoleMetrics]) -> bool {
+    let strength = |pole: &&Root| pole.quality.significance();
+    let strongest = poles
         .iter()
         .max_by(|a, b| strength(a).total_cmp(&strength(b)));
     let Some(strongest) = strongest else {
@@ -349,56 +354,56 @@ pub(in crate::identify) fn phases_scatter(roots: &[Root], pole_metrics: &[PoleMe
     let few = strongest.residues.len() < MIN_FRFS_PHASE;
     let limit = if few { 0.0 } else { MAX_REALNESS_SCATTERED };
     let scattered = |j: &usize| {
-        let (root, metrics) = (&roots[*j], &pole_metrics[*j]);
-        let other = reference(roots, pole_metrics, *j).map_or(0.0, |i| residue_phase(&roots[i]));
-        let most = in_phase(root, other).max(in_phase(root, 0.0));
+        let (pole, metrics) = (&poles[*j], &pole_metrics[*j]);
+        let other = reference(poles, pole_metrics, *j).map_or(0.0, |i| residue_phase(&poles[i]));
+        let most = in_phase(pole, other).max(in_phase(pole, 0.0));
         // cos 2φ moves by 2 for each radian at most.
         metrics.contribution < DOMINANT_CONTRIBUTION
-            && most + 2.0 * phase_std(root, metrics) < limit
+            && most + 2.0 * phase_std(pole, metrics) < limit
     };
-    let count = (0..roots.len()).filter(scattered).count();
-    count >= MIN_SCATTERED_POLES.max(roots.len().div_ceil(SCATTERED_ONE_IN))
+    let count = (0..poles.len()).filter(scattered).count();
+    count >= MIN_SCATTERED_POLES.max(poles.len().div_ceil(SCATTERED_ONE_IN))
 }
 
 /// Part of the residues of a pole in phase with normal modes rotated by `phase`, less the part in
 /// quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
-fn in_phase(root: &Root, phase: f64) -> f64 {
+fn in_phase(pole: &Root, phase: f64) -> f64 {
     let turn = Complex64::from_polar(1.0, -2.0 * phase);
-    let squares: Complex64 = root.residues.iter().map(|a| a * a * turn).sum();
-    -squares.re / root.residues.iter().map(Complex64::norm_sqr).sum::<f64>()
+    let squares: Complex64 = pole.residues.iter().map(|a| a * a * turn).sum();
+    -squares.re / pole.residues.iter().map(Complex64::norm_sqr).sum::<f64>()
 }
 
 /// A pole as a candidate.
 ///
 /// Errors of real and imaginary part of λ have one standard deviation and are independent, and so
 /// are those of frequency and damping: `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
-pub(in crate::identify) fn candidate(root: &Root, metrics: &PoleMetrics) -> Candidate {
-    let std = metrics.pole_std(root);
-    let (bias, along) = (root.quality.bias, root.lambda / root.lambda.norm());
+pub(in crate::identify) fn candidate(pole: &Root, metrics: &PoleMetrics) -> Candidate {
+    let std = metrics.pole_std(pole);
+    let (bias, along) = (pole.quality.bias, pole.lambda / pole.lambda.norm());
     Candidate {
         order: None,
         pole: Pole {
-            lambda: root.lambda,
+            lambda: pole.lambda,
         },
         participation: None,
         frequency_damping_correlation: Some(0.0),
-        residues: Some(root.residues.clone()),
+        residues: Some(pole.residues.clone()),
         residue_stds: None,
-        multiplicity: root.multiplicity(),
+        multiplicity: pole.multiplicity(),
         frequency_std_hz: Some(std / TAU),
-        damping_std: Some(std * root.lambda.im / root.lambda.norm_sqr()),
+        damping_std: Some(std * pole.lambda.im / pole.lambda.norm_sqr()),
         frequency_bias_hz: bias.map(|bias| (bias * along.conj()).re.abs() / TAU),
         damping_bias: bias.map(|bias| {
             let across = (bias * along.conj()).im.abs();
-            across * root.lambda.im / root.lambda.norm_sqr()
+            across * pole.lambda.im / pole.lambda.norm_sqr()
         }),
         quality: None,
     }
 }
 
 /// Phase of all residues together, rad, modulo π: 0 for real modes.
-fn residue_phase(root: &Root) -> f64 {
-    let squares: Complex64 = root.residues.iter().map(|a| a * a).sum();
+fn residue_phase(pole: &Root) -> f64 {
+    let squares: Complex64 = pole.residues.iter().map(|a| a * a).sum();
     0.5 * (-squares).arg()
 }
 

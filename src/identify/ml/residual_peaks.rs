@@ -38,54 +38,58 @@ struct Segment {
 /// false-alarm probability.
 pub(in crate::identify) fn residual_peak_poles(
     (data, sides): (&Receptances, &Sides),
-    roots: &[Root],
-    rest: &Rest,
-    (chance, most): (f64, usize),
+    poles: &[Root],
+    residual: &Rest,
+    (false_alarm_probability, most): (f64, usize),
 ) -> Vec<Root> {
     let functions = data.functions();
-    let power = data.shared.held_by_line(data, rest);
-    let segments = segments(&power, functions, (chance, data.correlation.alike()));
-    let left = ResidualPeak {
+    let power = data.shared.held_by_line(data, residual);
+    let segments = segments(
+        &power,
+        functions,
+        (false_alarm_probability, data.correlation.alike()),
+    );
+    let peak = ResidualPeak {
         data,
         sides,
-        rest,
-        chance: chance / data.lines() as f64,
+        residual,
+        false_alarm_probability: false_alarm_probability / data.lines() as f64,
     };
-    let root = |segment: &Segment| left.root(segment, roots);
-    segments.iter().filter_map(root).take(most).collect()
+    let trial_pole = |segment: &Segment| peak.trial_pole(segment, poles);
+    segments.iter().filter_map(trial_pole).take(most).collect()
 }
 
 struct ResidualPeak<'a> {
     data: &'a Receptances,
     sides: &'a Sides,
-    rest: &'a Rest,
+    residual: &'a Rest,
     /// False-alarm probability at one frequency line.
-    chance: f64,
+    false_alarm_probability: f64,
 }
 
 impl ResidualPeak<'_> {
     /// Trial pole for a segment: at the nearest existing pole, with as many modes as noise does not
     /// explain and that pole does not have, or else in the middle of the segment.
-    fn root(&self, segment: &Segment, roots: &[Root]) -> Option<Root> {
+    fn trial_pole(&self, segment: &Segment, poles: &[Root]) -> Option<Root> {
         let decay = 0.5 * segment.width.max(2) as f64 * self.data.step;
         let middle = Complex64::new(-decay, self.data.omega[segment.top]);
-        let distance = |root: &&Root| (root.lambda - middle).norm();
-        let there = roots
+        let distance = |pole: &&Root| (pole.lambda - middle).norm();
+        let there = poles
             .iter()
-            .filter(|root| distance(root) < root.decay().max(decay));
+            .filter(|pole| distance(pole) < pole.decay().max(decay));
         let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let more = there.and_then(|existing| {
-            let most = self.remaining_multiplicity(existing.lambda, roots);
-            self.pole_at((existing.lambda, most), segment, roots)
+            let most = self.remaining_multiplicity(existing.lambda, poles);
+            self.pole_at((existing.lambda, most), segment, poles)
         });
-        more.or_else(|| self.pole_at((middle, 1), segment, roots))
-            .filter(|root| resonates(root.lambda))
+        more.or_else(|| self.pole_at((middle, 1), segment, poles))
+            .filter(|pole| resonates(pole.lambda))
     }
 
     /// Number of modes that a pole can have in addition to those at existing poles: inputs and
     /// outputs separate no more.
-    fn remaining_multiplicity(&self, lambda: Complex64, roots: &[Root]) -> usize {
-        let there = roots
+    fn remaining_multiplicity(&self, lambda: Complex64, poles: &[Root]) -> usize {
+        let there = poles
             .iter()
             .filter(|existing| is_same_pole(existing, lambda));
         let modes: usize = there.map(Root::multiplicity).sum();
@@ -98,18 +102,18 @@ impl ResidualPeak<'_> {
         &self,
         (lambda, most): (Complex64, usize),
         segment: &Segment,
-        roots: &[Root],
+        poles: &[Root],
     ) -> Option<Root> {
         let lines = segment.top.saturating_sub(segment.width)
             ..(segment.top + segment.width + 1).min(self.data.lines());
-        let course = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
+        let profile = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
         let size = lines
             .clone()
-            .map(|k| course(k).norm_sqr())
+            .map(|k| profile(k).norm_sqr())
             .sum::<f64>()
             .sqrt();
         let amplitude = |f: usize| -> Complex64 {
-            let matched = |k: usize| self.rest.at(f, k) * course(k).conj() / size;
+            let matched = |k: usize| self.residual.at(f, k) * profile(k).conj() / size;
             lines.clone().map(matched).sum()
         };
         let amplitudes: Vec<Complex64> = (0..self.data.functions()).map(amplitude).collect();
@@ -117,7 +121,7 @@ impl ResidualPeak<'_> {
             .data
             .correlation
             .of_amplitude(-lambda.re, self.data.step);
-        let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.chance);
+        let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.false_alarm_probability);
         let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
@@ -125,15 +129,15 @@ impl ResidualPeak<'_> {
         let physical = |f: usize| amplitudes[f] * self.data.deviation(f, segment.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
         parts.retain(|part| {
-            !roots
+            !poles
                 .iter()
                 .any(|existing| is_same_participation(existing, lambda, part))
         });
         parts.truncate(most);
         let first = parts.first()?;
-        let mut root = Root::single(lambda, first, self.data.functions());
-        root.join(parts.split_off(1));
-        Some(root)
+        let mut pole = Root::single(lambda, first, self.data.functions());
+        pole.join(parts.split_off(1));
+        Some(pole)
     }
 }
 
@@ -151,7 +155,11 @@ fn is_same_pole(existing: &Root, lambda: Complex64) -> bool {
 /// higher one.
 ///
 /// `effective_ratio`: lines of correlated noise for each independent line.
-fn segments(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec<Segment> {
+fn segments(
+    power: &[f64],
+    functions: usize,
+    (false_alarm_probability, effective_ratio): (f64, f64),
+) -> Vec<Segment> {
     let lines = power.len();
     let mut sums = vec![0.0; lines + 1];
     for (k, p) in power.iter().enumerate() {
@@ -161,9 +169,9 @@ fn segments(power: &[f64], functions: usize, (chance, alike): (f64, f64)) -> Vec
     let mut width = 1;
     while width <= lines / MIN_SEGMENTS_PER_BAND {
         let freedom = 2 * functions * width;
-        let independent = freedom as f64 / alike.min(width as f64);
-        let limit =
-            freedom as f64 / independent * upper_quantile(independent, chance / lines as f64);
+        let independent = freedom as f64 / effective_ratio.min(width as f64);
+        let limit = freedom as f64 / independent
+            * upper_quantile(independent, false_alarm_probability / lines as f64);
         for start in (0..=lines - width).step_by(width.div_ceil(2)) {
             let value = 2.0 * (sums[start + width] - sums[start]);
             if value > limit {
@@ -239,14 +247,14 @@ mod tests {
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
         let fitted = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
         // The residual of a fit of one mode has two independent terms far above the noise.
-        let rest = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
-            let course = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
-            1e3 * (1.0 + (f * f) as f64).sin() * course
+        let residual = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
+            let profile = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
+            1e3 * (1.0 + (f * f) as f64).sin() * profile
         });
-        let rest = Rest::of_all(rest);
-        let tried = |roots: &[Root]| {
-            let found = residual_peak_poles((&data, &sides), roots, &rest, (1e-3, 4));
-            let at_pole = |root: &&Root| (root.lambda - lambda).norm() < 1e-9 * lambda.norm();
+        let residual = Rest::of_all(residual);
+        let tried = |poles: &[Root]| {
+            let found = residual_peak_poles((&data, &sides), poles, &residual, (1e-3, 4));
+            let at_pole = |pole: &&Root| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();
             found.iter().find(at_pole).map(Root::multiplicity)
         };
         assert_eq!(tried(std::slice::from_ref(&fitted)), Some(1));

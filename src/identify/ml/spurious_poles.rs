@@ -32,20 +32,20 @@ impl Fit {
     /// counts as noise.
     pub fn doubt(&mut self) {
         let rejection_reasons = self.rejection_reasons();
-        let scrutiny = if phases_scatter(&self.roots, &self.standings()) {
+        let policy = if phases_scatter(&self.roots, &self.standings()) {
             RejectionPolicy::ScatteredPhases
         } else if self.model_misses_data(&rejection_reasons) {
             RejectionPolicy::Strict
         } else {
             RejectionPolicy::Standard
         };
-        for (root, doubt) in self.roots.iter_mut().zip(rejection_reasons) {
-            root.suspect = scrutiny != RejectionPolicy::Standard || doubt.is_some();
+        for (pole, doubt) in self.roots.iter_mut().zip(rejection_reasons) {
+            pole.suspect = policy != RejectionPolicy::Standard || doubt.is_some();
         }
         for _ in 0..MAX_REJECTION_ROUNDS {
             let pole_metrics = self.standings();
             let doubted = |j: usize| {
-                let doubt = doubt(&self.roots, &pole_metrics, (j, scrutiny))?;
+                let doubt = doubt(&self.roots, &pole_metrics, (j, policy))?;
                 self.roots[j].suspect.then_some((j, doubt))
             };
             let mut order: Vec<(usize, Rejection)> =
@@ -55,41 +55,41 @@ impl Fit {
                     .contribution
                     .total_cmp(&pole_metrics[b.0].contribution)
             });
-            let mut chosen: Vec<(usize, Rejection)> = Vec::new();
+            let mut rejected: Vec<(usize, Rejection)> = Vec::new();
             for (j, doubt) in order {
                 let leans = |(other, _): &(usize, Rejection)| {
                     apart(&self.roots[j], &self.roots[*other]) < RETEST_BANDWIDTHS
                 };
-                if !chosen.iter().any(leans) {
-                    chosen.push((j, doubt));
+                if !rejected.iter().any(leans) {
+                    rejected.push((j, doubt));
                 }
             }
-            if chosen.is_empty() {
+            if rejected.is_empty() {
                 break;
             }
-            if scrutiny == RejectionPolicy::ScatteredPhases {
+            if policy == RejectionPolicy::ScatteredPhases {
                 self.scattered.get_or_insert(self.roots.len());
-                chosen.truncate(chosen.len().div_ceil(REMOVE_ONE_IN));
+                rejected.truncate(rejected.len().div_ceil(REMOVE_ONE_IN));
             }
-            let tried: Vec<(Root, f64)> = chosen
+            let removed: Vec<(Root, f64)> = rejected
                 .iter()
                 .map(|(j, _)| (self.roots[*j].clone(), pole_metrics[*j].reduced_chi_square))
                 .collect();
-            for (j, doubt) in chosen {
+            for (j, doubt) in rejected {
                 self.apply(remove_or_reduce(
                     &self.roots,
                     j,
                     DropReason::Rejected(doubt),
                 ));
             }
-            self.roots.retain(|root| !root.parts.is_empty());
+            self.roots.retain(|pole| !pole.parts.is_empty());
             unsettle(&mut self.roots);
             self.settle(Stop::Coarse);
-            if scrutiny == RejectionPolicy::ScatteredPhases {
+            if policy == RejectionPolicy::ScatteredPhases {
                 self.data.count_misfit_as_noise();
                 self.reestimate_noise_and_prune();
             } else {
-                self.reinstate_needed(&tried);
+                self.reinstate_needed(&removed);
             }
         }
         if self.moved.any() {
@@ -101,51 +101,53 @@ impl Fit {
     /// runs exceeds the noise.
     fn drop_undetermined(&mut self) {
         let pole_metrics = self.standings();
-        let part = |j: usize| {
-            let root = &self.roots[j];
-            root.quality.pole_std * pole_metrics[j].inflation() / root.decay()
+        let ratio = |j: usize| {
+            let pole = &self.roots[j];
+            pole.quality.pole_std * pole_metrics[j].inflation() / pole.decay()
         };
-        let parts = (0..self.roots.len()).map(|j| (j, part(j)));
-        let unknown: Vec<(usize, f64)> = parts
-            .filter(|(_, part)| *part >= MAX_POLE_STD_OVER_DECAY_RATE)
+        let ratios = (0..self.roots.len()).map(|j| (j, ratio(j)));
+        let undetermined: Vec<(usize, f64)> = ratios
+            .filter(|(_, ratio)| *ratio >= MAX_POLE_STD_OVER_DECAY_RATE)
             .collect();
-        if unknown.is_empty() {
+        if undetermined.is_empty() {
             return;
         }
-        for (j, part) in unknown {
+        for (j, ratio) in undetermined {
             self.apply(remove_or_reduce(
                 &self.roots,
                 j,
-                DropReason::PoleUndetermined(part),
+                DropReason::PoleUndetermined(ratio),
             ));
         }
-        self.roots.retain(|root| !root.parts.is_empty());
+        self.roots.retain(|pole| !pole.parts.is_empty());
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
     }
 
     /// Reinstates, for good, single isolated poles without which the misfit rises far: two poles in
     /// one resonance fit any response that one does not.
-    fn reinstate_needed(&mut self, tried: &[(Root, f64)]) {
+    fn reinstate_needed(&mut self, removed: &[(Root, f64)]) {
         let described = self.data.far().beside(&self.data, &self.roots);
-        let needed = |(root, before): &&(Root, f64)| {
-            let away = self.roots.iter().all(|other| apart(root, other) > 1.0);
-            let now = residual_chi_square(&self.data, &described, root);
-            root.multiplicity() == 1 && away && now > MIN_CHI_SQUARE_INCREASE * before.max(1.0)
+        let needed = |(pole, before): &&(Root, f64)| {
+            let is_isolated = self.roots.iter().all(|other| apart(pole, other) > 1.0);
+            let now = residual_chi_square(&self.data, &described, pole);
+            pole.multiplicity() == 1
+                && is_isolated
+                && now > MIN_CHI_SQUARE_INCREASE * before.max(1.0)
         };
-        let needed: Vec<Root> = tried
+        let needed: Vec<Root> = removed
             .iter()
             .filter(needed)
-            .map(|(root, _)| root.clone())
+            .map(|(pole, _)| pole.clone())
             .collect();
         if needed.is_empty() {
             return;
         }
-        let back = |dropped: &Dropped| needed.iter().any(|root| root.lambda == dropped.lambda);
+        let back = |dropped: &Dropped| needed.iter().any(|pole| pole.lambda == dropped.lambda);
         self.dropped.retain(|dropped| !back(dropped));
-        self.roots.extend(needed.into_iter().map(|root| Root {
+        self.roots.extend(needed.into_iter().map(|pole| Root {
             suspect: false,
-            ..root
+            ..pole
         }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);

@@ -37,7 +37,7 @@ impl Fit {
     /// among them again. Where the residual without these poles is no noise, all changes are
     /// undone.
     pub fn lines_share_noise(&mut self) -> bool {
-        let (noise, roots, drops_before) =
+        let (noise, poles, drops_before) =
             (self.data.noise(), self.roots.clone(), self.dropped.len());
         if !self.data.lines_share_noise(&mut self.rest()) {
             return false;
@@ -46,12 +46,12 @@ impl Fit {
         loop {
             if !Correlation::functions_differ(&self.rest()) {
                 self.data.set_noise(noise);
-                self.roots = roots;
+                self.roots = poles;
                 self.dropped.truncate(drops_before);
                 self.settle(Stop::Judging);
                 return false;
             }
-            let relative_std = |root: &Root| root.quality.pole_std / root.decay();
+            let relative_std = |pole: &Root| pole.quality.pole_std / pole.decay();
             let mut doubtful: Vec<f64> = self.roots.iter().map(relative_std).collect();
             doubtful.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
             doubtful.sort_by(f64::total_cmp);
@@ -62,15 +62,15 @@ impl Fit {
             let (determined, undetermined): (Vec<Root>, Vec<Root>) =
                 std::mem::take(&mut self.roots)
                     .into_iter()
-                    .partition(|root| relative_std(root) < *limit);
-            self.dropped.extend(undetermined.iter().map(|root| Dropped {
-                lambda: root.lambda,
-                reason: DropReason::PoleUndetermined(root.quality.pole_std / root.decay()),
+                    .partition(|pole| relative_std(pole) < *limit);
+            self.dropped.extend(undetermined.iter().map(|pole| Dropped {
+                lambda: pole.lambda,
+                reason: DropReason::PoleUndetermined(pole.quality.pole_std / pole.decay()),
             }));
             // The other pole of a close pair is a single pole again.
             self.roots = determined
                 .into_iter()
-                .map(|root| Root { pair: None, ..root })
+                .map(|pole| Root { pair: None, ..pole })
                 .collect();
             self.reestimate_noise_and_prune();
         }
@@ -79,23 +79,29 @@ impl Fit {
     /// Tries poles where the residual exceeds the noise. Returns the factor by which the residual
     /// energy fell, `None` when no trial pole was kept.
     pub fn search(&mut self) -> Option<f64> {
-        let chance = self.options.false_alarm_probability;
-        let rest = self.rest();
+        let false_alarm_probability = self.options.false_alarm_probability;
+        let residual = self.rest();
         let frfs = (&self.data, &self.sides);
-        let found = residual_peak_poles(frfs, &self.roots, &rest, (chance, self.max_trial_poles()));
+        let found = residual_peak_poles(
+            frfs,
+            &self.roots,
+            &residual,
+            (false_alarm_probability, self.max_trial_poles()),
+        );
         if found.is_empty() {
-            return self.double(&rest);
+            return self.split_close_pairs(&residual);
         }
-        self.try_poles(found, &rest)
-            .or_else(|| self.double(&self.rest()))
+        self.try_poles(found, &residual)
+            .or_else(|| self.split_close_pairs(&self.rest()))
     }
 
     /// Whether the residual exceeds the noise: in a segment of lines, or as a close pair.
     pub fn has_unexplained_residual(&self) -> bool {
-        let chance = self.options.false_alarm_probability;
-        let (frfs, rest) = ((&self.data, &self.sides), self.rest());
-        !residual_peak_poles(frfs, &self.roots, &rest, (chance, 1)).is_empty()
-            || !close_pair_candidates(frfs, &self.roots, &rest, chance).is_empty()
+        let false_alarm_probability = self.options.false_alarm_probability;
+        let (frfs, residual) = ((&self.data, &self.sides), self.rest());
+        !residual_peak_poles(frfs, &self.roots, &residual, (false_alarm_probability, 1)).is_empty()
+            || !close_pair_candidates(frfs, &self.roots, &residual, false_alarm_probability)
+                .is_empty()
     }
 
     fn max_trial_poles(&self) -> usize {
@@ -107,15 +113,15 @@ impl Fit {
     }
 
     /// As [`Self::search`], with given trial poles, from the residual without them.
-    fn try_poles(&mut self, found: Vec<Root>, rest: &Rest) -> Option<f64> {
+    fn try_poles(&mut self, found: Vec<Root>, residual: &Rest) -> Option<f64> {
         let (before, modes, drops_before) = (self.roots.clone(), self.modes(), self.dropped.len());
-        self.roots.extend(found.into_iter().map(|root| Root {
+        self.roots.extend(found.into_iter().map(|pole| Root {
             suspect: true,
-            ..root
+            ..pole
         }));
         unsettle(&mut self.roots);
         self.settle(Stop::Coarse);
-        let gain = |fit: &Self| rest.energy() / fit.rest().energy();
+        let gain = |fit: &Self| residual.energy() / fit.rest().energy();
         let mut now = gain(self);
         if now < MIN_RESIDUAL_GAIN && self.reject_trial_poles() {
             self.settle(Stop::Coarse);
@@ -131,8 +137,8 @@ impl Fit {
             self.dropped.truncate(drops_before);
             return None;
         }
-        for root in &mut self.roots {
-            root.suspect = false;
+        for pole in &mut self.roots {
+            pole.suspect = false;
         }
         (self.modes() > modes).then_some(now)
     }
@@ -143,16 +149,16 @@ impl Fit {
     /// Two poles closer than the standard deviation of their distance can still be separated from
     /// one pole by the residual: a second pole must lower it by more than its number of unknowns
     /// does in noise.
-    fn double(&mut self, rest: &Rest) -> Option<f64> {
-        let chance = self.options.false_alarm_probability;
+    fn split_close_pairs(&mut self, residual: &Rest) -> Option<f64> {
+        let false_alarm_probability = self.options.false_alarm_probability;
         let frfs = (&self.data, &self.sides);
-        let found = close_pair_candidates(frfs, &self.roots, rest, chance);
-        let lambdas: Vec<Complex64> = self.roots.iter().map(|root| root.lambda).collect();
-        let chance = chance / lambdas.len().max(1) as f64;
-        let (first, most) = (self.left(rest), self.max_trial_poles());
-        let mut left = first;
+        let found = close_pair_candidates(frfs, &self.roots, residual, false_alarm_probability);
+        let lambdas: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
+        let false_alarm_probability = false_alarm_probability / lambdas.len().max(1) as f64;
+        let (first, most) = (self.residual_energy(residual), self.max_trial_poles());
+        let mut residual_energy = first;
         for (index, second) in found.into_iter().take(most) {
-            let distance = |root: &Root| (root.lambda - lambdas[index]).norm();
+            let distance = |pole: &Root| (pole.lambda - lambdas[index]).norm();
             let free = |j: &usize| self.roots[*j].pair.is_none();
             let nearest = (0..self.roots.len())
                 .filter(free)
@@ -163,21 +169,25 @@ impl Fit {
                 continue;
             };
             let (before, drops_before) = (self.roots.clone(), self.dropped.len());
-            match self.doubled((j, second), (left, chance)) {
-                Some(now) => left = now,
+            match self.try_close_pair((j, second), (residual_energy, false_alarm_probability)) {
+                Some(now) => residual_energy = now,
                 None => {
                     self.roots = before;
                     self.dropped.truncate(drops_before);
                 }
             }
         }
-        (left < first).then_some(first / left)
+        (residual_energy < first).then_some(first / residual_energy)
     }
 
     /// Residual energy with a second pole near one; `None` where it does not fall enough, or where
     /// the second pole is no mode.
-    fn doubled(&mut self, (j, second): (usize, Root), (left, chance): (f64, f64)) -> Option<f64> {
-        let pairs = self.roots.iter().filter_map(|root| root.pair);
+    fn try_close_pair(
+        &mut self,
+        (j, second): (usize, Root),
+        (residual_energy, false_alarm_probability): (f64, f64),
+    ) -> Option<f64> {
+        let pairs = self.roots.iter().filter_map(|pole| pole.pair);
         let pair = Some(pairs.max().map_or(0, |last| last + 1));
         let modes = self.modes();
         let decay = second.decay();
@@ -188,15 +198,15 @@ impl Fit {
             ..second
         });
         self.settle(Stop::Judging);
-        let members: Vec<&Root> = self.roots.iter().filter(|root| root.pair == pair).collect();
+        let members: Vec<&Root> = self.roots.iter().filter(|pole| pole.pair == pair).collect();
         let [a, b] = members[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
-        let now = self.left(&self.rest());
+        let now = self.residual_energy(&self.rest());
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
-        let alike = self.data.correlation.of_amplitude(decay, self.data.step);
-        let enough = alike * upper_quantile(unknowns as f64, chance);
+        let correlation_factor = self.data.correlation.of_amplitude(decay, self.data.step);
+        let enough = correlation_factor * upper_quantile(unknowns as f64, false_alarm_probability);
         if apart < MIN_SEPARATION_BANDWIDTHS
-            || 2.0 * (left - now) <= enough
+            || 2.0 * (residual_energy - now) <= enough
             || self.modes() <= modes
         {
             return None;
@@ -204,14 +214,14 @@ impl Fit {
         if self.reject_trial_poles() {
             return None;
         }
-        self.roots.iter_mut().for_each(|root| root.suspect = false);
+        self.roots.iter_mut().for_each(|pole| pole.suspect = false);
         Some(now)
     }
 
     /// Residual energy over the noise, without the force noise that FRFs have in common.
-    fn left(&self, rest: &Rest) -> f64 {
-        let held = self.data.shared.held_by_line(&self.data, rest);
-        held.iter().sum()
+    fn residual_energy(&self, residual: &Rest) -> f64 {
+        let energies = self.data.shared.held_by_line(&self.data, residual);
+        energies.iter().sum()
     }
 
     /// Removes trial poles with a reason for rejection. Returns whether there were any.
@@ -230,7 +240,7 @@ impl Fit {
         for change in &changes {
             self.apply(*change);
         }
-        self.roots.retain(|root| !root.parts.is_empty());
+        self.roots.retain(|pole| !pole.parts.is_empty());
         unsettle(&mut self.roots);
         !changes.is_empty()
     }

@@ -94,8 +94,8 @@ fn a_mode_that_does_not_shift_with_the_others_is_excluded() {
             stds: vec![0.1; 5],
             residues: vec![Complex64::ONE; 5],
         },
-        alone: true,
-        known: false,
+        is_conclusive: true,
+        was_shifted: false,
         group,
         gain: 1.0,
     };

@@ -141,12 +141,12 @@ impl Moved {
 
     /// Updates the shifted modes from a fit of the FRFs as aligned now. Returns whether anything
     /// changed.
-    pub fn update_from_fit(&mut self, data: &Receptances, roots: &[Root]) -> bool {
+    pub fn update_from_fit(&mut self, data: &Receptances, model_poles: &[Root]) -> bool {
         if self.rounds == MAX_ROUNDS || self.runs.len() < MIN_RUNS {
             return false;
         }
         self.rounds += 1;
-        let modes = self.shifted_modes(data, roots);
+        let modes = self.shifted_modes(data, model_poles);
         let same = |(now, before): (&ShiftedMode, &ShiftedMode)| now.is_converged(before);
         let changed = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
         self.modes = modes;
@@ -203,9 +203,9 @@ impl Moved {
     /// Median of the scatter of the shifted modes over their frequencies; 0 where there are none.
     fn typical_scatter(&self) -> f64 {
         let ratios = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
-        let mut parts: Vec<f64> = ratios.collect();
-        parts.sort_by(f64::total_cmp);
-        parts.get(parts.len() / 2).copied().unwrap_or(0.0)
+        let mut fractions: Vec<f64> = ratios.collect();
+        fractions.sort_by(f64::total_cmp);
+        fractions.get(fractions.len() / 2).copied().unwrap_or(0.0)
     }
 
     /// The outlying run farthest from the mean of a mode, in half-power bandwidths.
@@ -235,13 +235,14 @@ impl Moved {
 
     /// Shifted modes by the grouping of poles with the fewest modes, and of several such groupings
     /// the one with the largest gain.
-    fn shifted_modes(&self, data: &Receptances, roots: &[Root]) -> Vec<ShiftedMode> {
+    fn shifted_modes(&self, data: &Receptances, model_poles: &[Root]) -> Vec<ShiftedMode> {
         let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
-            .map(|reach| groups(roots, reach))
+            .map(|reach| groups(model_poles, reach))
             .into();
         groupings.dedup();
         let alternatives = groupings.into_iter();
-        let alternatives = alternatives.map(|groups| self.modes_of_grouping(groups, data, roots));
+        let alternatives =
+            alternatives.map(|groups| self.modes_of_grouping(groups, data, model_poles));
         let better =
             |a: &Grouping, b: &Grouping| b.modes < a.modes || b.modes == a.modes && b.gain > a.gain;
         let best = alternatives.reduce(|a, b| if better(&a, &b) { b } else { a });
@@ -256,45 +257,47 @@ impl Moved {
         &self,
         groups: Vec<Vec<usize>>,
         data: &Receptances,
-        roots: &[Root],
+        model_poles: &[Root],
     ) -> Grouping {
-        let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, roots);
-        let resonance = |group: &Vec<usize>| Resonance::new(data, (roots, group), self);
+        let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, model_poles);
+        let resonance = |group: &Vec<usize>| Resonance::new(data, (model_poles, group), self);
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
-        let look = |(modes, resonance): (&Vec<&ShiftedMode>, &Option<Resonance>)| match resonance {
+        let screen = |(modes, resonance): (&Vec<&ShiftedMode>, &Option<Resonance>)| match resonance
+        {
             _ if !modes.is_empty() => Screening::Candidate,
             Some(resonance) => resonance.screen(&self.runs),
             None => Screening::Undecided,
         };
-        let looks = group_modes.par_iter().zip(&resonances);
-        let looks: Vec<Screening> = looks.map(look).collect();
-        if !looks.contains(&Screening::Candidate) {
+        let screenings = group_modes.par_iter().zip(&resonances);
+        let screenings: Vec<Screening> = screenings.map(screen).collect();
+        if !screenings.contains(&Screening::Candidate) {
             return Grouping {
                 shifted: self.modes.clone(),
-                modes: roots.len(),
+                modes: model_poles.len(),
                 gain: 0.0,
             };
         }
-        let known = |group_modes: &Vec<&ShiftedMode>| {
+        let previous_poles = |group_modes: &Vec<&ShiftedMode>| {
             let poles: Poles = group_modes.iter().map(|mode| mode.poles()).collect();
             (!poles.is_empty()).then_some(poles)
         };
-        let mut poles: Vec<Option<Poles>> = group_modes.iter().map(known).collect();
+        let mut poles: Vec<Option<Poles>> = group_modes.iter().map(previous_poles).collect();
         let mut fitted: Vec<Option<Fitted>> = Vec::new();
         for _ in 0..MAX_SWEEPS {
             let fit = |index: usize| {
                 let resonance = resonances[index].as_ref();
-                let resonance = resonance.filter(|_| looks[index] == Screening::Candidate)?;
-                let beside = |run| poles_beside(roots, (&groups, &poles), (index, run));
-                let one = |root: usize| vec![vec![roots[root].lambda; self.runs.len()]];
+                let resonance = resonance.filter(|_| screenings[index] == Screening::Candidate)?;
+                let other_poles =
+                    |run| poles_of_other_groups(model_poles, (&groups, &poles), (index, run));
+                let one = |only: usize| vec![vec![model_poles[only].lambda; self.runs.len()]];
                 match (&poles[index], &groups[index][..]) {
                     (Some(poles), _) => {
-                        resonance.fit_poles(&resonance.runs(&self.runs, beside), poles.clone())
+                        resonance.fit_poles(&resonance.runs(&self.runs, other_poles), poles.clone())
                     }
-                    (None, [root]) => {
-                        resonance.fit_poles(&resonance.runs(&self.runs, beside), one(*root))
+                    (None, [only]) => {
+                        resonance.fit_poles(&resonance.runs(&self.runs, other_poles), one(*only))
                     }
-                    (None, _) => resonance.search_poles(&self.runs, beside),
+                    (None, _) => resonance.search_poles(&self.runs, other_poles),
                 }
             };
             fitted = (0..groups.len()).into_par_iter().map(fit).collect();
@@ -307,12 +310,12 @@ impl Moved {
                             .map(|track| track.poles.clone())
                             .collect(),
                     ),
-                    None => known(group_modes),
+                    None => previous_poles(group_modes),
                 };
             poles = fitted.iter().zip(&group_modes).map(moved).collect();
         }
         // Decisions of the resonances with enough runs.
-        let judge = |index: usize| match (&resonances[index], looks[index]) {
+        let judge = |index: usize| match (&resonances[index], screenings[index]) {
             (_, Screening::Undecided) => None,
             (_, Screening::Unshifted) => Some(Vec::new()),
             (Some(resonance), Screening::Candidate) => resonance.decide(
@@ -326,36 +329,51 @@ impl Moved {
         };
         let decisions: Vec<Option<Vec<ShiftDecision>>> = (0..groups.len()).map(judge).collect();
         let all: Vec<&ShiftDecision> = decisions.iter().flatten().flatten().collect();
-        let doubt = all
+        let is_inconclusive = all
             .iter()
-            .all(|decision| decision.group == all[0].group && !decision.alone);
-        let agreeing = self.modes_with_common_cause(if doubt { Vec::new() } else { all.clone() });
-        let moves = |taken: &[&ShiftDecision], index: usize| {
-            taken.iter().any(|decision| decision.group == index)
+            .all(|decision| decision.group == all[0].group && !decision.is_conclusive);
+        let agreeing = self.modes_with_common_cause(if is_inconclusive {
+            Vec::new()
+        } else {
+            all.clone()
+        });
+        let is_shifted = |accepted: &[&ShiftDecision], index: usize| {
+            accepted.iter().any(|decision| decision.group == index)
         };
         let indices = 0..groups.len();
-        let agree = indices.filter(|index| moves(&agreeing, *index)).count();
-        let taken = match agree > 0 && 2 * agree >= decisions.iter().flatten().count() {
+        let agree = indices
+            .filter(|index| is_shifted(&agreeing, *index))
+            .count();
+        let accepted = match agree > 0 && 2 * agree >= decisions.iter().flatten().count() {
             true => agreeing,
             // Modes that were shifted before do not depend on further candidates.
             false => self.modes_with_common_cause(
-                all.into_iter().filter(|decision| decision.known).collect(),
+                all.into_iter()
+                    .filter(|decision| decision.was_shifted)
+                    .collect(),
             ),
         };
-        let stay = (0..groups.len()).filter(|index| !moves(&taken, *index));
-        let stay: usize = stay.map(|index| groups[index].len()).sum();
+        let unshifted = (0..groups.len()).filter(|index| !is_shifted(&accepted, *index));
+        let unshifted: usize = unshifted.map(|index| groups[index].len()).sum();
         Grouping {
-            modes: stay + taken.len(),
-            gain: taken.iter().map(|decision| decision.gain).sum(),
-            shifted: taken.iter().map(|decision| decision.mode.clone()).collect(),
+            modes: unshifted + accepted.len(),
+            gain: accepted.iter().map(|decision| decision.gain).sum(),
+            shifted: accepted
+                .iter()
+                .map(|decision| decision.mode.clone())
+                .collect(),
         }
     }
 
     /// Previous shifted modes of each group: those to which one of its poles is nearest.
-    fn modes_by_group(&self, groups: &[Vec<usize>], roots: &[Root]) -> Vec<Vec<&ShiftedMode>> {
+    fn modes_by_group(
+        &self,
+        groups: &[Vec<usize>],
+        model_poles: &[Root],
+    ) -> Vec<Vec<&ShiftedMode>> {
         let mut group_modes = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
-            let near = |j: &usize| (roots[*j].lambda.im - mode.lambda.im).abs();
+            let near = |j: &usize| (model_poles[*j].lambda.im - mode.lambda.im).abs();
             let distance = |index: &usize| {
                 let distances = groups[*index].iter().map(near);
                 distances.fold(f64::INFINITY, f64::min)
@@ -364,7 +382,7 @@ impl Moved {
             let within = |index: &usize| {
                 groups[*index]
                     .iter()
-                    .any(|j| mode.contains_pole(roots[*j].lambda))
+                    .any(|j| mode.contains_pole(model_poles[*j].lambda))
             };
             if let Some(index) = nearest.filter(within) {
                 group_modes[index].push(mode);
@@ -386,10 +404,10 @@ impl Moved {
             return together;
         }
         let by_mass = explained_by_one_cause(decisions, |decisions| {
-            let parts = decisions
+            let fractions = decisions
                 .iter()
                 .map(|decision| explained_by_mass(&decision.mode, &self.runs));
-            parts.collect()
+            fractions.collect()
         });
         let gain = |decisions: &[&ShiftDecision]| {
             decisions.iter().map(|decision| decision.gain).sum::<f64>()
@@ -408,12 +426,12 @@ fn explained_by_one_cause(
     explained: impl Fn(&[&ShiftDecision]) -> Vec<f64>,
 ) -> Vec<&ShiftDecision> {
     while !decisions.is_empty() {
-        let parts = explained(&decisions);
-        if parts.iter().sum::<f64>() > MIN_EXPLAINED_FRACTION * parts.len() as f64 {
+        let fractions = explained(&decisions);
+        if fractions.iter().sum::<f64>() > MIN_EXPLAINED_FRACTION * fractions.len() as f64 {
             break;
         }
-        let least = (0..parts.len()).min_by(|a, b| parts[*a].total_cmp(&parts[*b]));
-        let group = decisions[least.unwrap_or(0)].group;
+        let weakest = (0..fractions.len()).min_by(|a, b| fractions[*a].total_cmp(&fractions[*b]));
+        let group = decisions[weakest.unwrap_or(0)].group;
         decisions.retain(|decision| decision.group != group);
     }
     decisions
@@ -518,16 +536,16 @@ impl ShiftedMode {
 
 /// Groups of the poles around each strong one, within a number of half-power bandwidths or a
 /// fraction of the frequency, the strong one first.
-fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
-    let strength = |j: &usize| roots[*j].quality.significance();
-    let mut order: Vec<usize> = (0..roots.len()).collect();
+fn groups(model_poles: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
+    let strength = |j: &usize| model_poles[*j].quality.significance();
+    let mut order: Vec<usize> = (0..model_poles.len()).collect();
     order.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for j in order {
         let same = |group: &&mut Vec<usize>| {
-            let strong = &roots[group[0]];
+            let strong = &model_poles[group[0]];
             let reach = (widths * strong.width()).max(part * strong.lambda.im);
-            (roots[j].lambda.im - strong.lambda.im).abs() < reach
+            (model_poles[j].lambda.im - strong.lambda.im).abs() < reach
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(j),
@@ -538,8 +556,8 @@ fn groups(roots: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
 }
 
 /// Poles of the other groups in a run: shifted where that is estimated, else the poles of the fit.
-fn poles_beside(
-    roots: &[Root],
+fn poles_of_other_groups(
+    model_poles: &[Root],
     (groups, moved): (&[Vec<usize>], &[Option<Poles>]),
     (excluded, run): (usize, usize),
 ) -> Vec<Complex64> {
@@ -547,7 +565,10 @@ fn poles_beside(
     let poles = |index: usize| -> Vec<Complex64> {
         match &moved[index] {
             Some(poles) => poles.iter().map(|poles| poles[run]).collect(),
-            None => groups[index].iter().map(|j| roots[*j].lambda).collect(),
+            None => groups[index]
+                .iter()
+                .map(|j| model_poles[*j].lambda)
+                .collect(),
         }
     };
     others.flat_map(poles).collect()

@@ -54,10 +54,10 @@ impl Resonance<'_> {
     pub fn runs<'a>(
         &'a self,
         runs: &'a [Vec<usize>],
-        beside: impl Fn(usize) -> Vec<Complex64>,
+        other_poles: impl Fn(usize) -> Vec<Complex64>,
     ) -> Vec<Run<'a>> {
         (0..runs.len())
-            .map(|run| Run::new(self, (self.values(), &runs[run]), &beside(run)))
+            .map(|run| Run::new(self, (self.values(), &runs[run]), &other_poles(run)))
             .collect()
     }
 
@@ -101,13 +101,13 @@ impl Resonance<'_> {
             let poles: Vec<Complex64> = (fitted.tracks.iter())
                 .map(|track| track.poles[number])
                 .collect();
-            let look = run.look(&poles);
-            fitted.residual_energy += look.residual_energy;
-            let steps = look.steps(0..run.functions.len());
+            let fit = run.fit_amplitudes(&poles);
+            fitted.residual_energy += fit.residual_energy;
+            let steps = fit.steps(0..run.functions.len());
             for (j, (track, step)) in fitted.tracks.iter_mut().zip(steps).enumerate() {
                 track.variances.push(0.5 / step.weight);
                 for (index, f) in run.functions.iter().enumerate() {
-                    track.amplitudes[*f] = look.amplitudes[(j, index)];
+                    track.amplitudes[*f] = fit.amplitudes[(j, index)];
                 }
             }
         }
@@ -217,7 +217,7 @@ fn steps(runs: &[Run], paths: &[Path]) -> Vec<Vec<Step>> {
     let mut steps = vec![Vec::with_capacity(runs.len()); paths.len()];
     for (number, run) in runs.iter().enumerate() {
         let poles: Vec<Complex64> = paths.iter().map(|path| path.poles[number]).collect();
-        let run_steps = run.look(&poles).steps(0..run.functions.len());
+        let run_steps = run.fit_amplitudes(&poles).steps(0..run.functions.len());
         for (pole_steps, step) in steps.iter_mut().zip(run_steps) {
             pole_steps.push(step);
         }

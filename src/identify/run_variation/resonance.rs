@@ -73,9 +73,9 @@ pub(super) struct ShiftDecision {
     /// Index of its group of poles.
     pub group: usize,
     /// Whether the evidence suffices without any other mode.
-    pub alone: bool,
+    pub is_conclusive: bool,
     /// Whether the mode was shifted before.
-    pub known: bool,
+    pub was_shifted: bool,
     /// Decrease of the criterion.
     pub gain: f64,
 }
@@ -83,17 +83,17 @@ pub(super) struct ShiftDecision {
 impl ShiftDecision {
     /// Decisions for modes that were shifted before.
     pub fn from_known_modes<'a>(
-        known: impl IntoIterator<Item = &'a ShiftedMode>,
+        modes: impl IntoIterator<Item = &'a ShiftedMode>,
         group: usize,
     ) -> Option<Vec<Self>> {
         let decision = |mode: &ShiftedMode| Self {
             mode: mode.clone(),
             group,
-            alone: true,
-            known: true,
+            is_conclusive: true,
+            was_shifted: true,
             gain: 0.0,
         };
-        let decisions: Vec<Self> = known.into_iter().map(decision).collect();
+        let decisions: Vec<Self> = modes.into_iter().map(decision).collect();
         (!decisions.is_empty()).then_some(decisions)
     }
 }
@@ -113,19 +113,21 @@ impl<'a> Resonance<'a> {
     /// `None` where too few lines separate the poles around.
     pub fn new(
         data: &'a Receptances,
-        (roots, group): (&'a [Root], &[usize]),
+        (model_poles, group): (&'a [Root], &[usize]),
         moved: &Moved,
     ) -> Option<Self> {
-        let strong = &roots[group[0]];
-        let distance = |j: &usize| (roots[*j].lambda.im - strong.lambda.im).abs();
+        let strong = &model_poles[group[0]];
+        let distance = |j: &usize| (model_poles[*j].lambda.im - strong.lambda.im).abs();
         let farthest = group.iter().map(distance).fold(0.0, f64::max) / strong.width();
         let side =
             farthest + HALF_WIDTH_BANDWIDTHS.max(MIN_LINES_PER_SIDE * data.step / strong.width());
         let lines = lines_around(data, strong, side);
         let omega = data.omega[lines.clone()].to_vec();
-        let near = |lambda: Complex64| beside(&omega, lambda);
-        let (roots_near, far): (Vec<Root>, Vec<Root>) =
-            roots.iter().cloned().partition(|root| near(root.lambda));
+        let near = |lambda: Complex64| is_nearby(&omega, lambda);
+        let (poles_near, farther): (Vec<Root>, Vec<Root>) = model_poles
+            .iter()
+            .cloned()
+            .partition(|model_pole| near(model_pole.lambda));
         let background = Background::new(&data.omega, &lines, data.outside());
         let middle = 0.5 * omega.len() as f64;
         let columns = background.columns();
@@ -138,12 +140,13 @@ impl<'a> Resonance<'a> {
         });
         // Out-of-band terms, the pole with its derivative, and as many lines again to detect
         // misfit.
-        if omega.len() < 2 * (roots_near.len() + background.ncols() + 2) {
+        if omega.len() < 2 * (poles_near.len() + background.ncols() + 2) {
             return None;
         }
         let profile = Profile::new(data, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
-        let explained = courses(data.line_shape, &omega, &far) * residues(&far, data.functions());
+        let explained =
+            courses(data.line_shape, &omega, &farther) * residues(&farther, data.functions());
         let aligned = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
             let value = data.values[f][lines.start + k] - explained[(k, f)];
             value / over(k, f)
@@ -167,10 +170,10 @@ impl<'a> Resonance<'a> {
         Some(Self {
             aligned,
             values,
-            group: group.iter().map(|j| &roots[*j]).collect(),
-            others: (0..roots.len())
+            group: group.iter().map(|j| &model_poles[*j]).collect(),
+            others: (0..model_poles.len())
                 .filter(other)
-                .map(|j| roots[j].lambda)
+                .map(|j| model_poles[j].lambda)
                 .collect(),
             data,
             omega,
@@ -183,7 +186,7 @@ impl<'a> Resonance<'a> {
     /// near, over the profile of the noise.
     pub(super) fn basis(&self, poles: &[Complex64]) -> ComplexMatrix {
         let near: Vec<Complex64> = (poles.iter().copied())
-            .filter(|lambda| beside(&self.omega, *lambda))
+            .filter(|lambda| is_nearby(&self.omega, *lambda))
             .collect();
         let columns = near.len() + self.background.ncols();
         let columns = linalg::complex_matrix(self.omega.len(), columns, |k, column| {
@@ -203,7 +206,7 @@ impl<'a> Resonance<'a> {
 
     /// Lowest and highest frequency of the poles of the group, rad/s.
     pub fn span(&self) -> (f64, f64) {
-        let frequencies = self.group.iter().map(|root| root.lambda.im);
+        let frequencies = self.group.iter().map(|model_pole| model_pole.lambda.im);
         frequencies.fold((f64::INFINITY, 0.0), |(lo, hi), at| {
             (at.min(lo), at.max(hi))
         })
@@ -221,19 +224,22 @@ impl<'a> Resonance<'a> {
     /// Screens the resonance by one Gauss-Newton step of an individual pole in every run; for a
     /// group of several poles, by fits of a few runs.
     pub fn screen(&self, runs: &[Vec<usize>]) -> Screening {
-        let [root] = self.group[..] else {
+        let [model_pole] = self.group[..] else {
             return self.screen_strongest_runs(runs);
         };
         let functions: Vec<usize> = (0..self.functions()).collect();
         let run = Run::new(self, (&self.aligned, &functions), &self.others);
-        let look = run.look(&[root.lambda]);
-        let run_step = |run: &Vec<usize>| look.steps(run.iter().copied())[0];
+        let fit = run.fit_amplitudes(&[model_pole.lambda]);
+        let run_step = |run: &Vec<usize>| fit.steps(run.iter().copied())[0];
         let steps: Vec<Step> = runs.iter().map(run_step).collect();
         let values = (self.omega.len() * functions.len()) as f64;
-        let correlation_factor = self.data.shared.of_pole(self.data, root);
-        let noise = correlation_factor * (look.without_derivative() / values).min(1.0);
+        let correlation_factor = self.data.shared.of_pole(self.data, model_pole);
+        let noise = correlation_factor * (fit.without_derivative() / values).min(1.0);
         let variances = steps.iter().map(|step| 0.5 / step.weight);
-        if !has_enough_runs(variances, self.max_frequency_variance(root.decay(), noise)) {
+        if !has_enough_runs(
+            variances,
+            self.max_frequency_variance(model_pole.decay(), noise),
+        ) {
             return Screening::Undecided;
         }
         let gained = steps
@@ -280,9 +286,9 @@ impl<'a> Resonance<'a> {
     pub fn search_poles(
         &self,
         runs: &[Vec<usize>],
-        beside: impl Fn(usize) -> Vec<Complex64>,
+        other_poles: impl Fn(usize) -> Vec<Complex64>,
     ) -> Option<Fitted> {
-        let run_data = self.runs(runs, beside);
+        let run_data = self.runs(runs, other_poles);
         let mut initial_poles = self.initial_poles(&run_data);
         initial_poles.push(vec![vec![self.strong(); runs.len()]]);
         let fits = initial_poles.into_iter();
@@ -336,14 +342,17 @@ impl<'a> Resonance<'a> {
     /// Whether a pole is nearer to a pole of the group than to all others.
     fn is_nearest_group(&self, lambda: Complex64) -> bool {
         let distance = |other: Complex64| (other.im - lambda.im).abs();
-        let distances = self.group.iter().map(|root| distance(root.lambda));
+        let distances = self
+            .group
+            .iter()
+            .map(|model_pole| distance(model_pole.lambda));
         let nearest = distances.fold(f64::INFINITY, f64::min);
         self.others.iter().all(|other| distance(*other) >= nearest)
     }
 
     /// Residual energy `Σ|r|²` of some runs with common poles and free residues.
     fn group_residual_energy(&self, runs: &[Vec<usize>]) -> f64 {
-        let group_poles = self.group.iter().map(|root| root.lambda);
+        let group_poles = self.group.iter().map(|model_pole| model_pole.lambda);
         let all: Vec<Complex64> = group_poles.chain(self.others.iter().copied()).collect();
         let functions: Vec<usize> = runs.iter().flatten().copied().collect();
         let values = linalg::complex_matrix(self.omega.len(), functions.len(), |k, index| {
@@ -374,14 +383,14 @@ impl<'a> Resonance<'a> {
         (MAX_FREQUENCY_STD_BANDWIDTHS * 2.0 * decay).powi(2) / noise
     }
 
-    /// Decides which modes shift, `known` ones included; `None` where too few runs decide.
+    /// Decides which modes shift, `previous` ones included; `None` where too few runs decide.
     pub fn decide(
         &self,
         fitted: Option<&Fitted>,
         (runs, factors): (&[Vec<usize>], usize),
-        (known, group): (&[&ShiftedMode], usize),
+        (previous, group): (&[&ShiftedMode], usize),
     ) -> Option<Vec<ShiftDecision>> {
-        let from_known_modes = || ShiftDecision::from_known_modes(known.iter().copied(), group);
+        let from_known_modes = || ShiftDecision::from_known_modes(previous.iter().copied(), group);
         let Some(fitted) = fitted else {
             return from_known_modes();
         };
@@ -389,7 +398,7 @@ impl<'a> Resonance<'a> {
         let criterion = self.criterion(runs, group_residual_energy.min(fitted.residual_energy));
         let modes = match self.modes(fitted, criterion.noise) {
             Some(modes) => modes,
-            None if known.is_empty() => return None,
+            None if previous.is_empty() => return None,
             None => return from_known_modes(),
         };
         if modes.is_empty() {
@@ -397,9 +406,9 @@ impl<'a> Resonance<'a> {
         }
         let of_runs = criterion.of_runs(fitted);
         let of_roots = criterion.of_roots(group_residual_energy, self.group.len());
-        if !known.is_empty() {
+        if !previous.is_empty() {
             // Aligned, each is one pole, unless it never was one mode.
-            if self.group.len() > known.len() && of_runs >= of_roots {
+            if self.group.len() > previous.len() && of_runs >= of_roots {
                 return Some(Vec::new());
             }
             let values = (self.omega.len() * self.functions()) as f64;
@@ -414,12 +423,16 @@ impl<'a> Resonance<'a> {
             return Some(Vec::new());
         }
         // Residues as products of shapes and participation factors.
-        let of_group: usize = self.group.iter().map(|root| root.multiplicity()).sum();
+        let of_group: usize = self
+            .group
+            .iter()
+            .map(|model_pole| model_pole.multiplicity())
+            .sum();
         let of_products = criterion.of(self.residual_energy_as_fitted(), 2 * of_group * factors);
         let gain = (of_roots - of_runs) / modes.len() as f64;
         let decision = |mode: ShiftedMode| ShiftDecision {
-            alone: of_runs < of_products,
-            known: false,
+            is_conclusive: of_runs < of_products,
+            was_shifted: false,
             mode,
             group,
             gain,
@@ -435,11 +448,11 @@ impl<'a> Resonance<'a> {
         let gap = (hi - lo) / (self.group.len().max(2) - 1) as f64;
         let chosen = |(track, mode): (&Track, &ShiftedMode)| {
             let distance = |pole: &Complex64| {
-                let roots = self
+                let model_poles = self
                     .group
                     .iter()
-                    .map(|root| (root.lambda.im - pole.im).abs());
-                roots.fold(f64::INFINITY, f64::min)
+                    .map(|model_pole| (model_pole.lambda.im - pole.im).abs());
+                model_poles.fold(f64::INFINITY, f64::min)
             };
             let mut distances: Vec<f64> = track.poles.iter().map(distance).collect();
             distances.sort_by(f64::total_cmp);
@@ -452,15 +465,19 @@ impl<'a> Resonance<'a> {
     /// Residual energy `Σ|r|²` of the poles of the group as fitted; other poles and out-of-band
     /// terms are fitted here.
     fn residual_energy_as_fitted(&self) -> f64 {
-        let group_poles: Vec<Root> = self.group.iter().map(|root| (*root).clone()).collect();
+        let group_poles: Vec<Root> = self
+            .group
+            .iter()
+            .map(|model_pole| (*model_pole).clone())
+            .collect();
         let explained = courses(self.data.line_shape, &self.omega, &group_poles)
             * residues(&group_poles, self.data.functions());
         let Profile { course, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.functions());
-        let rest = linalg::complex_matrix(lines, functions, |k, f| {
+        let residual = linalg::complex_matrix(lines, functions, |k, f| {
             self.aligned[(k, f)] - explained[(k, f)] / (course[k] * level[f])
         });
-        without(&self.basis(&self.others), &rest).squared_norm_l2()
+        without(&self.basis(&self.others), &residual).squared_norm_l2()
     }
 
     /// Merges the runs as samples of one mode, in noise of a given variance.
@@ -477,11 +494,11 @@ impl<'a> Resonance<'a> {
         let shrunk_shift =
             |(omega, v): (&f64, &f64)| direction * (omega - lambda.im) * between * weight(v);
         let residues = fitted.amplitudes.iter().zip(&self.profile.level);
-        let known: f64 = variances.iter().map(|v| v.recip()).sum();
+        let information: f64 = variances.iter().map(|v| v.recip()).sum();
         ShiftedMode {
             lambda,
             scatter: between.sqrt(),
-            decay_std: known.recip().sqrt(),
+            decay_std: information.recip().sqrt(),
             shifts: omegas.iter().zip(&variances).map(shrunk_shift).collect(),
             stds: variances.iter().map(|v| v.sqrt()).collect(),
             residues: residues.map(|(a, level)| a * level).collect(),
@@ -496,7 +513,7 @@ fn has_enough_runs(variances: impl ExactSizeIterator<Item = f64>, most: f64) -> 
 }
 
 /// Whether a pole lies within some lines, or so near that it exceeds the out-of-band terms there.
-fn beside(omega: &[f64], lambda: Complex64) -> bool {
+fn is_nearby(omega: &[f64], lambda: Complex64) -> bool {
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
     let reach = (hi - lo).max(-2.0 * HALF_WIDTH_BANDWIDTHS * lambda.re);
     lambda.im > lo - reach && lambda.im < hi + reach

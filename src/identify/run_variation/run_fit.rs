@@ -62,7 +62,7 @@ pub(super) struct Run<'a> {
 }
 
 /// Fit of FRFs with some poles.
-pub(super) struct Look {
+pub(super) struct RunFit {
     /// Amplitudes: poles × FRFs.
     pub amplitudes: ComplexMatrix,
     /// Products of the derivatives of the profiles with the residual: poles × FRFs.
@@ -91,7 +91,7 @@ pub(super) struct Step {
     pub weight: f64,
 }
 
-impl Look {
+impl RunFit {
     /// Residual energy of one pole and the derivative of its profile.
     pub fn without_derivative(&self) -> f64 {
         self.residual_energy - self.along.squared_norm_l2() / self.second[(0, 0)].re
@@ -140,9 +140,9 @@ impl<'a> Run<'a> {
     pub fn new(
         resonance: &'a Resonance<'a>,
         (values, functions): (&ComplexMatrix, &'a [usize]),
-        beside: &[Complex64],
+        other_poles: &[Complex64],
     ) -> Self {
-        let others = resonance.basis(beside);
+        let others = resonance.basis(other_poles);
         let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, index| {
             values[(k, functions[index])]
         });
@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
 
     /// Profiles: powers of `1/(iω − λ)` for some poles over the profile of the noise, lines ×
     /// poles.
-    fn courses(&self, poles: &[Complex64], power: usize) -> ComplexMatrix {
+    fn profiles(&self, poles: &[Complex64], power: usize) -> ComplexMatrix {
         let Resonance {
             omega,
             profile,
@@ -168,13 +168,13 @@ impl<'a> Run<'a> {
         })
     }
 
-    pub fn look(&self, poles: &[Complex64]) -> Look {
+    pub fn fit_amplitudes(&self, poles: &[Complex64]) -> RunFit {
         let ThinQr { q, r } =
-            ThinQr::or_not_a_number(&without(&self.others, &self.courses(poles, 1)));
-        let derivatives = without(&self.others, &self.courses(poles, 2));
+            ThinQr::or_not_a_number(&without(&self.others, &self.profiles(poles, 1)));
+        let derivatives = without(&self.others, &self.profiles(poles, 2));
         let derivatives = without(&q, &derivatives);
         let first = q.adjoint() * &self.values;
-        Look {
+        RunFit {
             amplitudes: linalg::inverse_upper(&r) * &first,
             along: derivatives.adjoint() * &self.values,
             second: derivatives.adjoint() * &derivatives,
@@ -184,10 +184,10 @@ impl<'a> Run<'a> {
 
     /// Initial poles among trial poles: the one or the two that explain most energy.
     pub fn best(&self, trial_poles: &[Complex64]) -> Best {
-        let whole = self.courses(trial_poles, 1);
-        let courses = without(&self.others, &whole);
-        let products = courses.adjoint() * &courses;
-        let along = courses.adjoint() * &self.values;
+        let whole = self.profiles(trial_poles, 1);
+        let profiles = without(&self.others, &whole);
+        let products = profiles.adjoint() * &profiles;
+        let along = profiles.adjoint() * &self.values;
         let power = &along * along.adjoint();
         // A profile that hardly differs from the others carries no information.
         let differs = |j: &usize| {
@@ -211,12 +211,12 @@ impl<'a> Run<'a> {
         // The two poles that explain most may lie near a single strong one.
         let apart =
             |a: Complex64, b: Complex64| (a - b).norm() > MIN_SEPARATION_DECAY_RATES * -a.re;
-        let beside = |j: &&usize| apart(alone[0], trial_poles[**j]);
-        let beside = places.iter().filter(beside).map(|j| {
+        let second_poles = |j: &&usize| apart(alone[0], trial_poles[**j]);
+        let second_poles = places.iter().filter(second_poles).map(|j| {
             let pair = vec![alone[0], trial_poles[*j]];
-            (self.look(&pair).residual_energy, pair)
+            (self.fit_amplitudes(&pair).residual_energy, pair)
         });
-        let second = beside.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let second = second_poles.min_by(|(a, _), (b, _)| a.total_cmp(b));
         let pairs = two.into_iter().chain(second.map(|(_, pair)| pair));
         let pairs = pairs.map(|pair| self.refine_initial_poles(pair));
         let pairs = pairs.filter(|(pair, _)| apart(pair[0], pair[1]));
@@ -234,9 +234,9 @@ impl<'a> Run<'a> {
 
     /// Poles after a few Gauss-Newton steps of this run alone, and their residual energy.
     fn refine_initial_poles(&self, mut poles: Vec<Complex64>) -> (Vec<Complex64>, f64) {
-        let mut look = self.look(&poles);
+        let mut fit = self.fit_amplitudes(&poles);
         for _ in 0..MAX_INITIAL_STEPS {
-            let steps = look.steps(0..self.functions.len());
+            let steps = fit.steps(0..self.functions.len());
             let moved = |(pole, step): (&Complex64, &Step)| {
                 let most = -MAX_INITIAL_STEP_DECAY_RATES * pole.re;
                 let change = step.change * (most / step.change.norm()).min(1.0);
@@ -244,13 +244,13 @@ impl<'a> Run<'a> {
                 Complex64::new(pole.re.min(-f64::MIN_POSITIVE), pole.im)
             };
             let now: Vec<Complex64> = poles.iter().zip(&steps).map(moved).collect();
-            let then = self.look(&now);
-            if then.residual_energy.is_nan() || then.residual_energy >= look.residual_energy {
+            let then = self.fit_amplitudes(&now);
+            if then.residual_energy.is_nan() || then.residual_energy >= fit.residual_energy {
                 break;
             }
-            (poles, look) = (now, then);
+            (poles, fit) = (now, then);
         }
-        (poles, look.residual_energy)
+        (poles, fit.residual_energy)
     }
 }
 
@@ -285,12 +285,12 @@ mod tests {
         let course = |k: usize, j: usize| value(k, j) + 0.4 * value(k, 1 - j);
         let values = linalg::complex_matrix(9, 2, |k, f| value(k, 5 + f));
         // The third hardly differs from the first.
-        let courses = linalg::complex_matrix(9, 3, |k, j| match j {
+        let profiles = linalg::complex_matrix(9, 3, |k, j| match j {
             2 => course(k, 0) * (1.0 + 1e-5 * k as f64),
             _ => course(k, j),
         });
-        let products = courses.adjoint() * &courses;
-        let along = courses.adjoint() * &values;
+        let products = profiles.adjoint() * &profiles;
+        let along = profiles.adjoint() * &values;
         let power = &along * along.adjoint();
         let basis = linalg::thin_qr(&linalg::complex_matrix(9, 2, course))
             .unwrap()

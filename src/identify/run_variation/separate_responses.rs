@@ -35,7 +35,7 @@ pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
 
 /// Poles with such a partner, and the distance to the nearest one in half-power bandwidths.
 pub(in crate::identify) fn run_partners(
-    roots: &[&Root],
+    poles: &[&Root],
     runs: &[Vec<usize>],
 ) -> Vec<(Complex64, f64)> {
     let of = |mode: &&Root| {
@@ -45,17 +45,17 @@ pub(in crate::identify) fn run_partners(
             let near = distance > 0.0 && distance < MAX_SEPARATION_BANDWIDTHS;
             (near && respond_separately(mode, other, runs)).then_some(distance)
         };
-        let nearest = roots.iter().filter_map(partner).min_by(f64::total_cmp);
+        let nearest = poles.iter().filter_map(partner).min_by(f64::total_cmp);
         nearest.map(|distance| (mode.lambda, distance))
     };
-    roots.iter().filter_map(of).collect()
+    poles.iter().filter_map(of).collect()
 }
 
 /// Whether only one of two poles responds in every run, and each does in the minimum number of
 /// runs.
 fn respond_separately(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
-    let power = |root: &Root, run: &[usize]| -> f64 {
-        run.iter().map(|f| root.residues[*f].norm_sqr()).sum()
+    let power = |pole: &Root, run: &[usize]| -> f64 {
+        run.iter().map(|f| pole.residues[*f].norm_sqr()).sum()
     };
     let both = |run: &Vec<usize>| (power(a, run), power(b, run));
     let powers: Vec<(f64, f64)> = runs.iter().map(both).collect();
@@ -81,17 +81,17 @@ mod tests {
 
     #[test]
     fn only_modes_that_respond_in_separate_runs_are_partners() {
-        let root = |hz: f64, residues: [f64; 6]| {
-            let mut root = Root::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
-            root.residues = residues.map(Complex64::from).to_vec();
-            root
+        let pole = |hz: f64, residues: [f64; 6]| {
+            let mut pole = Root::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
+            pole.residues = residues.map(Complex64::from).to_vec();
+            pole
         };
         let runs: Vec<Vec<usize>> = (0..6).map(|run| vec![run]).collect();
-        let first = root(100.0, [1.0, 2.0, 1.5, 0.1, 0.0, 0.02]);
+        let first = pole(100.0, [1.0, 2.0, 1.5, 0.1, 0.0, 0.02]);
         // The last run has little of both.
-        let second = root(103.0, [0.1, 0.0, 0.2, 1.0, 0.8, 0.02]);
-        let everywhere = root(101.0, [1.0; 6]);
-        let far = root(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        let second = pole(103.0, [0.1, 0.0, 0.2, 1.0, 0.8, 0.02]);
+        let everywhere = pole(101.0, [1.0; 6]);
+        let far = pole(108.0, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
         let partners = run_partners(&[&first, &everywhere, &second, &far], &runs);
         assert_eq!(partners, [(first.lambda, 1.5), (second.lambda, 1.5)]);
         // Directions at one point are no separate runs.
@@ -106,11 +106,11 @@ mod tests {
         let functions = ["1:+X", "1:+Y", "2:+X", "2:+Y", "3:+X", "3:+Y"].map(function);
         let points = by_point(&functions);
         assert_eq!(points, [[0, 1], [2, 3], [4, 5]]);
-        let in_x = root(100.0, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
-        let in_y = root(101.0, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        let in_x = pole(100.0, [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
+        let in_y = pole(101.0, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         assert!(run_partners(&[&in_x, &in_y], &points).is_empty());
         // A response in one run alone may be chance.
-        let alone = root(103.0, [0.1, 0.0, 0.2, 0.0, 0.8, 0.0]);
+        let alone = pole(103.0, [0.1, 0.0, 0.2, 0.0, 0.8, 0.0]);
         assert!(run_partners(&[&first, &alone], &runs).is_empty());
     }
 }

@@ -98,8 +98,8 @@ fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_scatter_in_its_deviati
             let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
             assert!(damping.abs() < 0.01, "{seed} {j}: damping {damping}");
             let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
-            let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
-            assert!(mac(&shape, &known).unwrap() > 0.9999);
+            let true_shape: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+            assert!(mac(&shape, &true_shape).unwrap() > 0.9999);
         }
     }
 }
@@ -146,7 +146,7 @@ fn selected_poles_keep_the_scatter_between_runs() {
         damping_ratio: mode.damping_ratio,
         order: None,
     };
-    let chosen = |count: usize| {
+    let select = |count: usize| {
         let options = IdentifyOptions {
             selection: Some(PoleSelection {
                 poles: automatic.modes[..count].iter().map(pole).collect(),
@@ -157,7 +157,7 @@ fn selected_poles_keep_the_scatter_between_runs() {
         identify(&set, &options).unwrap()
     };
     // No pole of the other modes is selected.
-    let first = chosen(1);
+    let first = select(1);
     assert_eq!(
         (
             first.modes.len(),
@@ -165,7 +165,7 @@ fn selected_poles_keep_the_scatter_between_runs() {
         ),
         (1, 1)
     );
-    let model = chosen(automatic.modes.len());
+    let model = select(automatic.modes.len());
     assert_eq!(model.modes.len(), automatic.modes.len());
     assert_eq!(
         findings_of(&model, Code::RunsMerged).len(),
@@ -207,8 +207,8 @@ fn drifts(seed: u64, test: &(Structure, Measurement), deviation: f64) {
         let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
         assert!(damping.abs() < 0.02, "{seed}: damping {damping}");
         let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
-        let known: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
-        let same = mac(&shape, &known).unwrap();
+        let true_shape: Vec<Complex64> = truth.2.iter().map(|v| Complex64::from(*v)).collect();
+        let same = mac(&shape, &true_shape).unwrap();
         assert!(same > 0.999, "{seed}: {same}");
     }
 }
