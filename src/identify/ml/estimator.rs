@@ -1,41 +1,42 @@
 //! The maximum likelihood method refines initial poles of the polyreference LSCF and keeps as many
 //! modes as the data support.
 //!
-//! 1. Poles that are stable over the orders of the LSCF are the initial poles. The number of detected
-//!    peaks sets the maximum order, and the lower segments of a wide band are estimated separately.
-//!    With several references, and where the residual of these poles exceeds the noise, the FRFs are
-//!    also fitted as outputs of one input, which gives the poles and the multiplicity of each
-//!    ([`multiplicity`](crate::identify::ml::multiplicity)).
+//! 1. Poles that are stable over the orders of the LSCF are the initial poles. The number of
+//!    detected peaks sets the maximum order, and the lower segments of a wide band are estimated
+//!    separately. With several references, and where the residual of these poles exceeds the
+//!    noise, the FRFs are also fitted as outputs of one input, which gives the poles and the
+//!    multiplicity of each ([`multiplicity`](crate::identify::ml::multiplicity)).
 //! 2. All poles move to the maximum of the likelihood
 //!    ([`refine`](crate::identify::fit::block_descent)).
 //! 3. A pole is kept when it is above the noise (chi-squared test of its amplitude with all else
-//!    fitted), when its standard deviation is below a fifth of its decay rate, and when its distance
-//!    from its neighbours is at least two standard deviations of that distance. Two inseparable poles
-//!    with different participation factors are one repeated pole
+//!    fitted), when its standard deviation is below a fifth of its decay rate, and when its
+//!    distance from its neighbours is at least two standard deviations of that distance. Two
+//!    inseparable poles with different participation factors are one repeated pole
 //!    ([`acceptance`](crate::identify::ml::acceptance)).
-//! 4. Noise that is correlated between frequency lines looks like modes. The correlation is estimated
-//!    from the residual, where that is noise, and raises limits and standard deviations
+//! 4. Noise that is correlated between frequency lines looks like modes. The correlation is
+//!    estimated from the residual, where that is noise, and raises limits and standard deviations
 //!    ([`line_correlation`](crate::identify::noise::line_correlation)). Where the data have no
-//!    variances and most of the noise is correlated, the noise variance is estimated from the level of
-//!    the residual, and poles that were fitted to noise are removed.
-//! 5. The residual is searched for peaks above the noise. A trial pole there must pass the same tests
-//!    and lower the residual. Without such peaks, each pole is tested for being a close pair
-//!    ([`close_pole_test`](crate::identify::ml::close_pole_test)). Where a trial pole hardly lowers the
-//!    residual, the criteria of step 7 apply to it at once.
+//!    variances and most of the noise is correlated, the noise variance is estimated from the
+//!    level of the residual, and poles that were fitted to noise are removed.
+//! 5. The residual is searched for peaks above the noise. A trial pole there must pass the same
+//!    tests and lower the residual. Without such peaks, each pole is tested for being a close pair
+//!    ([`close_pole_test`](crate::identify::ml::close_pole_test)). Where a trial pole hardly
+//!    lowers the residual, the criteria of step 7 apply to it at once.
 //! 6. Out-of-band terms that the data do not need are removed.
-//! 7. Spurious poles above the noise are rejected: poles of a low modal contribution where the model
-//!    misfits the data or many phases are arbitrary, and poles that repeat the shape of a strong
-//!    neighbour with the phase of no normal mode ([`pole_metrics`](crate::identify::ml::pole_metrics)).
-//!    The misfit near a mode enlarges its standard deviations.
+//! 7. Spurious poles above the noise are rejected: poles of a low modal contribution where the
+//!    model misfits the data or many phases are arbitrary, and poles that repeat the shape of a
+//!    strong neighbour with the phase of no normal mode
+//!    ([`pole_metrics`](crate::identify::ml::pole_metrics)). The misfit near a mode enlarges its
+//!    standard deviations.
 //!
-//! Where the file states a window for steady excitation, each pole has the line shape of that window
-//! ([`band_frfs`](crate::identify::data::band_frfs)). Where it states none, close poles that the line
-//! shape of a Hann or flat top window explains are merged
+//! Where the file states a window for steady excitation, each pole has the line shape of that
+//! window ([`band_frfs`](crate::identify::data::band_frfs)). Where it states none, close poles
+//! that the line shape of a Hann or flat top window explains are merged
 //! ([`leakage`](crate::identify::ml::leakage)).
 //!
-//! Guard lines on both sides of the band are fitted where the data have them, so that a mode outside
-//! the band does not bias one inside. Without variances in the data, the noise is estimated from the
-//! residual ([`noise`](crate::identify::noise::input_variance)).
+//! Guard lines on both sides of the band are fitted where the data have them, so that a mode
+//! outside the band does not bias one inside. Without variances in the data, the noise is
+//! estimated from the residual ([`noise`](crate::identify::noise::input_variance)).
 
 use std::f64::consts::TAU;
 
@@ -129,7 +130,7 @@ impl PoleEstimator for Automatic {
 }
 
 impl Automatic {
-    /// Fits poles with a line shape, up to the rejection of spurious poles and the final
+    /// Fits poles with a line shape, including the rejection of spurious poles and the final
     /// refinement.
     pub(in crate::identify) fn fitted(
         &self,
