@@ -1,6 +1,6 @@
-// Errors by mode, energies, and the course of an update.
+// Frequency errors by mode, modal energies, and the history of a model update.
 
-/** Error of each paired mode with its deviation, the tests beside each other; roots without a partner as crosses on the lower edge. */
+/** Frequency error of each paired mode with its standard deviation, grouped by test; unmatched model modes as crosses on the lower edge. */
 function drawErrors(host) {
   const { overview } = figures;
   if (!overview) return;
@@ -44,13 +44,13 @@ function drawErrors(host) {
   });
 }
 
-/** Where the energy of each root is: a bar for kinetic, one for strain energy. */
+/** Distribution of the energy of each mode over the components: one bar for kinetic, one for strain energy. */
 function drawEnergies(host) {
   for (const [part, title] of [['kinetic', T('Kinetic energy')], ['strain', T('Strain energy')]]) {
-    const roots = figures.energies.filter((root) => root[part].length);
-    if (!roots.length) continue;
+    const modes = figures.energies.filter((mode) => mode[part].length);
+    if (!modes.length) continue;
     const totals = new Map();
-    roots.forEach((root) => root[part].forEach(([name, share]) => totals.set(name, (totals.get(name) || 0) + share)));
+    modes.forEach((mode) => mode[part].forEach(([name, share]) => totals.set(name, (totals.get(name) || 0) + share)));
     const names = [...totals].sort((a, b) => b[1] - a[1]).map(([name]) => name);
     const shown = names.slice(0, 7);
     host.append(el('h3', {}, title));
@@ -60,17 +60,17 @@ function drawEnergies(host) {
     const list = el('div', { class: 'shares' });
     const fill = () => {
       key.replaceChildren(...legend.map((name) => el('span', { class: 'series' }, el('i', { style: `border-color:${color(name)}` }), name)));
-      list.replaceChildren(...roots.map((root) => {
-        const row = el('div', { class: 'share', tabindex: '0', role: 'img', 'aria-label': `${digits(root.hz, 5)} Hz: ${root[part].map(([name, share]) => `${name} ${percent(share)}`).join(', ')}` });
-        const sorted = [...root[part]].sort((a, b) => names.indexOf(a[0]) - names.indexOf(b[0]));
+      list.replaceChildren(...modes.map((mode) => {
+        const row = el('div', { class: 'share', tabindex: '0', role: 'img', 'aria-label': `${digits(mode.hz, 5)} Hz: ${mode[part].map(([name, share]) => `${name} ${percent(share)}`).join(', ')}` });
+        const sorted = [...mode[part]].sort((a, b) => names.indexOf(a[0]) - names.indexOf(b[0]));
         for (const [name, share] of sorted) {
-          row.append(el('i', { class: share > 0.14 ? 'told' : null, style: `width:${100 * share}%;background:${color(name)};color:${inkOver(color(name))}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }, share > 0.14 ? name : ''));
+          row.append(el('i', { class: share > 0.14 ? 'named' : null, style: `width:${100 * share}%;background:${color(name)};color:${inkOver(color(name))}`, onpointermove: (event) => tip.show(event.clientX, event.clientY, [name, percent(share)]), onpointerleave: () => tip.hide() }, share > 0.14 ? name : ''));
         }
-        const told = root.hz > 0 ? `${digits(root.hz, 5)} Hz${root.multiplicity > 1 ? ` (${root.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
-        return el('div', { class: 'root' }, el('span', { class: 'n' }, told), row, el('small', {}, root.class || ''));
+        const label = mode.hz > 0 ? `${digits(mode.hz, 5)} Hz${mode.multiplicity > 1 ? ` (${mode.multiplicity}${T('-fold')})` : ''}` : T('rigid-body mode');
+        return el('div', { class: 'root' }, el('span', { class: 'n' }, label), row, el('small', {}, mode.class || ''));
       }));
-      // A name that does not fit is told by the pointer alone.
-      for (const part of list.querySelectorAll('.told')) if (part.scrollWidth > part.clientWidth) part.textContent = '';
+      // The tooltip alone shows a name that does not fit.
+      for (const part of list.querySelectorAll('.named')) if (part.scrollWidth > part.clientWidth) part.textContent = '';
     };
     host.append(key, list);
     fill();
@@ -78,21 +78,21 @@ function drawEnergies(host) {
   }
 }
 
-/** How the objective fell, and the errors before and after. */
+/** The objective of the update by iteration, and the frequency errors before and after. */
 function drawUpdate(host) {
   const { update } = page;
   const history = update.history || [];
   if (history.length) {
-    const steps = history.map((own, k) => ({ ...own, k: k + 1 }));
-    const taken = steps.filter((own) => own.accepted);
-    const refused = steps.filter((own) => !own.accepted);
-    const of = (all, key) => all.map((own) => own[key]);
+    const steps = history.map((step, k) => ({ ...step, k: k + 1 }));
+    const taken = steps.filter((step) => step.accepted);
+    const refused = steps.filter((step) => !step.accepted);
+    const of = (all, key) => all.map((step) => step[key]);
     host.append(el('h3', {}, T('Objective of the update by iteration')));
     const series = [{ name: T('Objective'), x: of(taken, 'k'), y: of(taken, 'objective'), color: 0, width: 2 }, { name: 'χ²', x: of(taken, 'k'), y: of(taken, 'chi_square'), color: 1, dash: '5 3' }];
     const { chi_square: first } = update.before || {};
     if (first > 0) series.push({ name: T('χ² of the model as it stands'), x: [0.5, steps.length + 0.5], y: [first, first], color: 'faint', dash: '2 3', quiet: true });
     if (refused.length) series.push({ name: T('refused step'), kind: 'points', open: true, x: of(refused, 'k'), y: of(refused, 'objective'), color: 6 });
-    new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5, ticks: steps.filter((own, k) => k % Math.ceil(steps.length / 20) === 0).map((own) => ({ at: own.k, text: String(own.k), main: true })) }, y: { label: T('Objective'), log: true } });
+    new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5, ticks: steps.filter((step, k) => k % Math.ceil(steps.length / 20) === 0).map((step) => ({ at: step.k, text: String(step.k), main: true })) }, y: { label: T('Objective'), log: true } });
   }
   const before = (update.before && update.before.rows) || [];
   const after = (update.after && update.after.rows) || [];
@@ -105,8 +105,8 @@ function drawUpdate(host) {
     x: { label: T('Mode'), min: 0.4, max: before.length + 0.6, ticks }, y: { label: T('Error (%)') },
     tell: (near) => {
       const k = Math.round(near.x) - 1;
-      const told = (name, row) => (row ? [`${name}: ${signed(row.error_percent, 3)} %`] : []);
-      return [before[k].label, ...told(T('before'), before[k]), ...told(T('after'), after[k])];
+      const errorLine = (name, row) => (row ? [`${name}: ${signed(row.error_percent, 3)} %`] : []);
+      return [before[k].label, ...errorLine(T('before'), before[k]), ...errorLine(T('after'), after[k])];
     },
   });
 }
@@ -117,7 +117,7 @@ function modesByTest(labels, width) {
   const room = Math.max(160, width - MARGIN.left - MARGIN.right) / labels.length;
   const every = Math.ceil(26 / room);
   const ticks = parts.map(([, , mode], k) => ({ at: k + 1, main: true, text: k % every === 0 ? mode : '' }));
-  const starts = parts.map((own, k) => k).filter((k) => k === 0 || parts[k][1] !== parts[k - 1][1]);
+  const starts = parts.map((part, k) => k).filter((k) => k === 0 || parts[k][1] !== parts[k - 1][1]);
   const marks = starts.length < 2 ? [] : starts.map((k, n) => {
     const letters = Math.floor((((starts[n + 1] ?? labels.length) - k) * room - 6) / 6);
     const name = parts[k][1];

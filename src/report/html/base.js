@@ -43,7 +43,7 @@ function digits(value, count = 4) {
 const percent = (fraction, count = 3) => (fraction === null || fraction === undefined ? '—' : `${digits(100 * fraction, count)} %`);
 const signed = (value, decimals = 2) => (value === null || value === undefined ? '—' : `${value > 0 ? '+' : ''}${value.toFixed(decimals)}`);
 
-/** Colours told apart by people who confuse red and green (Okabe and Ito), by light and dark. */
+/** Colours that people with red-green blindness distinguish (Okabe and Ito), for the light and the dark theme. */
 const PALETTES = {
   light: {
     paper: '#ffffff', ink: '#1b2330', faint: '#69707d', grid: '#e4e7ec', axis: '#9aa1ad', band: '#f1f3f6',
@@ -100,7 +100,7 @@ const tip = {
   },
 };
 
-/** Hands a file to the person at the screen. */
+/** Offers a file to the user as a download. */
 function save(name, type, content) {
   const url = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
   const link = el('a', { href: url, download: name });
@@ -129,16 +129,16 @@ const bar = (...parts) => el('div', { class: 'bar' }, ...parts);
 /** The test that was chosen last; the tabs that are opened next begin with it. */
 let chosenTest = null;
 
-/** What figures of a test say that nobody measured. */
-const madeUp = (test) => (test.synthetic ? [el('p', { class: 'note' }, T('Synthetic test: computed from a model, nobody measured it.'))] : []);
+/** The note over the figures of a synthetic test. */
+const madeUp = (test) => (test.synthetic ? [el('p', { class: 'note' }, T('Synthetic test: computed from a model, not measured.'))] : []);
 
-/** What is chosen among several, for paper, where choices are not printed. */
+/** The selected one of several items as text for paper, where selections are not printed. */
 const onPaper = (label, names, index) => (names.length > 1 ? [el('p', { class: 'paper' }, `${label}: ${names[index]} (${index + 1} / ${names.length})`)] : []);
 
-/** How a figure is used: nothing that paper needs. */
+/** How to operate a figure; not printed. */
 const hint = (text) => el('p', { class: 'note hint' }, text);
 
-/** Tests whose figures have something, with the choice between them when there are several. */
+/** Draws the figures of the selected test; the selection lists the tests that have these figures. */
 function ofTests(host, has, draw) {
   const tests = figures.tests.filter(has);
   const body = el('div');

@@ -16,15 +16,15 @@ function drawFrf(host) {
       plots.replaceChildren();
       drawCurve(plots, test, set.curves[state.index], hz, state);
     };
-    const names = set.curves.map((own) => `${own.response} / ${own.reference}`);
+    const names = set.curves.map((curve) => `${curve.response}/${curve.reference}`);
     body.append(bar(
-      choice(T('Function'), names, (index) => { state.index = index; show(); }),
+      choice(T('FRF (response/excitation)'), names, (index) => { state.index = index; show(); }),
       tick(T('logarithmic frequency'), state.log, (on) => { state.log = on; show(); })));
     body.append(plots);
     const notes = [];
-    if (set.curves.length < set.functions) notes.push(`${set.curves.length} ${T('of')} ${set.functions} ${T('functions are shown; the file has all')}: ${test.frf_file || ''}`);
+    if (set.curves.length < set.functions) notes.push(`${set.curves.length} ${T('of')} ${set.functions} ${T('FRFs are shown; the file has all')}: ${test.frf_file || ''}`);
     const lines = set.curves[0].lines.length;
-    if (lines < set.whole_lines) notes.push(`${lines} ${T('of')} ${set.whole_lines} ${T('lines of each curve are shown: the extremes of each stretch')}`);
+    if (lines < set.whole_lines) notes.push(`${lines} ${T('of')} ${set.whole_lines} ${T('lines of each curve are shown: the extremes of each segment')}`);
     body.append(el('p', { class: 'note' }, notes.join(' · ')), hint(T('drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows')));
     show();
   });
@@ -50,7 +50,7 @@ function drawCurve(host, test, curve, hz, state) {
     if (fitted) all.push({ name: T('fit'), x, y: fit, color: 1, width: 1.6, dash: '6 3', ...more });
     return all;
   };
-  left.append(el('h4', {}, `${T('Bode')}: ${curve.response} / ${curve.reference}`));
+  left.append(el('h4', {}, `${T('Bode')}: ${curve.response}/${curve.reference}`));
   new Plot(left, { ...shared, marks, name: `${name}-magnitude`, height: 300, x: range, y: { label: `${T('Magnitude')} (${unit})`, log: true }, series: series(curve.magnitude, curve.fit_magnitude) });
   const degrees = [-180, -90, 0, 90, 180].map((at) => ({ at, text: String(at).replace('-', '−'), main: true }));
   new Plot(left, { ...shared, name: `${name}-phase`, height: 190, x: range, y: { label: T('Phase (°)'), min: -190, max: 190, ticks: degrees }, series: series(curve.phase_deg, curve.fit_phase_deg, { wraps: true }) });

@@ -7,16 +7,16 @@ function drawMac(host) {
 class MacMap {
   constructor(host, test) {
     this.test = test;
-    this.own = test.mac;
+    this.matrix = test.mac;
     this.host = el('div', { class: 'plot' });
     this.svg = svg('svg', { role: 'img', tabindex: '0', 'aria-label': `MAC: ${T('test')} × ${T('theory')}` });
     this.host.append(this.svg);
     host.append(this.host, el('div', { class: 'under' },
-      el('span', { class: 'note' }, `MAC = |a^H b|²/(a^H a · b^H b), ${this.own.dofs} ${T('degrees of freedom')}; □ ${T('pair')}${this.own.still ? `; ${this.own.still} ${T('modes of the theory that stand still at the sensors are left out')}` : ''}`),
+      el('span', { class: 'note' }, `MAC = |a^H b|²/(a^H a · b^H b), ${this.matrix.dofs} ${T('degrees of freedom')}; □ ${T('pair')}${this.matrix.still ? `; ${this.matrix.still} ${T('modes of the theory without motion at the sensors are not shown')}` : ''}`),
       el('span', { class: 'tools' }, button('SVG', () => save(`${test.name}-mac.svg`, 'image/svg+xml', this.text())), button('PNG', () => this.png(`${test.name}-mac.png`)))));
     const notes = [];
-    if (this.own.pairs.some(([i]) => this.repeated(i))) notes.push(T('a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace'));
-    if (this.own.mac.some((row) => row.includes(null))) notes.push(T('crossed out: no MAC, as nothing in common moves'));
+    if (this.matrix.pairs.some(([i]) => this.repeated(i))) notes.push(T('a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace'));
+    if (this.matrix.mac.some((row) => row.includes(null))) notes.push(T('crossed out: no MAC, because no common degree of freedom moves'));
     if (notes.length) host.append(el('p', { class: 'note' }, notes.join('; ')));
     this.svg.addEventListener('pointermove', (event) => this.hover(event));
     this.svg.addEventListener('pointerleave', () => tip.hide());
@@ -28,11 +28,11 @@ class MacMap {
 
   /** Whether a test mode is paired with several modes of the theory. */
   repeated(i) {
-    return this.own.pairs.filter((pair) => pair[0] === i).length > 1;
+    return this.matrix.pairs.filter((pair) => pair[0] === i).length > 1;
   }
 
   draw() {
-    const { mac, test_hz: rows, theory_hz: columns } = this.own;
+    const { mac, test_hz: rows, theory_hz: columns } = this.matrix;
     const margin = { left: 86, top: 12, right: 74, bottom: 76 };
     const room = Math.max(240, (this.host.clientWidth || 700) - margin.left - margin.right);
     const cell = Math.max(9, Math.min(64, room / columns.length));
@@ -43,15 +43,15 @@ class MacMap {
     this.height = height;
     this.svg.replaceChildren(svg('rect', { width, height, fill: palette.paper }));
     for (const [key, value] of Object.entries({ viewBox: `0 0 ${width} ${height}`, width, height, 'font-family': 'system-ui, sans-serif', 'font-size': 10.5 })) this.svg.setAttribute(key, value);
-    const told = cell >= 26;
+    const labelled = cell >= 26;
     mac.forEach((row, i) => row.forEach((value, j) => {
       const [x, y] = [margin.left + j * cell, margin.top + i * high];
       const fill = value === null ? palette.band : heat(value);
       this.svg.append(svg('rect', { x, y, width: cell, height: high, fill, stroke: palette.grid, 'stroke-width': 0.5 }));
       if (value === null) this.svg.append(svg('path', { d: `M${x} ${y + high}L${x + cell} ${y}`, stroke: palette.grid }));
-      else if (told && value >= 0.05) this.svg.append(svg('text', { x: x + cell / 2, y: y + high / 2 + 4, 'text-anchor': 'middle', fill: inkOn(value), 'font-size': Math.min(11, cell / 3) }, value.toFixed(2)));
+      else if (labelled && value >= 0.05) this.svg.append(svg('text', { x: x + cell / 2, y: y + high / 2 + 4, 'text-anchor': 'middle', fill: inkOn(value), 'font-size': Math.min(11, cell / 3) }, value.toFixed(2)));
     }));
-    for (const [i, j] of this.own.pairs) {
+    for (const [i, j] of this.matrix.pairs) {
       this.svg.append(svg('rect', { x: margin.left + j * cell + 1, y: margin.top + i * high + 1, width: cell - 2, height: high - 2, fill: 'none', stroke: palette.series[1], 'stroke-width': 2 }));
     }
     this.names(rows, columns);
@@ -89,11 +89,11 @@ class MacMap {
   }
 
   tell(i, j, x, y) {
-    const { mac, test_hz: rows, theory_hz: columns } = this.own;
+    const { mac, test_hz: rows, theory_hz: columns } = this.matrix;
     const { margin, cell, high } = this.cell;
     for (const [key, value] of Object.entries({ x: margin.left + j * cell, y: margin.top + i * high, width: cell, height: high, visibility: 'visible' })) this.ring.setAttribute(key, value);
-    const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${this.own.theory_modes[j]}: ${digits(columns[j], 6)} Hz`];
-    if (this.own.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(this.repeated(i) ? T('pair with a repeated root: MAC of one of its vectors, not of their subspace') : T('pair'));
+    const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${this.matrix.theory_modes[j]}: ${digits(columns[j], 6)} Hz`];
+    if (this.matrix.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(this.repeated(i) ? T('pair with a repeated root: MAC of one of its vectors, not of their subspace') : T('pair'));
     tip.show(x, y, lines);
   }
 
@@ -102,7 +102,7 @@ class MacMap {
     const { margin, cell, high } = this.cell;
     const j = Math.floor((((event.clientX - box.left) * this.width) / box.width - margin.left) / cell);
     const i = Math.floor((((event.clientY - box.top) * this.height) / box.height - margin.top) / high);
-    if (i >= 0 && j >= 0 && i < this.own.mac.length && j < this.own.theory_hz.length) this.tell(i, j, event.clientX, event.clientY);
+    if (i >= 0 && j >= 0 && i < this.matrix.mac.length && j < this.matrix.theory_hz.length) this.tell(i, j, event.clientX, event.clientY);
     else tip.hide();
   }
 
@@ -112,7 +112,7 @@ class MacMap {
     event.preventDefault();
     const [i, j] = this.at || [0, 0];
     const inside = (value, count) => Math.max(0, Math.min(count - 1, value));
-    this.at = [inside(i + move[0], this.own.mac.length), inside(j + move[1], this.own.theory_hz.length)];
+    this.at = [inside(i + move[0], this.matrix.mac.length), inside(j + move[1], this.matrix.theory_hz.length)];
     const box = this.svg.getBoundingClientRect();
     const { margin, cell, high } = this.cell;
     this.tell(...this.at, box.left + ((margin.left + (this.at[1] + 0.5) * cell) * box.width) / this.width, box.top + ((margin.top + (this.at[0] + 0.5) * high) * box.height) / this.height);

@@ -1,13 +1,13 @@
-// Where methods fail: maps over two factors with contours and the modes of the run; and digits lost
-// by order.
+// Failure boundaries of the methods: maps over two factors with contours and the modes of the run;
+// and digits lost by model order.
 
-/** Share of the draws, in percent, that a method has to meet the stated error in. */
-const HOLDS = 95;
+/** Minimum percentage of the draws in which a method has to meet the stated error. */
+const MIN_SUCCESS_PERCENT = 95;
 /** The darkest shade of a map, as a share of the heat scale: contours and points stay to be seen on it. */
 const DARKEST = { all: 0.42, one: 0.8 };
 const DASHES = ['', '8 3', '2 2.5', '9 3 2 3', '14 4', '5 2 1.5 2 1.5 2', '4 5'];
-/** Modes of which a sentence is told. */
-const TOLD = 8;
+/** Maximum number of modes with a sentence under the map. */
+const MAX_LISTED_MODES = 8;
 
 function drawMaps(host) {
   const { slices } = page.studies.breakdown;
@@ -32,7 +32,7 @@ function drawMaps(host) {
     methods.replaceChildren(select);
     show();
   };
-  host.append(bar(choice(T('Map'), slices.map((own) => own.name), pickSlice), methods), body);
+  host.append(bar(choice(T('Map'), slices.map((slice) => slice.name), pickSlice), methods), body);
   pickSlice(0);
 }
 
@@ -55,13 +55,13 @@ function shareAt(grid, [x, y]) {
 function drawMap(host, slice, method) {
   const chosen = method === null ? slice.methods.map((name, k) => k) : [method];
   const series = chosen.map((k) => contourSeries(slice, k));
-  const own = { name: T('own modes'), kind: 'points', color: 'ink', rim: 'paper', size: 4, points: slice.points, x: slice.points.map((point) => valueAt(slice.x, point.place[0])), y: slice.points.map((point) => valueAt(slice.y, point.place[1])) };
-  if (slice.points.length) series.push(own);
-  const axis = (own) => ({ label: own.label, log: own.log, min: own.lo, max: own.hi, ...(own.whole && own.hi - own.lo <= 10 && !own.log ? { ticks: wholeTicks(own) } : {}) });
+  const modeSeries = { name: T('modes of this run'), kind: 'points', color: 'ink', rim: 'paper', size: 4, points: slice.points, x: slice.points.map((point) => valueAt(slice.x, point.place[0])), y: slice.points.map((point) => valueAt(slice.y, point.place[1])) };
+  if (slice.points.length) series.push(modeSeries);
+  const axis = (range) => ({ label: range.label, log: range.log, min: range.lo, max: range.hi, ...(range.whole && range.hi - range.lo <= 10 && !range.log ? { ticks: wholeTicks(range) } : {}) });
   new Plot(host, {
     name: slice.name, height: 420, series, reach: 10, x: axis(slice.x), y: axis(slice.y), label: `${slice.name}: ${slice.x.label}, ${slice.y.label}`,
     under: (plot, group) => shade(plot, group, slice, method),
-    over: (plot, group) => { if (!plot.hidden.has(own.name)) modeLabels(plot, group, slice.points); },
+    over: (plot, group) => { if (!plot.hidden.has(modeSeries.name)) modeLabels(plot, group, slice.points); },
     tell: (near) => modeWords(slice, near.series.points[near.k], method),
     at: (x, y) => placeWords(slice, [x, y]),
   });
@@ -88,33 +88,33 @@ function contourSeries(slice, k) {
   }
   const all = slice.shares[k].flat();
   let note = '';
-  if (all.every((share) => share >= HOLDS)) note = ` (${T('everywhere here')})`;
-  else if (all.every((share) => share < HOLDS)) note = ` (${T('nowhere here')})`;
+  if (all.every((share) => share >= MIN_SUCCESS_PERCENT)) note = ` (${T('everywhere here')})`;
+  else if (all.every((share) => share < MIN_SUCCESS_PERCENT)) note = ` (${T('nowhere here')})`;
   return { name: slice.methods[k] + note, quiet: true, color: k, width: 2, dash: DASHES[k % DASHES.length], x, y };
 }
 
-/** The darker, the more methods fail; of one method, the more of the draws. Tiles are finer than the grid, so that shades end at the contours. */
+/** Shades the map: the darker, the more methods fail; with a single method, the more draws fail. Tiles are finer than the grid, so that shades end at the contours. */
 function shade(plot, group, slice, method) {
-  const finer = (count, least) => (count - 1) * Math.ceil(least / (count - 1));
+  const finer = (count, minimum) => (count - 1) * Math.ceil(minimum / (count - 1));
   const [across, up] = [finer(slice.shares[0].length, 72), finer(slice.shares[0][0].length, 48)];
   const tone = (i, j) => {
     const middle = [(i + 0.5) / across, (j + 0.5) / up];
     if (method !== null) return DARKEST.one * Math.round(50 * (1 - shareAt(slice.shares[method], middle) / 100)) / 50;
-    return DARKEST.all * slice.shares.filter((grid) => shareAt(grid, middle) < HOLDS).length / slice.methods.length;
+    return DARKEST.all * slice.shares.filter((grid) => shareAt(grid, middle) < MIN_SUCCESS_PERCENT).length / slice.methods.length;
   };
   for (let j = 0; j < up; j++) {
     const [top, bottom] = [j + 1, j].map((k) => plot.sy(valueAt(slice.y, k / up)));
     for (let i = 0; i < across;) {
-      const [from, own] = [i, tone(i, j)];
-      while (i < across && tone(i, j) === own) i++;
-      if (own < 0.005) continue;
+      const [from, depth] = [i, tone(i, j)];
+      while (i < across && tone(i, j) === depth) i++;
+      if (depth < 0.005) continue;
       const [left, right] = [from, i].map((k) => plot.sx(valueAt(slice.x, k / across)));
-      group.append(svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: heat(own), 'shape-rendering': 'crispEdges' }));
+      group.append(svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: heat(depth), 'shape-rendering': 'crispEdges' }));
     }
   }
 }
 
-/** What the shades mean. */
+/** The legend of the shades. */
 function shadeKey(method) {
   const ends = method === null ? [T('no method fails'), T('every method fails')] : [T('no draw fails'), T('every draw fails')];
   const key = el('div', { class: 'legend' });
@@ -130,7 +130,7 @@ function modeLabels(plot, group, points) {
   const groups = [];
   points.forEach((point, k) => {
     const at = [plot.sx(plot.o.series.at(-1).x[k]), plot.sy(plot.o.series.at(-1).y[k])];
-    const near = groups.find((own) => own.test === point.test && Math.hypot(own.at[0] - at[0], own.at[1] - at[1]) < 9);
+    const near = groups.find((cluster) => cluster.test === point.test && Math.hypot(cluster.at[0] - at[0], cluster.at[1] - at[1]) < 9);
     if (near) near.numbers.push(point.number);
     else groups.push({ at, test: point.test, numbers: [point.number] });
   });
@@ -141,7 +141,7 @@ function modeLabels(plot, group, points) {
     const wide = 6.2 * text.length;
     const offers = [[7, 4], [-7 - wide, 4], [-wide / 2, -8], [-wide / 2, 17]].map(([dx, dy]) => [x + dx, y + dy]);
     const area = ([left, base]) => [left, base - 10, left + wide, base + 2];
-    const free = (own) => own[0] > MARGIN.left && own[2] < right && own[1] > MARGIN.top && own[3] < plot.o.height - MARGIN.bottom && !taken.some((other) => own[0] < other[2] && other[0] < own[2] && own[1] < other[3] && other[1] < own[3]);
+    const free = (box) => box[0] > MARGIN.left && box[2] < right && box[1] > MARGIN.top && box[3] < plot.o.height - MARGIN.bottom && !taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]);
     const place = offers.find((offer) => free(area(offer)));
     if (!place) continue;
     taken.push(area(place));
@@ -160,7 +160,7 @@ function modeName(point) {
   return point.test ? `${point.test}, ${name}` : name;
 }
 
-/** How far a mode is from where a method fails. */
+/** A sentence on the distance of a mode from the failure boundary of a method. */
 function marginWords(slice, point, k) {
   const { inside, distance } = point.margins[k];
   const [name, method] = [modeName(point), slice.methods[k]];
@@ -177,21 +177,21 @@ function modeWords(slice, point, method) {
   return [modeName(point), ...slice.methods.map((name, k) => of(k)), T('the distance is that to its contour')];
 }
 
-/** What each method does where the pointer is. */
+/** The detection rate of each method at the pointer. */
 function placeWords(slice, [x, y]) {
   const place = [shareOf(slice.x, x), shareOf(slice.y, y)];
   const shares = slice.methods.map((name, k) => [name, shareAt(slice.shares[k], place)]).sort((a, b) => b[1] - a[1]);
   return [`${slice.x.label}: ${digits(x, 3)}`, `${slice.y.label}: ${digits(y, 3)}`, ...shares.map(([name, share]) => `${name}: ${share.toFixed(0)} %`)];
 }
 
-/** The modes that come first to where a method fails, in words. */
+/** Sentences on the modes nearest to the failure boundary of a method. */
 function modeList(slice, method) {
   const ranked = method === null ? slice.points.filter((point) => point.nearest !== null) : slice.points;
-  const told = ranked.slice(0, TOLD).map((point) => marginWords(slice, point, method === null ? point.nearest : method));
-  const more = ranked.length - told.length;
-  if (more > 0) told.push(fill(T('{} more of the modes are not told.'), more));
-  if (slice.outside) told.push(fill(T('{} more of the modes lie outside this map.'), slice.outside));
-  return el('ul', { class: 'told' }, ...told.map((text) => el('li', {}, text)));
+  const sentences = ranked.slice(0, MAX_LISTED_MODES).map((point) => marginWords(slice, point, method === null ? point.nearest : method));
+  const more = ranked.length - sentences.length;
+  if (more > 0) sentences.push(fill(T('{} further modes are not listed.'), more));
+  if (slice.outside) sentences.push(fill(T('{} further modes lie outside this map.'), slice.outside));
+  return el('ul', { class: 'sentences' }, ...sentences.map((text) => el('li', {}, text)));
 }
 
 /** Digits that the equations of each method lose by order, and the error of poles in f64 and f32. */
@@ -199,18 +199,18 @@ function drawPrecision(host) {
   const { courses } = page.studies.breakdown;
   if (!courses) return;
   const link = new Set();
-  const highest = Math.max(...courses.flatMap((own) => own.order));
+  const highest = Math.max(...courses.flatMap((result) => result.order));
   const x = { label: T('Model order'), min: 0, max: highest + 1 };
-  const course = (own, k, y, more = {}) => ({ name: own.method, color: k, x: own.order, y, ...more });
+  const course = (result, k, y, more = {}) => ({ name: result.method, color: k, x: result.order, y, ...more });
   host.append(el('h3', {}, T('Digits lost by order')));
-  const digitsLost = courses.flatMap((own, k) => [course(own, k, own.digits, { legend: false, quiet: true }), course(own, k, own.digits, { kind: 'points', mark: k })]);
-  const tell = (near) => [`${near.series.name}, ${T('order')} ${near.x}`, `${near.series.told || T('digits lost')}: ${digits(near.y, 3)}`];
+  const digitsLost = courses.flatMap((result, k) => [course(result, k, result.digits, { legend: false, quiet: true }), course(result, k, result.digits, { kind: 'points', mark: k })]);
+  const tell = (near) => [`${near.series.name}, ${T('order')} ${near.x}`, `${near.series.precision || T('digits lost')}: ${digits(near.y, 3)}`];
   new Plot(host, { name: 'digits-lost', height: 280, series: digitsLost, link, reach: 20, x, y: { label: T('Digits lost (log₁₀ of the condition)'), min: 0, max: 18 }, tell });
   const kinds = [T('all in f64'), T('data in f32'), T('data and equations in f32')];
   const dashes = ['', '7 3', '2 3'];
-  const errors = courses.flatMap((own, k) => own.errors.flatMap((values, kind) => [
-    course(own, k, values, { legend: false, quiet: true, dash: dashes[kind] }),
-    course(own, k, values, { kind: 'points', mark: k, told: kinds[kind], legend: kind === 0 }),
+  const errors = courses.flatMap((result, k) => result.errors.flatMap((values, kind) => [
+    course(result, k, values, { legend: false, quiet: true, dash: dashes[kind] }),
+    course(result, k, values, { kind: 'points', mark: k, precision: kinds[kind], legend: kind === 0 }),
   ]));
   new Plot(host, { name: 'errors-by-order', height: 300, series: errors, link, reach: 20, x, y: { label: T('Error of poles (half-power widths)'), log: true }, tell });
   host.append(el('p', { class: 'note' }, T('Solid: all in f64; dashed: data in f32; dotted: data and equations in f32.')));

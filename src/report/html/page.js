@@ -1,11 +1,11 @@
-// Tabs, theme, printing: what holds the page together.
+// The tabs, the colour theme and printing.
 
 const DRAW = { errors: drawErrors, shapes: drawShapes, mac: drawMac, frf: drawFrf, poles: drawPoles, circles: drawCircles, energies: drawEnergies, update: drawUpdate, speed: drawSpeed, maps: drawMaps, precision: drawPrecision };
 
 /** Whether the page has been painted; figures come after it. */
 let painted = false;
 
-/** Draws what a part of the page holds, once. */
+/** Draws the figures of a part of the page, once. */
 function drawIn(part) {
   readData();
   for (const host of part.querySelectorAll('[data-draw]')) {
@@ -19,7 +19,7 @@ function drawIn(part) {
 const sections = [...document.querySelectorAll('main > section')];
 const tabs = [...document.querySelectorAll('nav [role=tab]')];
 
-/** Moves the row of tabs only where one would not be seen whole. */
+/** Scrolls the row of tabs only if the tab is not fully visible. */
 function reveal(tab) {
   const row = tab.parentNode;
   const seen = tab.offsetLeft >= row.scrollLeft && tab.offsetLeft + tab.offsetWidth <= row.scrollLeft + row.clientWidth;
@@ -27,7 +27,7 @@ function reveal(tab) {
 }
 
 function showTab(id, focus = false) {
-  const wanted = sections.find((own) => own.id === id) || sections[0];
+  const wanted = sections.find((section) => section.id === id) || sections[0];
   for (const section of sections) section.hidden = section !== wanted;
   for (const tab of tabs) {
     const on = tab.hash === `#${wanted.id}`;
@@ -79,14 +79,14 @@ function start() {
     document.documentElement.classList.add('printing');
     for (const section of sections) section.hidden = false;
     opened = [...document.querySelectorAll('details.notes:not([open]), .codes details:not([open])')];
-    for (const own of opened) own.open = true;
+    for (const element of opened) element.open = true;
     sections.forEach(drawIn);
     setTheme('light');
   });
   addEventListener('afterprint', () => {
     document.documentElement.classList.remove('printing');
     setTheme(before || 'light');
-    for (const own of opened) own.open = false;
+    for (const element of opened) element.open = false;
     showTab(location.hash.slice(1));
   });
   showTab(location.hash.slice(1));

@@ -1,15 +1,15 @@
 // One plot: axes with ticks, lines and marks, zoom, values under the pointer, saving as SVG or PNG.
 
-/** Marks that tell series apart without colour: circle, square, triangle, diamond, cross, plus, triangle upside down. */
+/** Marks that distinguish series without colour: circle, square, triangle, diamond, cross, plus, triangle upside down. */
 const MARKS = ['M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0Z', 'M-3.6 -3.6h7.2v7.2h-7.2Z', 'M0 -4.6L4.3 3.4H-4.3Z', 'M0 -5L5 0L0 5L-5 0Z', 'M-3.5 -3.5L3.5 3.5M3.5 -3.5L-3.5 3.5', 'M0 -4.6V4.6M-4.6 0H4.6', 'M0 4.6L4.3 -3.4H-4.3Z'];
 
 const MARGIN = { left: 72, right: 22, top: 10, bottom: 40 };
 
-/** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. Numbers are in units of a power of ten, which the axis tells. */
+/** Ticks of a linear axis: steps of 1, 2 or 5 powers of ten. Numbers are in units of a power of ten, which the label of the axis states. */
 function linearTicks(lo, hi, count, unit = 0) {
   const raw = (hi - lo) / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * ([1, 2, 5, 10].find((own) => own * power >= raw * 0.85) || 10);
+  const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= raw * 0.85) || 10);
   const decimals = Math.max(0, unit - Math.floor(Math.log10(step) + 1e-9));
   const ticks = [];
   for (let n = Math.ceil(lo / step - 1e-9); n * step <= hi + 1e-9 * step; n++) {
@@ -19,7 +19,7 @@ function linearTicks(lo, hi, count, unit = 0) {
   return ticks;
 }
 
-/** The power of ten that a linear axis is told in: 0 where its numbers are short as they are. */
+/** The common power of ten of the numbers of a linear axis: 0 where they are short without one. */
 function commonPower(lo, hi) {
   const largest = Math.max(Math.abs(lo), Math.abs(hi));
   if (!(largest > 0) || (largest >= 1e-2 && largest < 1e5)) return 0;
@@ -47,12 +47,12 @@ function logTicks(lo, hi) {
       const at = m * 10 ** n;
       if (at < lo * (1 - 1e-9) || at > hi * (1 + 1e-9)) continue;
       const main = m === 1;
-      const told = main ? n % every === 0 : decades < 1.2 || (decades < 2.2 && (m === 2 || m === 5));
-      if (main || decades < 8) ticks.push({ at, main, text: told ? power(m, n) : '' });
+      const labelled = main ? n % every === 0 : decades < 1.2 || (decades < 2.2 && (m === 2 || m === 5));
+      if (main || decades < 8) ticks.push({ at, main, text: labelled ? power(m, n) : '' });
     }
   }
-  if (decades > 0.7 && ticks.filter((own) => own.text).length > 1) return ticks;
-  return linearTicks(lo, hi, 5).map((own) => ({ ...own, text: digits(own.at, 3) }));
+  if (decades > 0.7 && ticks.filter((tick) => tick.text).length > 1) return ticks;
+  return linearTicks(lo, hi, 5).map((tick) => ({ ...tick, text: digits(tick.at, 3) }));
 }
 
 function power(m, n) {
@@ -72,7 +72,7 @@ class Plot {
     this.o = { height: 260, series: [], marks: [], reach: 40, ...options };
     this.host = host;
     this.range = { x: null, y: null };
-    this.hidden = new Set(this.o.series.filter((own) => own.hidden).map((own) => own.name));
+    this.hidden = new Set(this.o.series.filter((series) => series.hidden).map((series) => series.name));
     this.frame = el('div', { class: 'plot' });
     this.svg = svg('svg', { tabindex: '0', role: 'img', 'aria-label': `${this.o.label || this.o.y.label}. ${T('drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows')}` });
     this.legend = el('div', { class: 'legend' });
@@ -97,18 +97,18 @@ class Plot {
   }
 
   shown() {
-    return this.o.series.filter((own) => !this.hidden.has(own.name));
+    return this.o.series.filter((series) => !this.hidden.has(series.name));
   }
 
   /** The whole range of an axis. */
   whole(axis) {
-    const own = this.o[axis];
-    if (own.min !== undefined && own.max !== undefined) return [own.min, own.max];
+    const options = this.o[axis];
+    if (options.min !== undefined && options.max !== undefined) return [options.min, options.max];
     let [lo, hi] = [Infinity, -Infinity];
     for (const series of this.shown()) {
       const inX = axis === 'y' && this.range.x;
       series[axis].forEach((value, k) => {
-        if (value === null || !Number.isFinite(value) || (own.log && value <= 0)) return;
+        if (value === null || !Number.isFinite(value) || (options.log && value <= 0)) return;
         if (inX && (series.x[k] < this.range.x[0] || series.x[k] > this.range.x[1])) return;
         const spread = axis === 'y' && series.error && series.error[k] ? series.error[k] : 0;
         lo = Math.min(lo, value - spread);
@@ -116,10 +116,10 @@ class Plot {
       });
       if (series.kind === 'bars' && axis === 'y') [lo, hi] = [Math.min(lo, 0), Math.max(hi, 0)];
     }
-    if (!(lo <= hi)) [lo, hi] = own.log ? [1, 10] : [0, 1];
-    if (own.log) return [own.min ?? lo / 1.5, own.max ?? hi * 1.5];
+    if (!(lo <= hi)) [lo, hi] = options.log ? [1, 10] : [0, 1];
+    if (options.log) return [options.min ?? lo / 1.5, options.max ?? hi * 1.5];
     const pad = axis === 'y' || this.o.equal ? 0.06 * (hi - lo || Math.abs(hi) || 1) : 0;
-    return [own.min ?? lo - pad, own.max ?? hi + pad];
+    return [options.min ?? lo - pad, options.max ?? hi + pad];
   }
 
   /** From values to pixels. */
@@ -139,10 +139,10 @@ class Plot {
   /** Widens one axis so that both have one scale. */
   equalise() {
     const spans = { x: this.width - MARGIN.left - MARGIN.right, y: this.o.height - MARGIN.top - MARGIN.bottom };
-    const own = { x: this.range.x || this.whole('x'), y: this.range.y || this.whole('y') };
-    const per = Math.max((own.x[1] - own.x[0]) / spans.x, (own.y[1] - own.y[0]) / spans.y);
+    const ranges = { x: this.range.x || this.whole('x'), y: this.range.y || this.whole('y') };
+    const per = Math.max((ranges.x[1] - ranges.x[0]) / spans.x, (ranges.y[1] - ranges.y[0]) / spans.y);
     for (const axis of ['x', 'y']) {
-      const middle = (own[axis][0] + own[axis][1]) / 2;
+      const middle = (ranges[axis][0] + ranges[axis][1]) / 2;
       this.range[axis] = [middle - (per * spans[axis]) / 2, middle + (per * spans[axis]) / 2];
     }
   }
@@ -188,21 +188,21 @@ class Plot {
     const [left, right, top, bottom] = [MARGIN.left, this.width - MARGIN.right, MARGIN.top, height - MARGIN.bottom];
     const ticks = (axis, count) => {
       const [lo, hi] = this[`s${axis}`].range;
-      if (this.o[axis].ticks) return this.o[axis].ticks.filter((own) => own.at >= lo && own.at <= hi);
+      if (this.o[axis].ticks) return this.o[axis].ticks.filter((tick) => tick.at >= lo && tick.at <= hi);
       return this.o[axis].log ? logTicks(lo, hi) : linearTicks(lo, hi, count, unit(axis));
     };
     const unit = (axis) => (this.o[axis].log || this.o[axis].ticks ? 0 : commonPower(...this[`s${axis}`].range));
     const label = (axis) => labelWith(this.o[axis].label, unit(axis));
     const edge = (attributes) => this.svg.append(svg('line', attributes));
-    for (const own of ticks('x', this.width / (this.width < 500 ? 65 : 90))) {
-      const x = this.sx(own.at);
-      edge({ x1: x, x2: x, y1: top, y2: bottom, stroke: palette.grid, 'stroke-width': own.main ? 1 : 0.5 });
-      if (own.text) this.svg.append(svg('text', { x, y: bottom + 15, fill: palette.faint, 'text-anchor': 'middle' }, own.text));
+    for (const tick of ticks('x', this.width / (this.width < 500 ? 65 : 90))) {
+      const x = this.sx(tick.at);
+      edge({ x1: x, x2: x, y1: top, y2: bottom, stroke: palette.grid, 'stroke-width': tick.main ? 1 : 0.5 });
+      if (tick.text) this.svg.append(svg('text', { x, y: bottom + 15, fill: palette.faint, 'text-anchor': 'middle' }, tick.text));
     }
-    for (const own of ticks('y', height / 45)) {
-      const y = this.sy(own.at);
-      edge({ x1: left, x2: right, y1: y, y2: y, stroke: palette.grid, 'stroke-width': own.main ? 1 : 0.5 });
-      if (own.text) this.svg.append(svg('text', { x: left - 6, y: y + 4, fill: palette.faint, 'text-anchor': 'end' }, own.text));
+    for (const tick of ticks('y', height / 45)) {
+      const y = this.sy(tick.at);
+      edge({ x1: left, x2: right, y1: y, y2: y, stroke: palette.grid, 'stroke-width': tick.main ? 1 : 0.5 });
+      if (tick.text) this.svg.append(svg('text', { x: left - 6, y: y + 4, fill: palette.faint, 'text-anchor': 'end' }, tick.text));
     }
     this.svg.append(svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: 'none', stroke: palette.axis }));
     this.svg.append(svg('text', { x: (left + right) / 2, y: height - 6, fill: palette.ink, 'text-anchor': 'middle', 'font-size': 12 }, label('x')));
@@ -212,11 +212,11 @@ class Plot {
 
   marks(group) {
     let before = -Infinity;
-    for (const own of this.o.marks) {
-      const x = this.sx(own.x);
+    for (const mark of this.o.marks) {
+      const x = this.sx(mark.x);
       group.append(svg('line', { x1: x, x2: x, y1: MARGIN.top, y2: this.o.height - MARGIN.bottom, stroke: palette.faint, 'stroke-width': 0.8, 'stroke-dasharray': '2 3' }));
-      if (own.text && x - before > 14 && x > MARGIN.left) {
-        group.append(svg('text', { x: x + 3, y: MARGIN.top + 11, fill: palette.faint }, own.text));
+      if (mark.text && x - before > 14 && x > MARGIN.left) {
+        group.append(svg('text', { x: x + 3, y: MARGIN.top + 11, fill: palette.faint }, mark.text));
         before = x;
       }
     }
@@ -250,7 +250,7 @@ class Plot {
     return series.edge ? this.o.height - MARGIN.bottom - 6 : this.sy(y);
   }
 
-  /** Whether a value has a place on the axis; on a logarithmic one 0 has none. */
+  /** Whether a value can be drawn; a logarithmic axis has no 0. */
   drawable(y) {
     return y !== null && Number.isFinite(y) && !(this.o.y.log && y <= 0);
   }
@@ -292,18 +292,18 @@ class Plot {
       };
       return el('button', { type: 'button', class: 'series', 'aria-pressed': String(on), onclick: flip }, this.swatch(series), series.name);
     };
-    this.legend.replaceChildren(...this.o.series.filter((own) => own.name && own.legend !== false).map(item));
+    this.legend.replaceChildren(...this.o.series.filter((series) => series.name && series.legend !== false).map(item));
   }
 
-  /** What stands for a series in the legend: a stretch of its line, or its mark. */
+  /** The sample of a series in the legend: a piece of its line, or its mark. */
   swatch(series) {
     const color = this.color(series);
     if (series.kind !== 'points') return el('i', { style: `border-color:${color};border-style:${!series.dash ? 'solid' : series.dash.startsWith('2') ? 'dotted' : 'dashed'}` });
-    const own = svg('svg', { viewBox: '-7 -7 14 14', width: 14, height: 14 });
+    const icon = svg('svg', { viewBox: '-7 -7 14 14', width: 14, height: 14 });
     const mark = series.edge ? MARKS[4] : MARKS[series.mark % MARKS.length];
-    if (mark) own.append(svg('path', { d: mark, fill: 'none', stroke: color, 'stroke-width': 1.6 }));
-    else own.append(svg('circle', this.dot(series, color)));
-    return own;
+    if (mark) icon.append(svg('path', { d: mark, fill: 'none', stroke: color, 'stroke-width': 1.6 }));
+    else icon.append(svg('circle', this.dot(series, color)));
+    return icon;
   }
 
   /** A dot of a series. */
@@ -338,11 +338,11 @@ class Plot {
     const [x, y] = [this.sx(near.x), this.high(near.series, near.y)];
     if (!this.o.equal && near.series.kind !== 'points') this.cursor.append(svg('line', { x1: x, x2: x, y1: MARGIN.top, y2: this.o.height - MARGIN.bottom, stroke: palette.faint, 'stroke-width': 0.7 }));
     this.cursor.append(svg('circle', { cx: x, cy: y, r: 4.5, fill: 'none', stroke: palette.ink, 'stroke-width': 1.5 }));
-    return tip.show(clientX, clientY, this.o.tell ? this.o.tell(near) : this.told(near));
+    return tip.show(clientX, clientY, this.o.tell ? this.o.tell(near) : this.seriesValues(near));
   }
 
   /** The values of all lines at the x of the nearest point. */
-  told(near) {
+  seriesValues(near) {
     const lines = [`${this.o.x.label}: ${digits(near.x, 7)}`];
     for (const series of this.shown()) {
       const k = series === near.series ? near.k : series.x.indexOf(near.x);
@@ -443,7 +443,7 @@ class Plot {
     }
   }
 
-  /** The figure as a file of its own. */
+  /** The figure as the text of an SVG file. */
   text() {
     const copy = this.svg.cloneNode(true);
     copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');

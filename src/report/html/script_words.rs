@@ -1,9 +1,9 @@
-//! The words that the script of the page writes, in English and Chinese.
+//! Translations of the words that the script of the page writes.
 
-/// Each as the script asks for it, and in Chinese.
+/// English words as the script asks for them, with their Chinese translation.
 pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Test", "试验"),
-    ("Function", "函数"),
+    ("FRF (response/excitation)", "频响函数 (响应/激励)"),
     ("Mode", "模态"),
     ("frequency", "频率"),
     ("Frequency (Hz)", "频率 (Hz)"),
@@ -29,22 +29,22 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "拖动放大，双击还原；键盘：+ − 0 与方向键",
     ),
     (
-        "lines of each curve are shown: the extremes of each stretch",
+        "lines of each curve are shown: the extremes of each segment",
         "条谱线显示在每条曲线上：各段的极值",
     ),
     (
-        "functions are shown; the file has all",
-        "个函数已显示；文件中有全部",
+        "FRFs are shown; the file has all",
+        "个频响函数已显示；文件中有全部",
     ),
     ("of", "/"),
-    ("Stabilisation", "稳定图"),
+    ("Stabilization diagram", "稳定图"),
     ("order", "阶数"),
     ("Model order", "模型阶数"),
     ("damping", "阻尼比"),
     ("CMIF (m/(N s))", "CMIF (m/(N·s))"),
-    ("alone", "不稳定"),
+    ("unstable", "不稳定"),
     ("stable", "稳定"),
-    ("chosen", "已选"),
+    ("selected", "已选"),
     ("picked by hand", "手选"),
     (
         "Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.",
@@ -52,7 +52,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ),
     ("Save selection.json", "保存 selection.json"),
     ("Drop all", "全部取消"),
-    ("Pick the chosen", "选取已选极点"),
+    ("Pick the selected poles", "选取已选极点"),
     ("poles picked", "个极点已选"),
     ("then", "然后"),
     ("Poles of", "极点来自"),
@@ -60,14 +60,14 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "The modes of the run, dotted, come from a method without model orders.",
         "点线为本次运行的模态，来自没有模型阶数的方法。",
     ),
-    ("functions", "函数数"),
+    ("FRFs", "频响函数"),
     ("Theory (Hz)", "理论 (Hz)"),
     ("theory", "理论"),
     ("test", "试验"),
     ("pair", "配对"),
     ("degrees of freedom", "自由度"),
     (
-        "modes of the theory that stand still at the sensors are left out",
+        "modes of the theory without motion at the sensors are not shown",
         "阶在测点处静止的理论模态未列出",
     ),
     ("Play", "播放"),
@@ -113,7 +113,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("range", "范围"),
     ("of which the window", "其中窗函数"),
     (
-        "receptance without the other modes",
+        "receptance with the other modes subtracted",
         "去除其他模态的位移导纳",
     ),
     ("Kinetic energy", "动能"),
@@ -140,7 +140,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "与重根配对：为其中一个向量的 MAC，而非子空间的",
     ),
     (
-        "crossed out: no MAC, as nothing in common moves",
+        "crossed out: no MAC, because no common degree of freedom moves",
         "划线格：无 MAC，共有自由度均不动",
     ),
     (
@@ -148,7 +148,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "以弧长转动的圆盘半径未知：其边缘按弧长移动。",
     ),
     (
-        "Synthetic test: computed from a model, nobody measured it.",
+        "Synthetic test: computed from a model, not measured.",
         "合成试验：由模型计算，并非实测。",
     ),
     ("Iteration", "迭代"),
@@ -163,7 +163,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Error of", "误差"),
     ("Cost", "代价"),
     (
-        "own FRFs, against the refined solution",
+        "measured FRFs, against the refined solution",
         "实测频响函数，相对精化解",
     ),
     ("synthetic twin, against its truth", "合成孪生，相对真值"),
@@ -189,7 +189,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Pareto front", "帕累托前沿"),
     ("Cramér-Rao bound", "Cramér-Rao 下界"),
     (
-        "stated deviation of the refined solution",
+        "standard deviation of the refined solution",
         "精化解给出的标准差",
     ),
     ("one transform", "一次变换"),
@@ -218,7 +218,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("Method", "方法"),
     ("all methods", "全部方法"),
     ("Map", "图"),
-    ("own modes", "本次模态"),
+    ("modes of this run", "本次模态"),
     (
         "{} draws for each cell; the contour is where 95 % of them meet the stated error.",
         "每格 {} 次抽样；等值线处 95 % 的抽样满足规定误差。",
@@ -243,9 +243,9 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "the distance is that to its contour",
         "距离为到其等值线的距离",
     ),
-    ("{} more of the modes are not told.", "另有 {} 阶未列出。"),
+    ("{} further modes are not listed.", "另有 {} 阶未列出。"),
     (
-        "{} more of the modes lie outside this map.",
+        "{} further modes lie outside this map.",
         "另有 {} 阶在此图之外。",
     ),
     ("Digits lost by order", "随阶数丢失的有效数字"),

@@ -1,5 +1,5 @@
-// Animated mode shapes: those of the test on its points, the paired ones of the theory beside or
-// over them.
+// Animated mode shapes of the test at its points, with the shapes of the paired modes of the theory
+// next to them or over them.
 
 function drawShapes(host) {
   const tests = figures.tests.filter((test) => test.shapes);
@@ -31,8 +31,8 @@ const NO_SHAPES = { points: [], lines: [], readings: [], test: [], theory: [], p
 class ShapeViewer {
   constructor(host, test) {
     this.test = test;
-    this.own = test ? test.shapes : NO_SHAPES;
-    this.bodies = this.own.in_a_row ? null : figures.theory;
+    this.shapes = test ? test.shapes : NO_SHAPES;
+    this.bodies = this.shapes.in_a_row ? null : figures.theory;
     this.state = { mode: 0, beside: false, bodies: true, amplitude: 0.16, speed: 1, phase: 0, play: !matchMedia('(prefers-reduced-motion: reduce)').matches };
     this.list = this.modes();
     this.frame();
@@ -47,28 +47,28 @@ class ShapeViewer {
 
   /** Modes of the test, then those of the theory without a partner. */
   modes() {
-    const list = this.own.test.map((mode, k) => ({ test: k, hz: mode.hz, partner: this.own.partners[k] }));
-    const taken = new Set(list.flatMap((own) => (own.partner ? own.partner.modes.map((part) => part[0]) : [])));
-    const theory = this.bodies ? this.bodies.hz : this.own.theory.map((mode) => mode.hz);
+    const list = this.shapes.test.map((mode, k) => ({ test: k, hz: mode.hz, partner: this.shapes.partners[k] }));
+    const taken = new Set(list.flatMap((entry) => (entry.partner ? entry.partner.modes.map((part) => part[0]) : [])));
+    const theory = this.bodies ? this.bodies.hz : this.shapes.theory.map((mode) => mode.hz);
     theory.forEach((hz, j) => {
       if (!taken.has(j)) list.push({ test: null, hz, partner: { modes: [[j, 1, 0]], mac: null, error_percent: null } });
     });
     return list;
   }
 
-  /** Whether there is a theory that a mode could have a partner in. */
+  /** Whether the page has modes of the theory to pair with. */
   compared() {
-    return this.own.theory.length > 0 || this.bodies !== null;
+    return this.shapes.theory.length > 0 || this.bodies !== null;
   }
 
-  label(own) {
-    if (own.test === null) return `${T('theory')}: ${digits(own.hz, 5)} Hz`;
-    return `${own.test + 1}: ${digits(own.hz, 5)} Hz${own.partner || !this.compared() ? '' : ` (${T('without a partner')})`}`;
+  label(entry) {
+    if (entry.test === null) return `${T('theory')}: ${digits(entry.hz, 5)} Hz`;
+    return `${entry.test + 1}: ${digits(entry.hz, 5)} Hz${entry.partner || !this.compared() ? '' : ` (${T('without a partner')})`}`;
   }
 
   controls() {
     const { state } = this;
-    const select = choice(T('Mode'), this.list.map((own) => this.label(own)), (index) => this.pick(index));
+    const select = choice(T('Mode'), this.list.map((entry) => this.label(entry)), (index) => this.pick(index));
     this.select = select.querySelector('select');
     this.player = button(state.play ? T('Pause') : T('Play'), () => this.toggle(), { class: 'main' });
     const slider = (label, min, max, value, change) => el('label', { class: 'choice' }, el('span', {}, label), el('input', { type: 'range', min, max, step: 'any', value, oninput: (event) => change(Number(event.target.value)) }));
@@ -86,7 +86,7 @@ class ShapeViewer {
     const parts = [select, button('‹', step(-1), { 'aria-label': '‹' }), button('›', step(1), { 'aria-label': '›' }), this.player,
       slider(T('Amplitude'), 0, 0.5, state.amplitude, (value) => { state.amplitude = value; this.draw(); }),
       slider(T('Speed'), 0.1, 3, state.speed, (value) => { state.speed = value; })];
-    if (this.own.theory.length) parts.push(arrangement);
+    if (this.shapes.theory.length) parts.push(arrangement);
     if (this.bodies) parts.push(tick(T('bodies'), true, (on) => { state.bodies = on; this.draw(); }));
     parts.push(look(T('Front'), 0, 0), look(T('Side'), Math.PI / 2, 0), look(T('Top'), 0, Math.PI / 2), look(T('Oblique'), -0.6, 0.35), button('PNG', () => this.views.forEach((view, n) => view.save(`${this.test ? this.test.name : 'theory'}-shape-${state.mode + 1}${n ? '-theory' : ''}.png`))));
     return bar(...parts);
@@ -94,8 +94,8 @@ class ShapeViewer {
 
   notes() {
     const notes = [];
-    if (this.own.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
-    if (this.own.not_drawn) notes.push(`${this.own.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
+    if (this.shapes.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
+    if (this.shapes.not_drawn) notes.push(`${this.shapes.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
     if (this.bodies && this.bodies.nodes.some((node) => node.radius_m)) notes.push(T('Discs have the radius of gyration of their body.'));
     if (this.bodies && this.bodies.nodes.some((node) => node.arc)) notes.push(T('The radii of discs that turn by an arc are not known: their rims move by the arc.'));
     return notes.join(' · ');
@@ -104,7 +104,7 @@ class ShapeViewer {
   /** Centre and half size of everything, and the view that shows the motion. */
   frame() {
     const nodes = this.bodies ? this.bodies.nodes : [];
-    const all = [...this.own.points.map((own) => own.at_m), ...nodes.map((own) => own.at_m)];
+    const all = [...this.shapes.points.map((point) => point.at_m), ...nodes.map((node) => node.at_m)];
     const bounds = [0, 1, 2].map((k) => [Math.min(...all.map((at) => at[k])), Math.max(...all.map((at) => at[k]))]);
     this.center = bounds.map(([lo, hi]) => (lo + hi) / 2);
     const radius = Math.max(0, ...nodes.map((node) => node.radius_m || 0));
@@ -112,19 +112,19 @@ class ShapeViewer {
     this.size = half > 0 ? half : 1;
     this.radii = nodes.map((node, n) => this.radius(node, n, nodes));
     const flat = bounds[2][1] - bounds[2][0] <= 1e-6 * this.size;
-    const inPlane = this.own.readings.every((own) => Math.abs(own.direction[2]) < 0.01) && (!this.bodies || this.bodies.modes.every((mode) => mode.every((value, k) => k % 6 !== 2 || Math.abs(value) < 1e-9)));
+    const inPlane = this.shapes.readings.every((reading) => Math.abs(reading.direction[2]) < 0.01) && (!this.bodies || this.bodies.modes.every((mode) => mode.every((value, k) => k % 6 !== 2 || Math.abs(value) < 1e-9)));
     this.turn = flat && inPlane ? [0, Math.PI / 2] : [-0.35, 0.3];
   }
 
   /** Radius of a body's disc, none for the nodes of a beam. */
   radius(node, n, nodes) {
-    if (nodes.filter((own) => own.body === node.body).length > 1) return 0;
+    if (nodes.filter((other) => other.body === node.body).length > 1) return 0;
     if (node.radius_m) return node.radius_m;
-    const alone = nodes.every((own) => own.at_m.every((x, k) => Math.abs(x - node.at_m[k]) < 1e-9));
+    const alone = nodes.every((other) => other.at_m.every((x, k) => Math.abs(x - node.at_m[k]) < 1e-9));
     return alone && nodes.length > 1 ? this.size * (0.25 + (0.75 * (n + 1)) / nodes.length) : 0.045 * this.size;
   }
 
-  /** What a rotation is multiplied by at the rim; an arc is the motion of the rim. */
+  /** Radius at which a rotation is drawn; 1 for an arc, which is the motion of the rim. */
   lever(node, n) {
     return node.arc ? 1 : this.radii[n] || 0;
   }
@@ -146,40 +146,40 @@ class ShapeViewer {
     this.draw();
   }
 
-  /** Everything at rest, and as far as it moves. */
+  /** Points that the view has to contain: points and nodes at rest, with room for their motion. */
   corners() {
     const nodes = this.bodies ? this.bodies.nodes : [];
-    const places = [...this.own.points, ...nodes].map((own) => this.moved(own.at_m, null, 0, 0));
-    const radius = Math.max(0.15, ...this.radii.map((own) => own / this.size));
+    const places = [...this.shapes.points, ...nodes].map((point) => this.moved(point.at_m, null, 0, 0));
+    const radius = Math.max(0.15, ...this.radii.map((value) => value / this.size));
     const beside = [0, 1, 2].flatMap((axis) => [-radius, radius].map((by) => (at) => at.map((x, k) => (k === axis ? x + by : x))));
-    const far = this.radii.some((own) => own > 0) ? places.flatMap((at) => beside.map((move) => move(at))) : places;
+    const far = this.radii.some((value) => value > 0) ? places.flatMap((at) => beside.map((move) => move(at))) : places;
     return far;
   }
 
   pick(index) {
     this.state.mode = index;
     this.select.selectedIndex = index;
-    const own = this.list[index];
-    this.shape = this.motion(own);
-    const parts = own.test === null ? [] : [`${T('test')} ${digits(own.hz, 5)} Hz, ${T('damping')} ${percent(this.test.modes[own.test].damping_ratio)}`];
-    if (own.partner) {
-      const theory = this.bodies ? this.bodies.hz : this.own.theory.map((mode) => mode.hz);
-      const count = own.partner.modes.length;
-      const hz = [...new Set(own.partner.modes.map((part) => digits(theory[part[0]], 5)))];
+    const entry = this.list[index];
+    this.shape = this.motion(entry);
+    const parts = entry.test === null ? [] : [`${T('test')} ${digits(entry.hz, 5)} Hz, ${T('damping')} ${percent(this.test.modes[entry.test].damping_ratio)}`];
+    if (entry.partner) {
+      const theory = this.bodies ? this.bodies.hz : this.shapes.theory.map((mode) => mode.hz);
+      const count = entry.partner.modes.length;
+      const hz = [...new Set(entry.partner.modes.map((part) => digits(theory[part[0]], 5)))];
       parts.push(`${T('theory')} ${hz.join(', ')} Hz${count > hz.length ? ` (${count}${T('-fold')})` : ''}`);
-      if (own.partner.error_percent !== null) parts.push(`${T('error')} ${signed(own.partner.error_percent)} %`);
-      if (own.partner.mac !== null) parts.push(`MAC ${own.partner.mac.toFixed(3)}`);
+      if (entry.partner.error_percent !== null) parts.push(`${T('error')} ${signed(entry.partner.error_percent)} %`);
+      if (entry.partner.mac !== null) parts.push(`MAC ${entry.partner.mac.toFixed(3)}`);
     } else if (this.compared()) parts.push(T('without a partner'));
     this.said.textContent = parts.join(' · ');
     this.draw();
   }
 
   /** Complex displacement of every point, of the theory's at the same points, and of the bodies, in one scale. */
-  motion(own) {
-    const empty = () => this.own.points.map(() => ({ re: [0, 0, 0], im: [0, 0, 0], known: false }));
+  motion(entry) {
+    const empty = () => this.shapes.points.map(() => ({ re: [0, 0, 0], im: [0, 0, 0], known: false }));
     const points = (values) => {
       const all = empty();
-      this.own.readings.forEach((reading, k) => {
+      this.shapes.readings.forEach((reading, k) => {
         if (values.re[k] === null) return;
         const point = all[reading.point];
         point.known = true;
@@ -205,10 +205,10 @@ class ShapeViewer {
       }
       return total;
     };
-    const test = own.test === null ? null : points(this.own.test[own.test]);
-    const atSensors = own.partner && sum(own.partner.modes, (j) => this.own.theory[j]);
+    const test = entry.test === null ? null : points(this.shapes.test[entry.test]);
+    const atSensors = entry.partner && sum(entry.partner.modes, (j) => this.shapes.theory[j]);
     const theory = atSensors ? points(atSensors) : null;
-    const bodies = own.partner && this.bodies ? sum(own.partner.modes, (j) => this.bodies.modes[j] && { re: this.bodies.modes[j], im: [] }) : null;
+    const bodies = entry.partner && this.bodies ? sum(entry.partner.modes, (j) => this.bodies.modes[j] && { re: this.bodies.modes[j], im: [] }) : null;
     const size = (all) => Math.max(0, ...(all || []).map((point) => Math.hypot(...point.re, ...point.im)));
     let largest = Math.max(size(test), size(theory));
     if (bodies) {
@@ -263,14 +263,14 @@ class ShapeViewer {
 
   scene(pen, what) {
     if (!this.shape) return;
-    const { own, shape } = this;
-    const still = own.points.map((point) => this.place(point, null));
-    const joined = (places, color, width, dash) => own.lines.forEach(([a, b]) => pen.lines([places[a], places[b]], color, width, dash));
+    const { shapes, shape } = this;
+    const still = shapes.points.map((point) => this.place(point, null));
+    const joined = (places, color, width, dash) => shapes.lines.forEach(([a, b]) => pen.lines([places[a], places[b]], color, width, dash));
     joined(still, palette.axis, 1);
     still.forEach((at) => pen.dot(at, palette.axis, 2));
     if (this.state.bodies && this.bodies && what !== 'test') this.drawBodies(pen);
     const part = (displacements, color, dash, square) => {
-      const places = own.points.map((point, k) => this.place(point, displacements[k].known ? displacements[k] : null));
+      const places = shapes.points.map((point, k) => this.place(point, displacements[k].known ? displacements[k] : null));
       joined(places, color, 2, dash);
       places.forEach((at, k) => {
         if (!displacements[k].known) return;

@@ -1,26 +1,26 @@
-// Speed and accuracy: time and error of every method, and errors over their bound against noise.
+// Speed and accuracy: time and error of every method, and errors over their Cramér-Rao bound against noise.
 
-/** Fills the places of a sentence in their order. */
+/** Replaces each `{}` of a sentence by a value, in order. */
 function fill(text, ...values) {
   let next = 0;
   return text.replace(/\{\}/g, () => values[next++]);
 }
 
-/** Errors below this share of the accuracy limit are drawn there: nothing is told by their difference. */
-const LEAST_OF_LIMIT = 0.1;
+/** Errors below this fraction of the accuracy limit are drawn at it: differences between them carry no information. */
+const MIN_ERROR_OVER_LIMIT = 0.1;
 
 const QUANTITIES = ['frequency', 'damping', 'shape'];
 
 function drawSpeed(host) {
-  const own = page.studies.speed;
+  const study = page.studies.speed;
   const body = el('div');
   const show = (index) => {
-    const test = own.tests[index];
+    const test = study.tests[index];
     body.replaceChildren(...madeUp(figures.tests.find((other) => other.name === test.name) || {}));
-    choices(body, [T('Data'), [T('own FRFs, against the refined solution'), T('synthetic twin, against its truth')]], [T('Error of'), [T('frequency'), T('damping'), T('shape')]], [T('Cost'), [T('CPU time'), T('Peak memory')]])
-      .draw((place, picked) => costPlot(place, own, test, picked));
+    choices(body, [T('Data'), [T('measured FRFs, against the refined solution'), T('synthetic twin, against its truth')]], [T('Error of'), [T('frequency'), T('damping'), T('shape')]], [T('Cost'), [T('CPU time'), T('Peak memory')]])
+      .draw((place, picked) => costPlot(place, study, test, picked));
     body.append(el('p', { class: 'note' }, T('A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes. CPU time of one machine, all threads.')));
-    const rows = own.rows.filter((row) => row.test === test.name && row.data.startsWith('twin, '));
+    const rows = study.rows.filter((row) => row.test === test.name && row.data.startsWith('twin, '));
     const conditions = CONDITIONS.filter((name) => rows.some((row) => row.data === `twin, ${name}`));
     if (!conditions.length) return;
     body.append(el('h4', {}, T('Error of the twin over its Cramér-Rao bound')));
@@ -28,12 +28,12 @@ function drawSpeed(host) {
       .draw((place, [condition, quantity]) => boundPlot(place, rows.filter((row) => row.data === `twin, ${conditions[condition]}`), quantity));
     body.append(el('p', { class: 'note' }, T('Shaded: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.')));
   };
-  if (own.tests.length > 1) host.append(bar(choice(T('Test'), own.tests.map((test) => test.name), show)));
+  if (study.tests.length > 1) host.append(bar(choice(T('Test'), study.tests.map((test) => test.name), show)));
   host.append(body);
-  if (own.tests.length) show(0);
+  if (study.tests.length) show(0);
 }
 
-/** What the twins are. */
+/** The disturbances of the synthetic twins. */
 const CONDITIONS = ['white noise', 'modes outside the band', 'record ends early'];
 
 /** A row of choices, each a label with its items, over a figure that is drawn again after each. */
@@ -63,47 +63,47 @@ const numbered = (rows) => [...new Set(rows.map((row) => row.method))].map((name
 
 const mistakes = (row) => row.observable - row.found + row.spurious;
 
-/** Rows of one test with their times, on its own data or on the twin at the level at which costs are compared. */
-function withTimes(own, test, onTwin) {
+/** Rows of one test with their times, on the data of the test or on the twin at the noise level at which costs are compared. */
+function withTimes(study, test, onTwin) {
   const data = onTwin ? 'twin, white noise' : 'data';
-  const rows = own.rows.filter((row) => row.test === test.name && row.data === data && (!onTwin || row.snr_db === own.snr_db));
-  const times = own.times.filter((time) => time.test === test.name && time.data === (onTwin ? 'twin' : 'data'));
+  const rows = study.rows.filter((row) => row.test === test.name && row.data === data && (!onTwin || row.snr_db === study.snr_db));
+  const times = study.times.filter((time) => time.test === test.name && time.data === (onTwin ? 'twin' : 'data'));
   const same = (row) => (time) => ['method', 'order', 'estimator', ...(onTwin ? [] : ['step_hz'])].every((key) => row[key] === time[key]);
   const limit = (name) => (times.find((time) => time.method === name) || {}).cpu_s;
   return { rows: rows.map((row) => ({ ...row, ...times.find(same(row)) })), transform: limit('one transform'), pass: limit('one pass') };
 }
 
-function costPlot(host, own, test, [onTwin, quantity, memory]) {
-  const { rows, transform, pass } = withTimes(own, test, onTwin);
+function costPlot(host, study, test, [onTwin, quantity, memory]) {
+  const { rows, transform, pass } = withTimes(study, test, onTwin);
   const key = `${QUANTITIES[quantity]}_rms`;
   const cost = (row) => (memory ? row.peak_bytes / 2 ** 20 : 1e3 * row.cpu_s);
   const bounds = rows.map((row) => row[`${QUANTITIES[quantity]}_bound_rms`]).filter((value) => value > 0);
   const bound = onTwin ? Math.max(...bounds) : test[`refined_${QUANTITIES[quantity]}_std`];
   const limit = bound > 0 && Number.isFinite(bound) ? 100 * bound : null;
   // The refined solution has no error against itself.
-  const told = rows.filter((row) => row.refined !== 'yes' && cost(row) > 0 && row[key] !== undefined);
-  const least = Math.min(...told.map((row) => 100 * row[key]).filter((value) => value > 0), limit || Infinity);
-  const floor = limit ? Math.max(least, LEAST_OF_LIMIT * limit) : least;
+  const shown = rows.filter((row) => row.refined !== 'yes' && cost(row) > 0 && row[key] !== undefined);
+  const least = Math.min(...shown.map((row) => 100 * row[key]).filter((value) => value > 0), limit || Infinity);
+  const floor = limit ? Math.max(least, MIN_ERROR_OVER_LIMIT * limit) : least;
   const y = (row) => Math.max(floor, 100 * row[key]);
-  if (!told.length || !Number.isFinite(floor)) {
+  if (!shown.length || !Number.isFinite(floor)) {
     host.append(el('p', { class: 'note' }, T('Nothing was measured.')));
     return;
   }
   const times = memory ? [] : [transform, pass].filter((time) => time > 0).map((time) => 1e3 * time);
   const range = (values, wide) => [Math.min(...values) / wide, Math.max(...values) * wide];
-  const xs = range([...told.map(cost), ...times], 1.8);
-  const ys = range([...told.map(y), ...(limit ? [limit] : [])], 1.8);
-  const series = numbered(own.rows).map(({ name, number }) => {
-    const mine = told.filter((row) => row.method === name);
+  const xs = range([...shown.map(cost), ...times], 1.8);
+  const ys = range([...shown.map(y), ...(limit ? [limit] : [])], 1.8);
+  const series = numbered(study.rows).map(({ name, number }) => {
+    const mine = shown.filter((row) => row.method === name);
     return { name, kind: 'points', mark: number, color: number, rows: mine, x: mine.map(cost), y: mine.map(y), dots: mine.map((row) => mistakes(row) === 0) };
-  }).filter((own) => own.rows.length);
+  }).filter((entry) => entry.rows.length);
   const line = (name, x, y, style) => series.push({ name, quiet: true, color: 'ink', width: 1.2, x, y, ...style });
-  const front = told.filter((row) => row.on_front === 'yes').sort((a, b) => cost(a) - cost(b));
+  const front = shown.filter((row) => row.on_front === 'yes').sort((a, b) => cost(a) - cost(b));
   // The front is that of time and frequency error.
   const isFront = !memory && quantity === 0;
   if (isFront) line(T('Pareto front'), front.map(cost), front.map(y));
   const far = 1e4;
-  if (limit) line(onTwin ? T('Cramér-Rao bound') : T('stated deviation of the refined solution'), [xs[0] / far, xs[1] * far], [limit, limit], { dash: '7 4' });
+  if (limit) line(onTwin ? T('Cramér-Rao bound') : T('standard deviation of the refined solution'), [xs[0] / far, xs[1] * far], [limit, limit], { dash: '7 4' });
   if (!memory && transform) line(T('one transform'), [1e3 * transform, 1e3 * transform], [ys[0] / far, ys[1] * far], { dash: '2 3' });
   if (!memory && pass) line(T('one pass over the data'), [1e3 * pass, 1e3 * pass], [ys[0] / far, ys[1] * far], { dash: '2 3', color: 'faint' });
   new Plot(host, {
@@ -117,7 +117,7 @@ function costPlot(host, own, test, [onTwin, quantity, memory]) {
     },
     tell: (near) => costWords(near.series.rows[near.k], onTwin),
   });
-  if (onTwin) host.append(el('p', { class: 'note' }, fill(T('The twin in white noise of {} dB.'), own.snr_db)));
+  if (onTwin) host.append(el('p', { class: 'note' }, fill(T('The twin in white noise of {} dB.'), study.snr_db)));
 }
 
 const methodName = (row) => (row.order === undefined ? row.method : `${row.method} ${row.order}`);
