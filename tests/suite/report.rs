@@ -51,7 +51,7 @@ fn a_run_writes_a_page_with_everything_in_it() {
     let order = [
         "verdict good",
         "rms frequency error",
-        "What to change",
+        "Recommended changes",
         "data-draw=\"errors\"",
     ];
     assert!(

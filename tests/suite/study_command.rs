@@ -211,7 +211,7 @@ fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
     .unwrap();
     succeed(["report", run]);
     let page = std::fs::read_to_string(folder.path().join("run/report.html")).unwrap();
-    assert!(page.contains("What this scene needs, and what it does not"));
+    assert!(page.contains("Required and unnecessary elements of this scene"));
     assert!(page.contains("the data support 6 roots by BIC"));
 }
 

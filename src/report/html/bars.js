@@ -17,7 +17,7 @@ function drawErrors(host) {
       error: cells.map((cell) => cell && cell.error_std_percent),
     };
   });
-  const missed = { name: T('missed'), kind: 'points', color: 7, edge: true, x: [], y: [], cells: [] };
+  const missed = { name: T('unmatched model mode'), kind: 'points', color: 7, edge: true, x: [], y: [], cells: [] };
   rows.forEach((row, k) => row.cells.forEach((cell) => {
     const n = names.indexOf(cell.test);
     if (cell.error_percent !== null || !['missed-expected', 'missed-unexpected'].includes(cell.status)) return;
@@ -85,13 +85,13 @@ function drawUpdate(host) {
   if (history.length) {
     const steps = history.map((step, k) => ({ ...step, k: k + 1 }));
     const taken = steps.filter((step) => step.accepted);
-    const refused = steps.filter((step) => !step.accepted);
+    const rejected = steps.filter((step) => !step.accepted);
     const of = (all, key) => all.map((step) => step[key]);
     host.append(el('h3', {}, T('Objective of the update by iteration')));
     const series = [{ name: T('Objective'), x: of(taken, 'k'), y: of(taken, 'objective'), color: 0, width: 2 }, { name: 'χ²', x: of(taken, 'k'), y: of(taken, 'chi_square'), color: 1, dash: '5 3' }];
     const { chi_square: first } = update.before || {};
-    if (first > 0) series.push({ name: T('χ² of the model as it stands'), x: [0.5, steps.length + 0.5], y: [first, first], color: 'faint', dash: '2 3', quiet: true });
-    if (refused.length) series.push({ name: T('refused step'), kind: 'points', open: true, x: of(refused, 'k'), y: of(refused, 'objective'), color: 6 });
+    if (first > 0) series.push({ name: T('χ² of the initial model'), x: [0.5, steps.length + 0.5], y: [first, first], color: 'faint', dash: '2 3', quiet: true });
+    if (rejected.length) series.push({ name: T('rejected step'), kind: 'points', open: true, x: of(rejected, 'k'), y: of(rejected, 'objective'), color: 6 });
     new Plot(host, { name: 'update-history', height: 240, series, x: { label: T('Iteration'), min: 0.5, max: steps.length + 0.5, ticks: steps.filter((step, k) => k % Math.ceil(steps.length / 20) === 0).map((step) => ({ at: step.k, text: String(step.k), main: true })) }, y: { label: T('Objective'), log: true } });
   }
   const before = (update.before && update.before.rows) || [];

@@ -164,8 +164,8 @@ function modeName(point) {
 function marginWords(slice, point, k) {
   const { inside, distance } = point.margins[k];
   const [name, method] = [modeName(point), slice.methods[k]];
-  if (inside) return distance ? fill(T('{} is {} from where {} fails'), name, distance, method) : fill(T('{}: {} holds along both axes'), name, method);
-  return distance ? fill(T('{} lies where {} fails, {} from where it holds'), name, method, distance) : fill(T('{} lies where {} fails'), name, method);
+  if (inside) return distance ? fill(T('{} is {} from the failure boundary of {}'), name, distance, method) : fill(T('{}: {} holds along both axes'), name, method);
+  return distance ? fill(T('{} lies in the failure region of {}, {} from its boundary'), name, method, distance) : fill(T('{} lies in the failure region of {}'), name, method);
 }
 
 function modeWords(slice, point, method) {
@@ -174,7 +174,7 @@ function modeWords(slice, point, method) {
     const { inside, distance } = point.margins[k];
     return `${slice.methods[k]}: ${inside ? T('holds') : T('fails')}${distance ? `, ${distance}` : ''}`;
   };
-  return [modeName(point), ...slice.methods.map((name, k) => of(k)), T('the distance is that to its contour')];
+  return [modeName(point), ...slice.methods.map((name, k) => of(k)), T('the distance is that to the contour of the method')];
 }
 
 /** The detection rate of each method at the pointer. */

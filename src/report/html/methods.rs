@@ -1,5 +1,5 @@
-//! The tab of methods: what the studies beside a run tell of them, and what the script draws of
-//! that.
+//! The methods tab shows the studies in the folder of a run: their text, their tables, and the data
+//! of their figures.
 
 use serde_json::{Map, Value, json};
 
@@ -15,55 +15,55 @@ use crate::study::breakdown::{
 
 const SPEED: &str = "Speed against accuracy";
 const BREAKDOWN: &str = "Where methods fail";
-const ORDER: &str = "What this scene needs, and what it does not";
-const MAP: &str = "Small structures are drawn again and again. Inside its contour a method finds their modes to the stated error in 95 % of the draws; beyond it, it does not. Points are the modes of this run.";
+const ORDER: &str = "Required and unnecessary elements of this scene";
+const MAP: &str = "Each map is computed from random synthetic structures. Inside its contour a method finds their modes to the stated error in 95 % of the draws; outside, it does not. Points are the modes of this run.";
 const OTHER_SPEED: &str = "The study in speed-accuracy.json is of another scene or of other data than this run, and is left out; run `modalign study speed-accuracy` again.";
 const OTHER_ORDER: &str = "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.";
 const OTHER_BREAKDOWN: &str = "The study in breakdown.json shows the modes of another scene, or other modes than this run, and is left out; run `modalign study breakdown` again: finished slices are kept.";
 
-/// Share of a frequency by which one that was written twice may differ.
-const SAME_MODE: f64 = 1e-6;
+/// Maximum relative difference of two written values of one frequency.
+const FREQUENCY_TOLERANCE: f64 = 1e-6;
 
-/// What the tab says, and what the script draws into it.
+/// Content of the tab, and the data that the script draws.
 #[derive(Default)]
 pub(super) struct Methods {
-    /// Text, tables and places of figures; empty where no study is there.
+    /// Text, tables and containers of the figures; empty without a study.
     pub content: String,
     /// Data of the figures, by study.
     pub data: Map<String, Value>,
 }
 
-/// The tab of a run; a study of another scene is left out with a word.
+/// The methods tab of a run; a note replaces a study of another scene.
 pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -> Methods {
     let mut tab = Methods::default();
     let w = |text: &'static str| escape(word(language, text));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
-    if let Some(own) = &beside.order {
+    if let Some(study) = &beside.order {
         tab.content += &format!("<h3>{}</h3>\n", w(ORDER));
-        tab.content += &match is_of_run(own, report) {
-            true => sentences(&own["answers"]) + &tables(own, language),
+        tab.content += &match is_of_run(study, report) {
+            true => sentences(&study["answers"]) + &tables(study, language),
             false => note(OTHER_ORDER),
         };
     }
-    if let Some(own) = &beside.speed_accuracy {
+    if let Some(study) = &beside.speed_accuracy {
         tab.content += &format!("<h3>{}</h3>\n", w(SPEED));
-        if is_of_run(own, report) {
-            tab.content += &speed_text(own, language);
-            tab.data.insert("speed".to_owned(), speed_data(own));
+        if is_of_run(study, report) {
+            tab.content += &speed_text(study, language);
+            tab.data.insert("speed".to_owned(), speed_data(study));
         } else {
             tab.content += &note(OTHER_SPEED);
         }
     }
-    if let Some(own) = &beside.breakdown {
+    if let Some(study) = &beside.breakdown {
         tab.content += &format!("<h3>{}</h3>\n", w(BREAKDOWN));
-        if breakdown_is_of_run(own, report) {
-            let tables = language.translated(breakdown_blocks(own));
+        if breakdown_is_of_run(study, report) {
+            let tables = language.translated(breakdown_blocks(study));
             tab.content += &format!(
                 "<p>{}</p>\n<div class=\"drawn\" data-draw=\"maps\"></div>\n<div class=\"drawn\" data-draw=\"precision\"></div>\n{}",
                 w(MAP),
                 fragment(&tables, language)
             );
-            let data = breakdown_data(own, language);
+            let data = breakdown_data(study, language);
             tab.data.insert("breakdown".to_owned(), data);
         } else {
             tab.content += &note(OTHER_BREAKDOWN);
@@ -76,56 +76,57 @@ fn items(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().into_iter().flatten()
 }
 
-/// Whether a study has the title of the run's scene, and each of its tests the name and the data of
-/// one of the run's.
-fn is_of_run(own: &Value, report: &RunReport) -> bool {
+/// Whether a study has the title of the run's scene, and each of its tests has the name and the
+/// data of a test of the run.
+fn is_of_run(study: &Value, report: &RunReport) -> bool {
     let same_data = |test: &Value| {
         let name = test["name"].as_str().unwrap_or_default();
         let hashes = items(&test["inputs"]).filter_map(|file| file["sha256"].as_str());
-        let known = report.provenance.inputs.iter();
-        let known = known.filter_map(|[test, _, hash]| (test == name).then_some(hash.as_str()));
-        report.figures.tests.iter().any(|test| test.name == name) && hashes.eq(known)
+        let run_hashes = report.provenance.inputs.iter();
+        let run_hashes =
+            run_hashes.filter_map(|[test, _, hash]| (test == name).then_some(hash.as_str()));
+        report.figures.tests.iter().any(|test| test.name == name) && hashes.eq(run_hashes)
     };
-    own["title"].as_str() == Some(&report.title) && items(&own["tests"]).all(same_data)
+    study["title"].as_str() == Some(&report.title) && items(&study["tests"]).all(same_data)
 }
 
-/// Whether a study shows modes of no scene, or those of the run.
-fn breakdown_is_of_run(own: &BreakdownFile, report: &RunReport) -> bool {
-    let Some(title) = &own.title else {
+/// Whether the modes of a study are those of the run; true for a study without a scene.
+fn breakdown_is_of_run(study: &BreakdownFile, report: &RunReport) -> bool {
+    let Some(title) = &study.title else {
         return true;
     };
-    let known = |mode: &UserMode| {
+    let in_run = |mode: &UserMode| {
         let mut tests = report.figures.tests.iter();
         let of_test = |name: &str| mode.test.is_empty() || mode.test == name;
-        let near = |hz: f64| (hz - mode.frequency_hz).abs() <= SAME_MODE * hz;
+        let near = |hz: f64| (hz - mode.frequency_hz).abs() <= FREQUENCY_TOLERANCE * hz;
         tests.any(|test| {
             let mark = test.modes.get(mode.number.saturating_sub(1));
             of_test(&test.name) && mark.is_some_and(|mark| near(mark.hz))
         })
     };
-    *title == report.title && own.user_modes.iter().all(known)
+    *title == report.title && study.user_modes.iter().all(in_run)
 }
 
-/// What the study teaches, its figures, its tables.
-fn speed_text(own: &Value, language: Language) -> String {
-    sentences(&own["lessons"])
+/// Recommendations of the study, its figures, its tables.
+fn speed_text(study: &Value, language: Language) -> String {
+    sentences(&study["lessons"])
         + "<div class=\"drawn\" data-draw=\"speed\"></div>\n"
-        + &tables(own, language)
+        + &tables(study, language)
 }
 
-fn sentences(own: &Value) -> String {
-    let all = items(own).filter_map(Value::as_str);
+fn sentences(texts: &Value) -> String {
+    let all = items(texts).filter_map(Value::as_str);
     all.map(|text| format!("<p class=\"why\">{}</p>\n", marked(text)))
         .collect()
 }
 
-fn tables(own: &Value, language: Language) -> String {
-    let tables = serde_json::from_value::<Vec<Block>>(own["tables"].clone());
+fn tables(study: &Value, language: Language) -> String {
+    let tables = serde_json::from_value::<Vec<Block>>(study["tables"].clone());
     fragment(&language.translated(tables.unwrap_or_default()), language)
 }
 
-/// What the figures show of a row.
-const ROW: &[&str] = &[
+/// Fields of a row that the figures show.
+const SPEED_ROW_FIELDS: &[&str] = &[
     "test",
     "data",
     "estimator",
@@ -146,8 +147,8 @@ const ROW: &[&str] = &[
     "refined",
 ];
 
-/// The same of a row of times.
-const TIME: &[&str] = &[
+/// Fields of a row of times that the figures show.
+const SPEED_TIME_FIELDS: &[&str] = &[
     "test",
     "data",
     "estimator",
@@ -160,9 +161,9 @@ const TIME: &[&str] = &[
     "on_front",
 ];
 
-fn speed_data(own: &Value) -> Value {
+fn speed_data(study: &Value) -> Value {
     let rows = |key: &str, fields| -> Vec<Value> {
-        items(&own[key]).map(|row| thinned(row, fields)).collect()
+        items(&study[key]).map(|row| thinned(row, fields)).collect()
     };
     let test = |test: &Value| {
         thinned(
@@ -171,40 +172,40 @@ fn speed_data(own: &Value) -> Value {
         )
     };
     json!({
-        "snr_db": own["compared_at_snr_db"],
-        "tests": items(&own["tests"]).map(test).collect::<Vec<_>>(),
-        "rows": rows("rows", ROW),
-        "times": rows("times", TIME),
+        "snr_db": study["compared_at_snr_db"],
+        "tests": items(&study["tests"]).map(test).collect::<Vec<_>>(),
+        "rows": rows("rows", SPEED_ROW_FIELDS),
+        "times": rows("times", SPEED_TIME_FIELDS),
     })
 }
 
-/// The known ones of these fields, numbers with five digits.
+/// The fields of this list that a row has; numbers have five digits.
 fn thinned(row: &Value, fields: &[&str]) -> Value {
     let field = |name: &&str| match &row[*name] {
         Value::Null => None,
-        Value::Number(own) => Some(((*name).to_owned(), json!(rounded(own.as_f64()?, 4)))),
+        Value::Number(number) => Some(((*name).to_owned(), json!(rounded(number.as_f64()?, 4)))),
         other => Some(((*name).to_owned(), other.clone())),
     };
     Value::Object(fields.iter().filter_map(field).collect())
 }
 
-/// A number with so many digits after the first.
+/// A number with `digits` digits after the first.
 fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
-fn breakdown_data(own: &BreakdownFile, language: Language) -> Value {
-    let slices = own.slices.iter();
-    let slices = slices.map(|slice| slice_data(slice, &own.user_modes, language));
+fn breakdown_data(study: &BreakdownFile, language: Language) -> Value {
+    let slices = study.slices.iter();
+    let slices = slices.map(|slice| slice_data(slice, &study.user_modes, language));
     json!({
         "slices": slices.collect::<Vec<_>>(),
-        "courses": own.stability.as_ref().map(courses),
+        "courses": study.stability.as_ref().map(stability_data),
     })
 }
 
-/// Shares in percent on the finest grid, column by column, contours, and the modes inside; places
-/// are shares of the axes.
-fn slice_data(result: &SliceResult, own: &[UserMode], language: Language) -> Value {
+/// Detection rates in percent on the finest grid by columns, contours, and the modes inside the
+/// map; locations are fractions of the axes.
+fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language) -> Value {
     let slice = &result.slice;
     let methods = 0..slice.methods.len();
     let fields: Vec<Field> = methods.map(|m| result.field(m, Bound::Counted)).collect();
@@ -221,19 +222,19 @@ fn slice_data(result: &SliceResult, own: &[UserMode], language: Language) -> Val
             .map(|line| line.into_iter().map(place).collect())
             .collect()
     };
-    let axis = |own: &Axis| {
+    let axis = |axis: &Axis| {
         json!({
-            "label": word(language, own.factor.label(slice.needs_test())),
-            "lo": own.lo,
-            "hi": own.hi,
-            "log": own.scale == Scale::Log,
-            "whole": own.factor.is_whole(),
+            "label": word(language, axis.factor.label(slice.needs_test())),
+            "lo": axis.lo,
+            "hi": axis.hi,
+            "log": axis.scale == Scale::Log,
+            "whole": axis.factor.is_whole(),
         })
     };
-    let points = result.points(own);
+    let points = result.points(user_modes);
     let inside = points.iter().filter(|point| point.inside());
     let inside: Vec<Value> = inside
-        .map(|own| point_data(own, result, language))
+        .map(|point| point_data(point, result, language))
         .collect();
     json!({
         "name": slice.name,
@@ -249,36 +250,38 @@ fn slice_data(result: &SliceResult, own: &[UserMode], language: Language) -> Val
 }
 
 fn place([x, y]: [f64; 2]) -> [f64; 2] {
-    [x, y].map(|own| (1e4 * own).round() / 1e4)
+    [x, y].map(|fraction| (1e4 * fraction).round() / 1e4)
 }
 
-/// A mode with its distance from the contour of each method, and the method that fails nearest to
-/// it.
-fn point_data(own: &UserModePosition, result: &SliceResult, language: Language) -> Value {
-    let margins = own.margins.iter().map(|margin| {
-        let distance = margin.distance.map(|own| distance_text(own, language));
+/// A mode with its distance from the failure boundary of each method, and the method with the
+/// nearest one.
+fn point_data(position: &UserModePosition, result: &SliceResult, language: Language) -> Value {
+    let margins = position.margins.iter().map(|margin| {
+        let distance = margin
+            .distance
+            .map(|distance| distance_text(distance, language));
         json!({ "inside": margin.inside, "distance": distance })
     });
-    let nearest = own.nearest().map(|(method, _)| method);
+    let nearest = position.nearest().map(|(method, _)| method);
     let mut methods = result.slice.methods.iter();
     json!({
-        "test": own.mode.test,
-        "number": own.mode.number,
-        "hz": rounded(own.mode.frequency_hz, 6),
-        "place": place(own.place),
+        "test": position.mode.test,
+        "number": position.mode.number,
+        "hz": rounded(position.mode.frequency_hz, 6),
+        "place": place(position.place),
         "margins": margins.collect::<Vec<_>>(),
-        "nearest": methods.position(|own| Some(own.as_str()) == nearest),
+        "nearest": methods.position(|name| Some(name.as_str()) == nearest),
     })
 }
 
 /// `0.3 decades of damping`.
-fn distance_text(own: Distance, language: Language) -> String {
-    let value = short(own.value());
-    let factor = own.axis.factor;
+fn distance_text(distance: Distance, language: Language) -> String {
+    let value = short(distance.value());
+    let factor = distance.axis.factor;
     match language {
-        Language::English => format!("{value} {}", own.unit()),
+        Language::English => format!("{value} {}", distance.unit()),
         Language::Chinese => {
-            let unit = match own.axis.scale {
+            let unit = match distance.axis.scale {
                 Scale::Log => "decades",
                 Scale::Linear => factor.unit(),
             };
@@ -288,22 +291,24 @@ fn distance_text(own: Distance, language: Language) -> String {
     }
 }
 
-fn courses(own: &Stability) -> Value {
-    let course = |own: &crate::study::breakdown::StabilityCourse| {
+fn stability_data(stability: &Stability) -> Value {
+    let course_data = |result: &crate::study::breakdown::StabilityCourse| {
         let column = |value: fn(&StabilityPoint) -> Option<f64>| -> Vec<Option<f64>> {
-            let points = own.points.iter();
-            points.map(|own| Some(rounded(value(own)?, 2))).collect()
+            let points = result.points.iter();
+            points
+                .map(|point| Some(rounded(value(point)?, 2)))
+                .collect()
         };
         json!({
-            "method": own.method,
-            "order": own.points.iter().map(|own| own.order).collect::<Vec<_>>(),
-            "digits": column(|own| Some(own.digits_lost())),
+            "method": result.method,
+            "order": result.points.iter().map(|point| point.order).collect::<Vec<_>>(),
+            "digits": column(|point| Some(point.digits_lost())),
             "errors": [
-                column(|own| own.error),
-                column(|own| own.error_f32_data),
-                column(|own| own.error_f32_matrix),
+                column(|point| point.error),
+                column(|point| point.error_f32_data),
+                column(|point| point.error_f32_matrix),
             ],
         })
     };
-    own.courses.iter().map(course).collect()
+    stability.courses.iter().map(course_data).collect()
 }

@@ -1,4 +1,4 @@
-//! The tab of methods: what it shows of studies, and which it leaves out.
+//! The methods tab shows the studies of a run and omits those of another scene.
 
 use std::collections::BTreeMap;
 
@@ -118,9 +118,9 @@ fn shown(beside: &Beside) -> Methods {
 }
 
 #[test]
-fn a_map_has_contours_shares_and_the_distance_of_own_modes() {
-    let beside = |own| Beside {
-        breakdown: Some(own),
+fn a_map_has_contours_detection_rates_and_distances_of_user_modes() {
+    let beside = |study| Beside {
+        breakdown: Some(study),
         ..Beside::default()
     };
     let tab = shown(&beside(breakdown()));
@@ -130,7 +130,7 @@ fn a_map_has_contours_shares_and_the_distance_of_own_modes() {
     let line = slice["contours"][0][0]
         .as_array()
         .expect("a line of points");
-    assert!(line.len() == 2 && line.iter().all(|own| own[0] == 0.95));
+    assert!(line.len() == 2 && line.iter().all(|point| point[0] == 0.95));
     let point = &slice["points"][0];
     assert_eq!(point["place"], json!([0.98, 0.5]));
     let margins = json!([
@@ -168,12 +168,12 @@ fn words_for_every_factor_and_unit_are_chinese_too() {
 }
 
 #[test]
-fn maps_of_another_scene_or_of_other_modes_are_left_out_with_a_word() {
+fn maps_of_another_scene_or_of_other_modes_are_replaced_by_a_note() {
     let with = |change: fn(&mut BreakdownFile)| {
-        let mut own = breakdown();
-        change(&mut own);
+        let mut study = breakdown();
+        change(&mut study);
         let beside = Beside {
-            breakdown: Some(own),
+            breakdown: Some(study),
             ..Beside::default()
         };
         let tab = shown(&beside);
@@ -182,22 +182,23 @@ fn maps_of_another_scene_or_of_other_modes_are_left_out_with_a_word() {
         left_out
     };
     assert!(!with(|_| ()));
-    assert!(!with(
-        |own| (own.title, own.user_modes[0].frequency_hz) = (None, 1.0)
-    ));
-    assert!(with(|own| own.title = Some("another".to_owned())));
-    assert!(with(|own| own.user_modes[0].frequency_hz *= 1.001));
-    assert!(with(|own| own.user_modes[0].number = 2));
-    assert!(with(|own| own.user_modes[0].test = "shaker".to_owned()));
+    assert!(!with(|study| (
+        study.title,
+        study.user_modes[0].frequency_hz
+    ) = (None, 1.0)));
+    assert!(with(|study| study.title = Some("another".to_owned())));
+    assert!(with(|study| study.user_modes[0].frequency_hz *= 1.001));
+    assert!(with(|study| study.user_modes[0].number = 2));
+    assert!(with(|study| study.user_modes[0].test = "shaker".to_owned()));
 }
 
 #[test]
-fn a_study_of_other_data_is_left_out_with_a_word() {
+fn a_study_of_other_data_is_replaced_by_a_note() {
     let with = |place: &str, value: &str| {
-        let mut own = speed();
-        *own.pointer_mut(place).expect("a place in the study") = json!(value);
+        let mut accuracy = speed();
+        *accuracy.pointer_mut(place).expect("a place in the study") = json!(value);
         shown(&Beside {
-            speed_accuracy: Some(own),
+            speed_accuracy: Some(accuracy),
             ..Beside::default()
         })
     };
@@ -222,8 +223,8 @@ fn a_study_of_other_data_is_left_out_with_a_word() {
 }
 
 #[test]
-fn what_a_scene_needs_stands_before_what_methods_do() {
-    let mut own = json!({
+fn the_scene_study_precedes_the_method_studies() {
+    let mut study = json!({
         "schema": "modalign-order/1",
         "title": "wing",
         "tests": [{"name": "hammer", "inputs": speed()["tests"][0]["inputs"]}],
@@ -237,12 +238,12 @@ fn what_a_scene_needs_stands_before_what_methods_do() {
             ..Beside::default()
         })
     };
-    let content = tab(&own).content;
+    let content = tab(&study).content;
     let needs = content
         .find("hammer: 2 roots &lt; 3.")
-        .expect("what the hammer needs");
+        .expect("answer of the scene study");
     assert!(needs < content.find("data-draw=\"speed\"").expect("a chart"));
-    own["title"] = json!("another");
-    let content = tab(&own).content;
+    study["title"] = json!("another");
+    let content = tab(&study).content;
     assert!(content.contains("order.json is of another scene") && !content.contains("2 roots"));
 }

@@ -1,4 +1,5 @@
-//! HTML: blocks as a page of tables, and the report of a run as one page with its figures.
+//! The HTML renderer writes blocks as a page of tables, and the report of a run as one page with
+//! its figures.
 //!
 //! A page is one file: style, script and data are in it, nothing is loaded. Tables, summary and
 //! findings are plain HTML that needs no script; the script draws figures from the JSON in the page
@@ -22,7 +23,7 @@ use super::{Align, Block, Cell, Column, Language, Renderer, Table};
 
 pub use page::report_page;
 
-/// What other verbs put beside a run, and its page shows with it.
+/// Results of other verbs in the folder of a run, which its page shows too.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
     /// `update.json`.
@@ -35,11 +36,11 @@ pub struct Beside {
     pub order: Option<Value>,
 }
 
-/// Renders blocks as a page of its own.
+/// Renders blocks as a whole page.
 pub struct Html;
 
-/// A table of more columns than this does not fit on an upright page.
-const MOST_UPRIGHT: usize = 9;
+/// Maximum number of columns of a table on a page in portrait format.
+const MAX_UPRIGHT_COLUMNS: usize = 9;
 
 /// The style of every page.
 const STYLE: &str = include_str!("page.css");
@@ -80,7 +81,7 @@ fn fragment(blocks: &[Block], language: Language) -> String {
     blocks.iter().map(text).collect()
 }
 
-/// Text as it may stand between tags and in attributes.
+/// Text with the characters escaped that HTML reserves in text and attributes.
 fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -152,8 +153,8 @@ fn table_text(table: &Table, language: Language) -> String {
             )
         }
     };
-    // On paper a broad table has a page across.
-    let broad = if table.columns.len() > MOST_UPRIGHT {
+    // On paper a broad table has a page in landscape format.
+    let broad = if table.columns.len() > MAX_UPRIGHT_COLUMNS {
         " broad"
     } else {
         ""
@@ -206,7 +207,7 @@ mod tests {
     use crate::report::Language;
 
     #[test]
-    fn tables_keep_their_heads_alignment_and_missing_fields() {
+    fn tables_keep_headings_alignment_and_missing_values() {
         let table = Table {
             caption: "a < b & \"c\"".to_owned(),
             columns: vec![Column::text("mode"), Column::number("f\n(Hz)")],
@@ -231,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn findings_carry_severity_and_code() {
+    fn findings_have_severity_and_code() {
         let finding = Finding::new(Severity::Warning, Code::CloseModes, Place::Mode(12.0));
         let block = |findings| Block::Findings {
             findings,

@@ -1,4 +1,4 @@
-//! Numbers of the page as text.
+//! The page writes numbers with the digits that their standard deviation supports.
 
 /// Whether a number is written without a power of ten.
 fn plain(size: f64) -> bool {
@@ -8,8 +8,11 @@ fn plain(size: f64) -> bool {
 /// Power of ten of the second digit of a standard deviation.
 fn last_place(std: f64) -> i32 {
     let text = format!("{std:.1e}");
-    let power = text.split('e').nth(1).and_then(|own| own.parse().ok());
-    power.map_or(0, |own: i32| own - 1)
+    let power = text
+        .split('e')
+        .nth(1)
+        .and_then(|exponent| exponent.parse().ok());
+    power.map_or(0, |exponent: i32| exponent - 1)
 }
 
 /// A standard deviation with two digits.
@@ -64,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn values_end_where_their_deviation_does() {
+    fn values_end_at_the_second_digit_of_their_standard_deviation() {
         for (value, std, expected) in [
             (1.23456, 0.0234, "1.235 ± 0.023"),
             (123.456, 2.34, "123.5 ± 2.3"),
@@ -72,8 +75,8 @@ mod tests {
             (-0.5, 0.0996, "-0.50 ± 0.10"),
             (0.0, 0.0011, "0 ± 0.0011"),
         ] {
-            let told = format!("{} ± {}", to_place_of(value, std), two_digits(std));
-            assert_eq!(told, expected);
+            let text = format!("{} ± {}", to_place_of(value, std), two_digits(std));
+            assert_eq!(text, expected);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The page of a run: summary first, a tab for each kind of result, the data of its figures as
-//! JSON.
+//! The page of a run has the summary first, a tab for each kind of result, and the data of its
+//! figures as JSON.
 
 use serde_json::{Value, json};
 
@@ -25,7 +25,7 @@ pub(super) const SCRIPT: [&str; 12] = [
     include_str!("page.js"),
 ];
 
-/// One tab: its name in the page, its title, its content, and whether the script draws into it.
+/// One tab: its identifier, its title, its content, and whether the script draws into it.
 struct Tab {
     id: &'static str,
     title: &'static str,
@@ -37,12 +37,12 @@ const BEFORE_UPDATE: &str = "This shows the model before the update.";
 const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
 const OTHER_RESULTS: &str = "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.";
 
-/// The report of a run, with what lies beside it and is of the same tests: the result of updating,
-/// studies of the methods.
+/// The report of a run, with the update and the studies of its folder that belong to the same
+/// tests.
 pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> String {
     let updated = beside.updated.as_ref();
     let studied = methods::methods(report, beside, language);
-    let stale = updated.is_some_and(|own| !update::of_run(own, &report.figures));
+    let stale = updated.is_some_and(|result| !update::of_run(result, &report.figures));
     let updated = updated.filter(|_| !stale);
     let mut tabs: Vec<Tab> = tabs(report, (updated, studied.content), language)
         .into_iter()
@@ -71,8 +71,7 @@ pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> S
         "update": updated,
         "studies": studied.data,
     });
-    // A script element ends at the first `</`, and `<!--` changes what ends it, whatever they stand
-    // in.
+    // A script element ends at the first `</`, and `<!--` changes its end, even inside a string.
     let data = data.to_string().replace('<', "\\u003c");
     let w = |text| escape(word(language, text));
     let mut page = format!(
@@ -132,8 +131,10 @@ fn tabs(
     let figures = &report.figures;
     let any = |has: fn(&crate::scene::TestFigures) -> bool| figures.tests.iter().any(has);
     let section = |id: &str| {
-        let own = report.sections.iter().filter(|own| own.id == id);
-        let blocks = own.flat_map(|own| own.blocks.clone()).collect();
+        let matching = report.sections.iter().filter(|section| section.id == id);
+        let blocks = matching
+            .flat_map(|section| section.blocks.clone())
+            .collect();
         fragment(&language.translated(blocks), language)
     };
     let tab = |id, title, content, drawn| Tab {
@@ -142,8 +143,7 @@ fn tabs(
         content,
         drawn,
     };
-    // A run without a comparison begins with what there is: what a publication says of the model,
-    // else the modes.
+    // The summary of a run without a comparison shows the published results, or else the modes.
     let (mut published, mut modes) = (section("published"), section("modes"));
     let compared = figures.overview.is_some();
     let instead = match (compared, published.is_empty()) {
@@ -169,7 +169,7 @@ fn tabs(
         tab("frf", "FRFs", String::new(), any(|t| t.frfs.is_some())),
         tab(
             "poles",
-            "Stabilisation",
+            "Stabilization diagram",
             String::new(),
             any(|t| t.stabilization.is_some()),
         ),
@@ -184,7 +184,7 @@ fn tabs(
             "energies",
             "Energies",
             section("energies"),
-            // Where all is in one part, a figure of shares says nothing.
+            // A figure of the distribution needs more than one component.
             figures
                 .energies
                 .iter()
@@ -193,9 +193,9 @@ fn tabs(
         tab(
             "update",
             "Update",
-            updated.map_or_else(String::new, |own| {
-                let head = update::head(own, language);
-                head + &update::tables(own, language) + &update::reasons(own, language)
+            updated.map_or_else(String::new, |result| {
+                let head = update::head(result, language);
+                head + &update::tables(result, language) + &update::reasons(result, language)
             }),
             updated.is_some(),
         ),
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn names_cannot_end_the_script_or_open_one() {
+    fn names_with_script_tags_are_escaped() {
         let page = report_page(&report(), &Beside::default(), Language::English);
         assert_eq!(page.matches("<script").count(), 2, "data and code");
         assert_eq!(page.matches("</script>").count(), 2);
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_loads_nothing_and_leaves_empty_tabs_away() {
+    fn a_page_loads_no_resource_and_omits_empty_tabs() {
         let page = report_page(&report(), &Beside::default(), Language::English);
         for door in ["http://", "https://", "src=", "@import", "url("] {
             let used = page.replace("http://www.w3.org/", "").replace("url(#", "");

@@ -1,4 +1,5 @@
-//! What a run was made from: program, seeds, methods, and files with their fingerprints.
+//! The provenance tab lists the inputs of a run: program, seeds, methods, and files with their
+//! SHA-256 hashes.
 
 use crate::scene::SourceFile;
 
@@ -7,17 +8,20 @@ use super::super::{Block, Cell, Column, Language, Table};
 use super::words::{sentence, word};
 use super::{escape, fragment};
 
-/// Program, model, seeds, methods, files with fingerprints and, of those that state the run, their
-/// text.
+/// Program, model, seeds, methods, files with hashes, and the text of the files that state the run.
 pub(super) fn provenance(report: &RunReport, language: Language) -> String {
-    let own = &report.provenance;
-    let mut facts = vec![(word(language, "Program").to_owned(), own.producer.clone())];
+    let provenance = &report.provenance;
+    let mut facts = vec![(
+        word(language, "Program").to_owned(),
+        provenance.producer.clone(),
+    )];
     facts.extend(
-        own.model
+        provenance
+            .model
             .iter()
             .map(|name| (word(language, "Model").to_owned(), name.clone())),
     );
-    for (test, seed) in &own.seeds {
+    for (test, seed) in &provenance.seeds {
         facts.push((
             sentence(language, "Seed of {}", std::slice::from_ref(test)),
             seed.to_string(),
@@ -40,17 +44,21 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
         })
     };
     let mut tables = Vec::new();
-    if !own.searched.is_empty() {
+    if !provenance.searched.is_empty() {
         tables.push(table(
             "Identification",
             ["test", "method", "band (Hz)"],
-            &own.searched,
+            &provenance.searched,
         ));
     }
-    if !own.inputs.is_empty() {
-        tables.push(table("Data", ["test", "file", "SHA-256"], &own.inputs));
+    if !provenance.inputs.is_empty() {
+        tables.push(table(
+            "Data",
+            ["test", "file", "SHA-256"],
+            &provenance.inputs,
+        ));
     }
-    let files: String = own.stated.iter().map(stated).collect();
+    let files: String = provenance.stated.iter().map(stated).collect();
     format!(
         "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
         fragment(&tables, language),

@@ -10,7 +10,7 @@ class View3d {
     this.triad = triad;
     this.mates = [this];
     this.scene = () => {};
-    this.canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': `${label}. ${T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')}` });
+    this.canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': `${label}. ${T('drag to rotate, wheel to zoom; with the keyboard the arrows and + −')}` });
     host.append(this.canvas);
     this.listen();
     drawings.add(this);

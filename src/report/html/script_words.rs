@@ -86,11 +86,11 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("undeformed", "未变形"),
     ("error", "误差"),
     (
-        "drag to turn, wheel to zoom; with the keyboard the arrows and + −",
+        "drag to rotate, wheel to zoom; with the keyboard the arrows and + −",
         "拖动旋转，滚轮缩放；键盘：方向键与 + −",
     ),
     (
-        "No positions are known: the points stand in a row.",
+        "No point has coordinates: the points are drawn in a row.",
         "没有测点坐标：测点排成一行。",
     ),
     (
@@ -122,7 +122,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("other", "其他"),
     ("Error (%)", "误差 (%)"),
     ("Frequency error by mode", "各阶频率误差"),
-    ("missed", "漏检"),
+    ("unmatched model mode", "漏检"),
     (
         "(test−theory)/theory (%), line ±1 std",
         "(试验−理论)/理论 (%)，线段 ±1 标准差",
@@ -156,8 +156,8 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("before", "修正前"),
     ("after", "修正后"),
     ("Objective of the update by iteration", "修正的目标函数"),
-    ("χ² of the model as it stands", "现有模型的 χ²"),
-    ("refused step", "被拒绝的步"),
+    ("χ² of the initial model", "现有模型的 χ²"),
+    ("rejected step", "被拒绝的步"),
     ("-fold", "重根"),
     ("Data", "数据"),
     ("Error of", "误差"),
@@ -171,7 +171,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("CPU time", "处理器时间"),
     ("Peak memory", "峰值内存"),
     (
-        "A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes. CPU time of one machine, all threads.",
+        "A dot in a mark: all observable modes found, no spurious mode. A ring: on the Pareto front of the results with the fewest missed and spurious modes. CPU time of one machine, all threads.",
         "标记中有点：可观测的模态全部找到且无虚假模态。圆环：位于错误最少者的前沿。处理器时间为一台机器上全部线程之和。",
     ),
     (
@@ -179,7 +179,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "孪生误差与 Cramér-Rao 下界之比",
     ),
     (
-        "Shaded: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.",
+        "Shaded: within 20 % of the bound. A dot in a mark: no missed and no spurious mode in any draw.",
         "阴影：在下界的 20 % 以内。标记中有点：所有抽样均无漏检与虚假模态。",
     ),
     ("white noise", "白噪声"),
@@ -208,7 +208,7 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
         "频响函数：{}，谱线间隔 {} Hz",
     ),
     (
-        "{} of {} modes found, {} invented",
+        "{} of {} modes found, {} spurious",
         "找到 {} / {} 阶，虚假 {} 阶",
     ),
     ("Signal-to-noise ratio (dB)", "信噪比 (dB)"),
@@ -230,17 +230,20 @@ pub(super) const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("no draw fails", "无抽样失效"),
     ("every draw fails", "全部抽样失效"),
     ("mode {} ({} Hz)", "第 {} 阶 ({} Hz)"),
-    ("{} is {} from where {} fails", "{}：再变 {},{} 即失效"),
+    (
+        "{} is {} from the failure boundary of {}",
+        "{}：再变 {},{} 即失效",
+    ),
     ("{}: {} holds along both axes", "{}:{} 沿两轴均有效"),
     (
-        "{} lies where {} fails, {} from where it holds",
+        "{} lies in the failure region of {}, {} from its boundary",
         "{}:{} 在此失效，距有效处 {}",
     ),
-    ("{} lies where {} fails", "{}:{} 在此失效"),
+    ("{} lies in the failure region of {}", "{}:{} 在此失效"),
     ("holds", "有效"),
     ("fails", "失效"),
     (
-        "the distance is that to its contour",
+        "the distance is that to the contour of the method",
         "距离为到其等值线的距离",
     ),
     ("{} further modes are not listed.", "另有 {} 阶未列出。"),

@@ -39,7 +39,7 @@ class ShapeViewer {
     this.views = [];
     this.host = el('div');
     this.said = el('p', { class: 'said', 'aria-live': 'polite' });
-    host.append(this.controls(), this.said, this.host, hint(T('drag to turn, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
+    host.append(this.controls(), this.said, this.host, hint(T('drag to rotate, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
     this.layout();
     this.pick(0);
     this.animate();
@@ -94,7 +94,7 @@ class ShapeViewer {
 
   notes() {
     const notes = [];
-    if (this.shapes.in_a_row) notes.push(T('No positions are known: the points stand in a row.'));
+    if (this.shapes.in_a_row) notes.push(T('No point has coordinates: the points are drawn in a row.'));
     if (this.shapes.not_drawn) notes.push(`${this.shapes.not_drawn} ${T('degrees of freedom without position or direction are not drawn')}`);
     if (this.bodies && this.bodies.nodes.some((node) => node.radius_m)) notes.push(T('Discs have the radius of gyration of their body.'));
     if (this.bodies && this.bodies.nodes.some((node) => node.arc)) notes.push(T('The radii of discs that turn by an arc are not known: their rims move by the arc.'));

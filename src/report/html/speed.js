@@ -19,14 +19,14 @@ function drawSpeed(host) {
     body.replaceChildren(...madeUp(figures.tests.find((other) => other.name === test.name) || {}));
     choices(body, [T('Data'), [T('measured FRFs, against the refined solution'), T('synthetic twin, against its truth')]], [T('Error of'), [T('frequency'), T('damping'), T('shape')]], [T('Cost'), [T('CPU time'), T('Peak memory')]])
       .draw((place, picked) => costPlot(place, study, test, picked));
-    body.append(el('p', { class: 'note' }, T('A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes. CPU time of one machine, all threads.')));
+    body.append(el('p', { class: 'note' }, T('A dot in a mark: all observable modes found, no spurious mode. A ring: on the Pareto front of the results with the fewest missed and spurious modes. CPU time of one machine, all threads.')));
     const rows = study.rows.filter((row) => row.test === test.name && row.data.startsWith('twin, '));
     const conditions = CONDITIONS.filter((name) => rows.some((row) => row.data === `twin, ${name}`));
     if (!conditions.length) return;
     body.append(el('h4', {}, T('Error of the twin over its Cramér-Rao bound')));
     choices(body, [T('Data'), conditions.map((name) => T(name))], [T('Error of'), [T('frequency'), T('damping')]])
       .draw((place, [condition, quantity]) => boundPlot(place, rows.filter((row) => row.data === `twin, ${conditions[condition]}`), quantity));
-    body.append(el('p', { class: 'note' }, T('Shaded: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.')));
+    body.append(el('p', { class: 'note' }, T('Shaded: within 20 % of the bound. A dot in a mark: no missed and no spurious mode in any draw.')));
   };
   if (study.tests.length > 1) host.append(bar(choice(T('Test'), study.tests.map((test) => test.name), show)));
   host.append(body);
@@ -131,7 +131,7 @@ function costWords(row, onTwin) {
     `${T('CPU time')} ${digits(1e3 * row.cpu_s, 3)}${row.spread_s > 0 ? ` ± ${digits(1e3 * row.spread_s, 2)}` : ''} ms`,
     row.peak_bytes === undefined ? '' : `${T('Peak memory')} ${digits(row.peak_bytes / 2 ** 20, 3)} MiB`,
     `${T('error')}: ${errors.map(([key, name]) => `${name} ${percent(row[`${key}_rms`])}`).join(', ')}`,
-    fill(T('{} of {} modes found, {} invented'), row.found, row.observable, row.spurious),
+    fill(T('{} of {} modes found, {} spurious'), row.found, row.observable, row.spurious),
   ].filter(Boolean);
 }
 
@@ -157,7 +157,7 @@ function boundPlot(host, rows, quantity) {
     },
     tell: (near) => {
       const row = near.series.rows[near.k];
-      return [`${methodName(row)}, ${row.snr_db} dB`, fill(T('{} times the bound'), digits(row[key], 3)), fill(T('{} of {} modes found, {} invented'), row.found, row.observable, row.spurious)];
+      return [`${methodName(row)}, ${row.snr_db} dB`, fill(T('{} times the bound'), digits(row[key], 3)), fill(T('{} of {} modes found, {} spurious'), row.found, row.observable, row.spurious)];
     },
   });
 }

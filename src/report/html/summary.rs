@@ -1,4 +1,5 @@
-//! The first tab in words and numbers, and the findings with their reasons.
+//! The summary tab states the result of a run in numbers and sentences; the findings tab lists the
+//! findings with their explanations.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,21 +17,21 @@ use super::numbers::{short, to_place_of, two_digits};
 use super::words::{sentence, word};
 use super::{escape, update};
 
-/// Findings of one code that are listed; more are counted.
-const LISTED: usize = 12;
-/// Roots that are named one by one.
-const NAMED: usize = 8;
+/// Maximum number of findings of one code in the list; the others are counted.
+const MAX_LISTED_FINDINGS: usize = 12;
+/// Maximum number of modes or parameters that the summary lists; the others are counted.
+const MAX_LISTED_ITEMS: usize = 8;
 
-/// Whether the limits are met, cards of the tests, what was missed, what to change.
+/// Verdict on the stated limits, a card for each test, unmatched modes, and recommended changes.
 pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
     let Some(overview) = &report.figures.overview else {
         return format!(
             "<p class=\"lead\">{}</p>\n{}",
-            escape(word(language, "This run compared no test with a model.")),
+            escape(word(language, "Test only, no model.")),
             limits(report, language)
         );
     };
-    // A single card leaves room beside it for what was missed and what to change.
+    // A single card leaves room at its side for unmatched modes and recommendations.
     let alone = if overview.tests.len() == 1 {
         " alone"
     } else {
@@ -40,21 +41,22 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     text += &format!("<div class=\"first{alone}\">\n<div class=\"cards\">\n");
     for test in &overview.tests {
         let mut figures = report.figures.tests.iter();
-        let synthetic = figures.any(|own| own.name == test.test && own.synthetic);
+        let synthetic =
+            figures.any(|test_figures| test_figures.name == test.test && test_figures.synthetic);
         text += &card(test, synthetic, language);
     }
     text += "</div>\n<div class=\"two\">\n";
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n",
-        word(language, "What was missed"),
+        word(language, "Unmatched modes"),
         list(&missed(overview, language))
     );
-    let verdict = updated.and_then(|own| update::verdict_line(own, language));
+    let verdict = updated.and_then(|result| update::verdict_line(result, language));
     let mut advice = advice(overview, updated, language);
     advice.splice(0..0, verdict);
-    let warnings = report.findings.iter().flat_map(|(_, own)| own);
+    let warnings = report.findings.iter().flat_map(|(_, findings)| findings);
     let warnings = warnings
-        .filter(|own| own.severity >= Severity::Warning)
+        .filter(|finding| finding.severity >= Severity::Warning)
         .count();
     if warnings > 0 {
         advice.push(sentence(
@@ -71,11 +73,11 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     text
 }
 
-/// A failed update is no advice.
+/// Heading of the advice; a failed update recommends no change.
 fn advice_head(updated: Option<&Value>) -> &'static str {
     match updated.is_some_and(update::failed) {
-        true => "What the update came to",
-        false => "What to change",
+        true => "Update result",
+        false => "Recommended changes",
     }
 }
 
@@ -95,10 +97,10 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
         .min_mac
         .map_or_else(|| "—".to_owned(), |mac| format!("{mac:.3}"));
     let counts = [
-        ("missed", test.missed),
+        ("unmatched (model)", test.missed),
         ("not observable", test.not_observable),
         ("ambiguous", test.ambiguous),
-        ("extra", test.extra),
+        ("unmatched (test)", test.extra),
     ];
     let counted = counts.iter().filter(|(_, count)| *count > 0);
     let chips: String = counted
@@ -129,9 +131,10 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
     )
 }
 
-/// What has no partner, one sentence each, what nothing excuses first; many are counted.
+/// Sentences on the unmatched modes, those that the test should observe first; the modes above the
+/// maximum number are counted.
 fn missed(overview: &Overview, language: Language) -> Vec<String> {
-    let mut told: Vec<(u8, String)> = Vec::new();
+    let mut ranked: Vec<(u8, String)> = Vec::new();
     let mut unseen: BTreeMap<&str, usize> = BTreeMap::new();
     for row in &overview.rows {
         let hz = row
@@ -145,62 +148,63 @@ fn missed(overview: &Overview, language: Language) -> Vec<String> {
                     let (rank, text) = match (cell.status, cell.not_judged) {
                         (Status::MissedExpected, _) => (
                             3,
-                            "{}: model mode {} at {} Hz has no partner, as was expected: {}",
+                            "{}: model mode {} at {} Hz is unmatched, not excited or not sensed: {}",
                         ),
                         (_, true) => (
                             1,
-                            "{}: model mode {} at {} Hz has no partner; whether the test could see it is not known: {}",
+                            "{}: model mode {} at {} Hz is unmatched, observability unknown: {}",
                         ),
                         (_, false) => (
                             0,
-                            "{}: model mode {} at {} Hz has no partner although the test should see it: {}",
+                            "{}: model mode {} at {} Hz is unmatched, but the test should observe it: {}",
                         ),
                     };
                     let values = [cell.test.clone(), row.label.clone(), hz.clone(), reasons];
-                    told.push((rank, sentence(language, text, &values)));
+                    ranked.push((rank, sentence(language, text, &values)));
                 }
                 Status::Extra => {
                     let hz = cell.hz.map_or_else(String::new, |hz| format!("{hz:.1}"));
-                    let text = "{}: test mode at {} Hz has no partner in the model";
-                    told.push((2, sentence(language, text, &[cell.test.clone(), hz])));
+                    let text = "{}: test mode at {} Hz is unmatched";
+                    ranked.push((2, sentence(language, text, &[cell.test.clone(), hz])));
                 }
                 Status::Paired | Status::Ambiguous | Status::OutsideBand => {}
             }
         }
     }
-    told.sort_by_key(|(rank, _)| *rank);
-    let mut told: Vec<String> = told.into_iter().map(|(_, text)| text).collect();
-    let more = told.len().saturating_sub(NAMED);
-    told.truncate(NAMED);
+    ranked.sort_by_key(|(rank, _)| *rank);
+    let mut texts: Vec<String> = ranked.into_iter().map(|(_, text)| text).collect();
+    let more = texts.len().saturating_sub(MAX_LISTED_ITEMS);
+    texts.truncate(MAX_LISTED_ITEMS);
     if more > 0 {
-        told.push(format!("… + {more}"));
+        texts.push(format!("… + {more}"));
     }
     let unseen = unseen.iter().map(|(test, count)| {
-        let own = sentence(
+        let text = sentence(
             language,
-            "roots that these sensors and hits could not see: {}",
+            "model modes that these sensors and excitation points cannot observe: {}",
             &[count.to_string()],
         );
-        format!("{test}: {own}")
+        format!("{test}: {text}")
     });
-    told.extend(unseen);
-    if told.is_empty() {
-        told.push(word(language, "Nothing inside the band was missed.").to_owned());
+    texts.extend(unseen);
+    if texts.is_empty() {
+        texts.push(word(language, "No unmatched modes in the band.").to_owned());
     }
-    told
+    texts
 }
 
-/// What an update found, else which way the model leans.
+/// Identified parameters of an update; without one, the sign of the frequency errors and the
+/// stiffness factor that removes their mean.
 fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> Vec<String> {
-    let parameters = updated.and_then(|own| own["parameters"].as_array());
+    let parameters = updated.and_then(|result| result["parameters"].as_array());
     if let Some(parameters) = parameters {
-        let told = changes(parameters, language);
-        if !told.is_empty() {
-            return told;
+        let sentences = changes(parameters, language);
+        if !sentences.is_empty() {
+            return sentences;
         }
     }
     let further = overview.updatable.then(|| {
-        let text = "`modalign update` says which parameters the test can tell.";
+        let text = "`modalign update` estimates the parameters that the test can identify.";
         word(language, text).to_owned()
     });
     if let Some(factor) = overview.stiffness_factor {
@@ -212,50 +216,55 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
                 "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test."
             }
         };
-        let leaning = sentence(language, text, &[format!("{factor:.3}")]);
-        return [leaning].into_iter().chain(further).collect();
+        let bias = sentence(language, text, &[format!("{factor:.3}")]);
+        return [bias].into_iter().chain(further).collect();
     }
     let errors = overview.rows.iter().flat_map(|row| {
         let cells = row.cells.iter();
         cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
     });
     let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
-    let text = "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}.";
-    let told = largest.map(|(row, cell, error)| {
+    let text = "The frequency errors have no common sign, so no single stiffness factor explains them; the largest is {} at {}.";
+    let largest_error = largest.map(|(row, cell, error)| {
         let place = format!("{} ({})", row.label, cell.test);
         sentence(language, text, &[format!("{error:+.2} %"), place])
     });
-    let further = further.filter(|_| told.is_some());
-    told.into_iter().chain(further).collect()
+    let further = further.filter(|_| largest_error.is_some());
+    largest_error.into_iter().chain(further).collect()
 }
 
-/// The parameters that the test identified; of many those that moved most by their deviations, the
-/// others counted.
+/// The identified parameters; of many, those with the largest changes in standard deviations, with
+/// the number of the others.
 fn changes(parameters: &[Value], language: Language) -> Vec<String> {
-    let known = parameters.iter();
-    let mut known: Vec<&Value> = known.filter(|own| own["verdict"] == "identified").collect();
-    let further = known.len().saturating_sub(NAMED);
+    let identified = parameters.iter();
+    let mut identified: Vec<&Value> = identified
+        .filter(|parameter| parameter["verdict"] == "identified")
+        .collect();
+    let further = identified.len().saturating_sub(MAX_LISTED_ITEMS);
     if further > 0 {
-        let moved = |own: &Value| {
-            let [from, to, std] = ["initial", "updated", "std"].map(|key| own[key].as_f64());
+        let change_in_stds = |parameter: &Value| {
+            let [from, to, std] = ["initial", "updated", "std"].map(|key| parameter[key].as_f64());
             let std = std.filter(|std| *std > 0.0).unwrap_or(f64::INFINITY);
             (to.unwrap_or(0.0) - from.unwrap_or(0.0)).abs() / std
         };
-        known.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
-        known.truncate(NAMED);
+        identified.sort_by(|a, b| change_in_stds(b).total_cmp(&change_in_stds(a)));
+        identified.truncate(MAX_LISTED_ITEMS);
     }
-    let mut told: Vec<String> = known.iter().map(|own| changed(own, language)).collect();
+    let mut sentences: Vec<String> = identified
+        .iter()
+        .map(|parameter| change_sentence(parameter, language))
+        .collect();
     if further > 0 {
-        let text = "{} further parameters that moved less by their deviations: tab Update.";
-        told.push(sentence(language, text, &[further.to_string()]));
+        let text = "{} further parameters with smaller changes in standard deviations: tab Update.";
+        sentences.push(sentence(language, text, &[further.to_string()]));
     }
-    told
+    sentences
 }
 
-fn changed(own: &Value, language: Language) -> String {
-    let std = own["std"].as_f64().filter(|std| *std > 0.0);
+fn change_sentence(parameter: &Value, language: Language) -> String {
+    let std = parameter["std"].as_f64().filter(|std| *std > 0.0);
     let number = |key: &str| {
-        own[key].as_f64().map_or_else(
+        parameter[key].as_f64().map_or_else(
             || "—".to_owned(),
             |value| match std {
                 Some(std) if key != "std" => to_place_of(value, std),
@@ -264,21 +273,21 @@ fn changed(own: &Value, language: Language) -> String {
             },
         )
     };
-    let text = |key: &str| own[key].as_str().unwrap_or_default().to_owned();
+    let text = |key: &str| parameter[key].as_str().unwrap_or_default().to_owned();
     let values = [
         text("name"),
         number("initial"),
         number("updated"),
         number("std"),
-        unit_told(&text("unit")),
+        unit_text(&text("unit")),
     ];
     sentence(language, "{}: {} → {} ± {} {}", &values)
         .trim_end()
         .to_owned()
 }
 
-/// A unit behind a number: nothing for a pure number, a raised exponent.
-fn unit_told(unit: &str) -> String {
+/// Unit of a number: empty for a dimensionless one; exponents are superscripts.
+fn unit_text(unit: &str) -> String {
     match unit {
         "1" | "-" => String::new(),
         _ => unit.replace("m2", "m²").replace("s2", "s²"),
@@ -311,7 +320,7 @@ fn list(items: &[String]) -> String {
     format!("<ul>\n{items}</ul>\n")
 }
 
-/// Text in which what stands between backticks is code.
+/// HTML of a text, with the parts between backticks as code.
 pub(super) fn marked(text: &str) -> String {
     let mut out = String::new();
     for (index, part) in escape(text).split('`').enumerate() {
@@ -323,15 +332,19 @@ pub(super) fn marked(text: &str) -> String {
     out
 }
 
-/// All findings by test, worst first, those of one code together with its explanation.
+/// All findings by test, the most severe first, grouped by code with its explanation.
 pub(super) fn findings(report: &RunReport, language: Language) -> String {
     let mut text = String::new();
-    // Those of a single test and those of the whole run have one name.
+    // The findings of the whole run have an empty name, as those of a run with one test.
     let mut by_name: Vec<(&str, Vec<Finding>)> = Vec::new();
-    for (test, own) in report.findings.iter().filter(|(_, own)| !own.is_empty()) {
+    for (test, findings) in report
+        .findings
+        .iter()
+        .filter(|(_, findings)| !findings.is_empty())
+    {
         match by_name.iter_mut().find(|(name, _)| *name == test.as_str()) {
-            Some((_, all)) => all.extend_from_slice(own),
-            None => by_name.push((test, own.clone())),
+            Some((_, all)) => all.extend_from_slice(findings),
+            None => by_name.push((test, findings.clone())),
         }
     }
     for (test, findings) in &by_name {
@@ -346,10 +359,7 @@ pub(super) fn findings(report: &RunReport, language: Language) -> String {
         text += &of_test(findings, language);
     }
     match text.is_empty() {
-        true => format!(
-            "<p>{}</p>\n",
-            word(language, "Nothing was found that needs saying.")
-        ),
+        true => format!("<p>{}</p>\n", word(language, "No findings.")),
         false => text,
     }
 }
@@ -358,31 +368,31 @@ fn of_test(findings: &[Finding], language: Language) -> String {
     let mut by_code: BTreeMap<(std::cmp::Reverse<Severity>, Code), Vec<String>> = BTreeMap::new();
     for finding in findings {
         let key = (std::cmp::Reverse(finding.severity), finding.code);
-        let told = by_code.entry(key).or_default();
-        // The sentence of the code stands above them all.
-        let told_whole = language.finding(finding);
-        let (place, numbers) = told_whole
+        let entries = by_code.entry(key).or_default();
+        // The heading of the list has the sentence of the code.
+        let finding_text = language.finding(finding);
+        let (place, numbers) = finding_text
             .split_once(language.sentence(finding.code))
-            .unwrap_or((&told_whole, ""));
+            .unwrap_or((&finding_text, ""));
         let place = place.trim_end_matches([':', ' ', '\u{ff1a}']);
-        let own = format!("{place} {}", numbers.trim()).trim().to_owned();
-        if !told.contains(&own) {
-            told.push(own);
+        let entry = format!("{place} {}", numbers.trim()).trim().to_owned();
+        if !entries.contains(&entry) {
+            entries.push(entry);
         }
     }
     let mut text = String::from("<div class=\"codes\">\n");
-    for ((severity, code), told) in by_code {
+    for ((severity, code), entries) in by_code {
         let severity = match severity.0 {
             Severity::Info => "info",
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
-        let items: String = told
+        let items: String = entries
             .iter()
-            .take(LISTED)
-            .map(|own| format!("<li>{}</li>\n", escape(own)))
+            .take(MAX_LISTED_FINDINGS)
+            .map(|entry| format!("<li>{}</li>\n", escape(entry)))
             .collect();
-        let more = told.len().saturating_sub(LISTED);
+        let more = entries.len().saturating_sub(MAX_LISTED_FINDINGS);
         let more = match more {
             0 => String::new(),
             _ => format!("<p>+ {more} {}</p>\n", word(language, "more of this code")),
@@ -393,7 +403,7 @@ fn of_test(findings: &[Finding], language: Language) -> String {
             word(language, severity),
             escape(language.sentence(code)),
             code.name(),
-            told.len(),
+            entries.len(),
             marked(language.explanation(code)),
         );
     }
@@ -405,7 +415,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_update_is_the_advice_where_there_is_one() {
+    fn advice_lists_the_identified_parameters_of_an_update() {
         let overview = Overview {
             tests: Vec::new(),
             of_theory: true,
@@ -418,38 +428,41 @@ mod tests {
             ..overview.clone()
         };
         assert_eq!(advice(&fixed, None, Language::English).len(), 1);
-        let told = advice(&overview, None, Language::English);
-        assert!(told[1].contains("`modalign update`"), "{told:?}");
+        let sentences = advice(&overview, None, Language::English);
+        assert!(sentences[1].contains("`modalign update`"), "{sentences:?}");
         assert!(
-            told[0].contains("too stiff") && told[0].contains("0.960"),
-            "{told:?}"
+            sentences[0].contains("too stiff") && sentences[0].contains("0.960"),
+            "{sentences:?}"
         );
         let updated: Value = serde_json::from_str(
             r#"{"parameters": [{"name": "mount", "unit": "N/m", "initial": 2e6, "updated": 1.5e6, "std": 1e4, "verdict": "identified"}, {"name": "gap", "verdict": "at bound"}]}"#,
         )
         .unwrap();
-        let told = advice(&overview, Some(&updated), Language::English);
-        assert_eq!(told, ["mount: 2.000e6 → 1.500e6 ± 1.0e4 N/m"]);
+        let sentences = advice(&overview, Some(&updated), Language::English);
+        assert_eq!(sentences, ["mount: 2.000e6 → 1.500e6 ± 1.0e4 N/m"]);
     }
 
     #[test]
-    fn of_many_parameters_those_that_moved_most_are_told() {
+    fn of_many_parameters_the_largest_changes_in_standard_deviations_are_listed() {
         let parameter = |k: usize| serde_json::json!({"name": format!("p{k}"), "unit": "1", "initial": 1.0, "updated": 1.0 + 0.1 * k as f64, "std": 0.1, "verdict": "identified"});
-        let many: Vec<Value> = (0..NAMED + 3).map(parameter).collect();
-        let told = changes(&many, Language::English);
-        assert_eq!(told.len(), NAMED + 1);
-        assert_eq!(told[0], "p10: 1.00 → 2.00 ± 0.10", "no unit");
-        assert!(told[NAMED].starts_with("3 further"), "{told:?}");
+        let many: Vec<Value> = (0..MAX_LISTED_ITEMS + 3).map(parameter).collect();
+        let sentences = changes(&many, Language::English);
+        assert_eq!(sentences.len(), MAX_LISTED_ITEMS + 1);
+        assert_eq!(sentences[0], "p10: 1.00 → 2.00 ± 0.10", "no unit");
+        assert!(
+            sentences[MAX_LISTED_ITEMS].starts_with("3 further"),
+            "{sentences:?}"
+        );
         assert_eq!(changes(&many[..3], Language::English).len(), 3);
-        assert_eq!(unit_told("kg m2"), "kg m²");
+        assert_eq!(unit_text("kg m2"), "kg m²");
     }
 
     #[test]
-    fn a_failed_update_is_no_advice() {
+    fn a_failed_update_recommends_no_change() {
         let failed: Value = serde_json::from_str(r#"{"fits": false}"#).unwrap();
-        assert_eq!(advice_head(Some(&failed)), "What the update came to");
+        assert_eq!(advice_head(Some(&failed)), "Update result");
         let fits: Value = serde_json::from_str(r#"{"fits": true}"#).unwrap();
-        assert_eq!(advice_head(Some(&fits)), "What to change");
-        assert_eq!(advice_head(None), "What to change");
+        assert_eq!(advice_head(Some(&fits)), "Recommended changes");
+        assert_eq!(advice_head(None), "Recommended changes");
     }
 }

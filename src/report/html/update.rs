@@ -1,4 +1,4 @@
-//! The tables of an update, from its `update.json`.
+//! The update tab shows the tables of an update, from its `update.json`.
 
 use serde_json::Value;
 
@@ -9,19 +9,19 @@ use super::{escape, fragment};
 use crate::scene::Figures;
 use crate::update::StopReason;
 
-/// Single changes that are shown; `update.json` has all.
-const SHOWN_CHANGES: usize = 10;
+/// Maximum number of single parameter changes in the table; `update.json` has all.
+const MAX_LISTED_CHANGES: usize = 10;
 
-/// Share of a frequency by which one that was written twice may differ.
-const TEST_TOLERANCE: f64 = 1e-6;
+/// Maximum relative difference of two written values of one test frequency.
+const TEST_FREQUENCY_TOLERANCE: f64 = 1e-6;
 
-/// The same of a root of the model: modes that are repeated but for rounding stand as their mean in
-/// a comparison.
-const ROOT_TOLERANCE: f64 = 1e-3;
+/// Maximum relative difference of two written values of one model frequency: a comparison states
+/// the mean of modes that are repeated within rounding.
+const MODEL_FREQUENCY_TOLERANCE: f64 = 1e-3;
 
 /// Whether an update does not explain the test or did not converge.
 pub(super) fn failed(updated: &Value) -> bool {
-    let stopped = stop_reason(updated).is_some_and(|own| !own.converged());
+    let stopped = stop_reason(updated).is_some_and(|reason| !reason.converged());
     updated["fits"].as_bool() == Some(false) || stopped
 }
 
@@ -29,22 +29,26 @@ fn stop_reason(updated: &Value) -> Option<StopReason> {
     serde_json::from_value(updated["stop_reason"].clone()).ok()
 }
 
-/// What an update is worth; `None` for a file that does not say.
+/// Goodness of fit of an update, its frequency errors, and its convergence; `None` without the
+/// field `fits`.
 pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String> {
     let fits = updated["fits"].as_bool()?;
     let text = match fits {
         true => "The update explains the test: χ²/ν = {}, and noise alone reaches {}.",
         false => "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.",
     };
-    let number = |own: Option<f64>| match own {
-        Some(own) if own < 0.1 => two_digits(own),
-        Some(own) => format!("{own:.2}"),
+    let number = |value: Option<f64>| match value {
+        Some(value) if value < 0.1 => two_digits(value),
+        Some(value) => format!("{value:.2}"),
         None => "—".to_owned(),
     };
     let freedom = updated["degrees_of_freedom"].as_f64();
-    let most = freedom.filter(|nu| *nu > 0.0);
-    let most = most.map(|nu| 1.0 + 2.0 * (2.0 / nu).sqrt());
-    let values = [number(updated["reduced_chi_square"].as_f64()), number(most)];
+    let expected_maximum = freedom.filter(|nu| *nu > 0.0);
+    let expected_maximum = expected_maximum.map(|nu| 1.0 + 2.0 * (2.0 / nu).sqrt());
+    let values = [
+        number(updated["reduced_chi_square"].as_f64()),
+        number(expected_maximum),
+    ];
     let mut line = sentence(language, text, &values);
     let errors = ["before", "after"].map(|fit| updated[fit]["rms_percent"].as_f64());
     if errors.iter().all(Option::is_some) {
@@ -52,8 +56,8 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
         line += &sentence(language, text, &errors.map(number));
     }
     if let Some(reason) = stop_reason(updated) {
-        let told = word(language, reason.sentence()).to_owned();
-        line += &sentence(language, " {}.", &[told]);
+        let reason = word(language, reason.sentence()).to_owned();
+        line += &sentence(language, " {}.", &[reason]);
     }
     let starts = &updated["starts"];
     if let [Some(count), Some(reached)] = ["count", "reached"].map(|key| starts[key].as_u64()) {
@@ -63,20 +67,22 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
     Some(line)
 }
 
-/// Whether an update may be of the tests and the model of a run: each row that counted, `test f3`,
-/// has the frequency of that mode, or the mean of a group that begins with it (of published
-/// frequencies the run's figures say nothing), and the frequency of its partner before the update
-/// is one of the run's model, as far as these reach.
+/// Whether an update can belong to the tests and the model of a run.
+///
+/// Each row `test f3` of the update has to state the frequency of that test mode, or the mean of a
+/// group that begins with it; published frequencies are not checked. Its model frequency before the
+/// update has to be one of the run's model, if it lies within their range.
 pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
     let rows = updated["before"]["rows"].as_array();
-    let roots = figures.overview.iter().flat_map(|own| &own.rows);
-    let roots: Vec<f64> = roots.filter_map(|row| row.theory_hz).collect();
+    let model_frequencies = figures.overview.iter().flat_map(|overview| &overview.rows);
+    let model_frequencies: Vec<f64> = model_frequencies.filter_map(|row| row.theory_hz).collect();
     let of_model = |hz: f64| {
-        let inside = roots.iter().any(|own| *own <= hz) && roots.iter().any(|own| *own >= hz);
+        let inside = model_frequencies.iter().any(|frequency| *frequency <= hz)
+            && model_frequencies.iter().any(|frequency| *frequency >= hz);
         !inside
-            || roots
+            || model_frequencies
                 .iter()
-                .any(|own| (own - hz).abs() <= ROOT_TOLERANCE * hz)
+                .any(|frequency| (frequency - hz).abs() <= MODEL_FREQUENCY_TOLERANCE * hz)
     };
     rows.into_iter().flatten().all(|row| {
         if row["model_hz"].as_f64().is_some_and(|hz| !of_model(hz)) {
@@ -89,7 +95,11 @@ pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
         let (Ok(number), Some(hz)) = (number.parse::<usize>(), row["test_hz"].as_f64()) else {
             return true;
         };
-        let Some(test) = figures.tests.iter().find(|own| own.name == test) else {
+        let Some(test) = figures
+            .tests
+            .iter()
+            .find(|candidate| candidate.name == test)
+        else {
             return test == "published";
         };
         let mut sum = 0.0;
@@ -98,11 +108,11 @@ pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
             sum += mode.hz;
             sum / f64::from(count)
         });
-        means.any(|mean| (mean - hz).abs() <= TEST_TOLERANCE * hz)
+        means.any(|mean| (mean - hz).abs() <= TEST_FREQUENCY_TOLERANCE * hz)
     })
 }
 
-/// What the tab says before its tables.
+/// The verdict above the tables of the tab.
 pub(super) fn head(updated: &Value, language: Language) -> String {
     let kind = match failed(updated) {
         true => "bad",
@@ -114,18 +124,19 @@ pub(super) fn head(updated: &Value, language: Language) -> String {
     })
 }
 
-/// What the data know, and which change explains the misfit, where it was asked for.
+/// Identifiable combinations, and the parameter changes that explain the residual, where the update
+/// has them.
 pub(super) fn reasons(updated: &Value, language: Language) -> String {
     let w = |text| word(language, text);
     let mut blocks = Vec::new();
     let combinations = updated["combinations"].as_array();
     let texts = combinations.into_iter().flatten();
     let texts: Vec<Vec<Cell>> = texts
-        .filter_map(|own| Some(vec![Cell::text(own["text"].as_str()?)]))
+        .filter_map(|combination| Some(vec![Cell::text(combination["text"].as_str()?)]))
         .collect();
     if !texts.is_empty() {
         blocks.push(Block::Table(Table {
-            caption: w("What the data know, best known first").to_owned(),
+            caption: w("Identifiability: parameter combinations, best determined first").to_owned(),
             columns: vec![Column::text(w("combination"))],
             rows: texts,
             footnotes: Vec::new(),
@@ -134,7 +145,7 @@ pub(super) fn reasons(updated: &Value, language: Language) -> String {
     let explanation = &updated["explanation"];
     if explanation.is_object() {
         let single = explanation["single"].as_array();
-        let single = single.into_iter().flatten().take(SHOWN_CHANGES);
+        let single = single.into_iter().flatten().take(MAX_LISTED_CHANGES);
         let all = std::iter::once(&explanation["none"]).chain(single);
         let columns = [w("rms error (%)"), w("largest error (%)"), "χ²", "BIC"];
         let proposed = &explanation["proposed"];
@@ -147,15 +158,15 @@ pub(super) fn reasons(updated: &Value, language: Language) -> String {
             columns: std::iter::once(Column::text(w("parameter")))
                 .chain(columns.map(Column::number))
                 .collect(),
-            rows: all.map(|own| change(own, language)).collect(),
+            rows: all.map(|candidate| change(candidate, language)).collect(),
             footnotes: vec![sentence(language, text, &[freed(proposed, language)])],
         }));
     }
     fragment(&blocks, language)
 }
 
-fn freed(own: &Value, language: Language) -> String {
-    let names = own["parameters"].as_array().into_iter().flatten();
+fn freed(candidate: &Value, language: Language) -> String {
+    let names = candidate["parameters"].as_array().into_iter().flatten();
     let names: Vec<&str> = names.filter_map(Value::as_str).collect();
     match names.is_empty() {
         true => word(language, "no change").to_owned(),
@@ -163,10 +174,10 @@ fn freed(own: &Value, language: Language) -> String {
     }
 }
 
-fn change(own: &Value, language: Language) -> Vec<Cell> {
-    let number = |key: &str, decimals| Cell::number(own[key].as_f64(), decimals);
+fn change(candidate: &Value, language: Language) -> Vec<Cell> {
+    let number = |key: &str, decimals| Cell::number(candidate[key].as_f64(), decimals);
     vec![
-        Cell::text(freed(own, language)),
+        Cell::text(freed(candidate, language)),
         number("rms_percent", 3),
         number("largest_percent", 3),
         number("chi_square", 1),
@@ -174,12 +185,12 @@ fn change(own: &Value, language: Language) -> Vec<Cell> {
     ]
 }
 
-/// What the data say of a parameter, in a language.
-fn verdict(own: Option<&str>, language: Language) -> Cell {
-    let known = ["identified", "at bound", "not supported by the data"];
-    match known.iter().find(|word| Some(**word) == own) {
-        Some(known) => Cell::text(word(language, known)),
-        None => own.map_or(Cell::Missing, Cell::text),
+/// Translated verdict on a parameter.
+fn verdict(text: Option<&str>, language: Language) -> Cell {
+    let verdicts = ["identified", "at bound", "not supported by the data"];
+    match verdicts.iter().find(|word| Some(**word) == text) {
+        Some(verdict) => Cell::text(word(language, verdict)),
+        None => text.map_or(Cell::Missing, Cell::text),
     }
 }
 
@@ -187,26 +198,26 @@ fn verdict(own: Option<&str>, language: Language) -> Cell {
 pub(super) fn tables(updated: &Value, language: Language) -> String {
     let w = |text| word(language, text);
     let items = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let text = |own: &Value, key: &str| own[key].as_str().map_or(Cell::Missing, Cell::text);
-    let number = |own: &Value, key: &str| {
-        own[key]
+    let text = |row: &Value, key: &str| row[key].as_str().map_or(Cell::Missing, Cell::text);
+    let number = |row: &Value, key: &str| {
+        row[key]
             .as_f64()
             .map_or(Cell::Missing, |v| Cell::text(short(v)))
     };
-    let parameter = |own: &Value| {
-        let change = own["initial"].as_f64().zip(own["updated"].as_f64());
+    let parameter = |row: &Value| {
+        let change = row["initial"].as_f64().zip(row["updated"].as_f64());
         let change = change.filter(|(before, _)| *before != 0.0);
         vec![
-            text(own, "name"),
-            text(own, "unit"),
-            number(own, "initial"),
-            number(own, "updated"),
-            number(own, "std"),
+            text(row, "name"),
+            text(row, "unit"),
+            number(row, "initial"),
+            number(row, "updated"),
+            number(row, "std"),
             Cell::signed(
                 change.map(|(before, after)| 100.0 * (after / before - 1.0)),
                 2,
             ),
-            verdict(own["verdict"].as_str(), language),
+            verdict(row["verdict"].as_str(), language),
         ]
     };
     let columns = |texts: &[&'static str], numbers: &[&'static str]| -> Vec<Column> {
@@ -223,7 +234,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
     let before = items(&updated["before"]["rows"]);
     let after = items(&updated["after"]["rows"]);
     let fit = |(before, after): (&Value, &Value)| {
-        let value = |own: &Value, key: &str| own[key].as_f64();
+        let value = |row: &Value, key: &str| row[key].as_f64();
         vec![
             text(after, "label"),
             Cell::number(value(after, "test_hz"), 2),
@@ -274,11 +285,11 @@ mod tests {
     }
 
     #[test]
-    fn an_update_says_what_it_is_worth() {
-        let own = value(
+    fn the_verdict_states_fit_errors_and_convergence() {
+        let updated = value(
             r#"{"fits": false, "reduced_chi_square": 40.0, "degrees_of_freedom": 8.0, "stop_reason": "iteration-limit", "starts": {"count": 5, "reached": 2}, "before": {"rms_percent": 2.934}, "after": {"rms_percent": 0.00112}}"#,
         );
-        let line = verdict_line(&own, Language::English).unwrap();
+        let line = verdict_line(&updated, Language::English).unwrap();
         for part in [
             "does not explain",
             "40.00",
@@ -289,7 +300,7 @@ mod tests {
         ] {
             assert!(line.contains(part), "{part}: {line}");
         }
-        assert!(failed(&own) && head(&own, Language::English).contains("verdict bad"));
+        assert!(failed(&updated) && head(&updated, Language::English).contains("verdict bad"));
         assert!(!failed(&value(
             r#"{"fits": true, "stop_reason": "no-decrease"}"#
         )));
@@ -299,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn an_update_of_other_results_is_known_by_its_frequencies() {
+    fn an_update_of_another_run_is_detected_by_its_frequencies() {
         let mode = |hz| ModeMark {
             hz,
             hz_std: None,

@@ -1,4 +1,4 @@
-//! The words of the page in English and Chinese; those of tables are [`super::super::Language`]'s.
+//! Translations of the words of the page; [`super::super::Language`] translates those of tables.
 
 use serde_json::{Map, Value};
 
@@ -13,7 +13,7 @@ pub(super) fn word(language: Language, text: &'static str) -> &'static str {
             let found = WORDS
                 .iter()
                 .chain(SCRIPT_WORDS)
-                .find(|(own, _)| *own == text);
+                .find(|(english, _)| *english == text);
             found.map_or(text, |(_, translated)| translated)
         }
     }
@@ -32,7 +32,7 @@ pub(super) fn sentence(language: Language, text: &'static str, values: &[String]
     filled
 }
 
-/// The words that the script needs, by the English ones; none for an English page.
+/// Translations that the script needs, by the English words; empty for an English page.
 pub(super) fn page_words(language: Language) -> Value {
     match language {
         Language::English => Value::Object(Map::new()),
@@ -63,7 +63,7 @@ const WORDS: &[(&str, &str)] = &[
     ("Mode shapes", "振型"),
     ("MAC", "MAC"),
     ("FRFs", "频响函数"),
-    ("Stabilisation", "稳定图"),
+    ("Stabilization diagram", "稳定图"),
     ("Circle fits", "圆拟合"),
     ("Modes", "模态"),
     ("Energies", "能量"),
@@ -79,34 +79,34 @@ const WORDS: &[(&str, &str)] = &[
     ("rms frequency error", "频率误差均方根"),
     ("largest", "最大"),
     ("smallest MAC", "最小 MAC"),
-    ("missed", "漏检"),
+    ("unmatched (model)", "漏检"),
     ("not observable", "不可观测"),
-    ("extra", "多余"),
+    ("unmatched (test)", "多余"),
     ("ambiguous", "不明确"),
-    ("What was missed", "漏检的模态"),
-    ("Nothing inside the band was missed.", "频带内无漏检。"),
-    ("What to change", "建议的修改"),
-    ("What the update came to", "修正的结果"),
+    ("Unmatched modes", "漏检的模态"),
+    ("No unmatched modes in the band.", "频带内无漏检。"),
+    ("Recommended changes", "建议的修改"),
+    ("Update result", "修正的结果"),
     ("synthetic", "合成"),
     (
-        "{}: model mode {} at {} Hz has no partner, as was expected: {}",
+        "{}: model mode {} at {} Hz is unmatched, not excited or not sensed: {}",
         "{}：模型第 {} 阶({} Hz)无配对，符合预期：{}",
     ),
     (
-        "{}: model mode {} at {} Hz has no partner; whether the test could see it is not known: {}",
+        "{}: model mode {} at {} Hz is unmatched, observability unknown: {}",
         "{}：模型第 {} 阶({} Hz)无配对；试验能否观测到它未知：{}",
     ),
     (
-        "{}: model mode {} at {} Hz has no partner although the test should see it: {}",
+        "{}: model mode {} at {} Hz is unmatched, but the test should observe it: {}",
         "{}：模型第 {} 阶({} Hz)无配对，而试验本应观测到它：{}",
     ),
     (
-        "{}: test mode at {} Hz has no partner in the model",
+        "{}: test mode at {} Hz is unmatched",
         "{}：试验模态({} Hz)在模型中无配对",
     ),
     (
-        "roots that these sensors and hits could not see: {}",
-        "用这些测点和锤击点无法观测的根：{} 个",
+        "model modes that these sensors and excitation points cannot observe: {}",
+        "用这些测点和锤击点无法观测的模型模态：{} 阶",
     ),
     (
         "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test.",
@@ -117,11 +117,11 @@ const WORDS: &[(&str, &str)] = &[
         "试验的配对频率均高于模型：模型过软或过重。若所有刚度乘以 {}，平均频率与试验一致。",
     ),
     (
-        "The errors do not lean clearly to one side, so that no single factor explains them; the largest is {} at {}.",
+        "The frequency errors have no common sign, so no single stiffness factor explains them; the largest is {} at {}.",
         "误差没有明显偏向一侧，单一系数无法解释；最大为 {}({})。",
     ),
     (
-        "`modalign update` says which parameters the test can tell.",
+        "`modalign update` estimates the parameters that the test can identify.",
         "`modalign update` 可给出试验能识别的参数。",
     ),
     ("{}: {} → {} ± {} {}", "{}：{} → {} ± {} {}"),
@@ -131,15 +131,9 @@ const WORDS: &[(&str, &str)] = &[
         "Warnings among the findings: {}.",
         "“提示”中的警告：{} 条。",
     ),
-    (
-        "This run compared no test with a model.",
-        "本次运行没有试验与模型的对比。",
-    ),
+    ("Test only, no model.", "本次运行没有试验与模型的对比。"),
     ("Error of each mode", "各阶误差"),
-    (
-        "Nothing was found that needs saying.",
-        "没有需要说明的事项。",
-    ),
+    ("No findings.", "没有需要说明的事项。"),
     ("whole run", "整体"),
     ("severity", "级别"),
     ("finding", "内容"),
@@ -187,7 +181,7 @@ const WORDS: &[(&str, &str)] = &[
         "频率误差均方根：修正前 {} %，修正后 {} %。",
     ),
     (
-        "{} further parameters that moved less by their deviations: tab Update.",
+        "{} further parameters with smaller changes in standard deviations: tab Update.",
         "另有 {} 个参数的变化(以标准差计)较小：见“模型修正”页。",
     ),
     (
@@ -211,8 +205,8 @@ const WORDS: &[(&str, &str)] = &[
         "未收敛：已达到规定的迭代次数",
     ),
     (
-        "What the data know, best known first",
-        "数据所知，最确定的在前",
+        "Identifiability: parameter combinations, best determined first",
+        "可辨识性：参数组合，最确定的在前",
     ),
     ("combination", "组合"),
     ("One parameter changed at a time", "每次改变一个参数"),
@@ -243,7 +237,7 @@ const WORDS: &[(&str, &str)] = &[
     ("Speed against accuracy", "速度与精度"),
     ("Where methods fail", "方法的失效边界"),
     (
-        "What this scene needs, and what it does not",
+        "Required and unnecessary elements of this scene",
         "本场景需要什么，不需要什么",
     ),
     (
@@ -251,7 +245,7 @@ const WORDS: &[(&str, &str)] = &[
         "order.json 中的研究来自其他场景或其他数据，未列出；请重新运行 `modalign study order`。",
     ),
     (
-        "Small structures are drawn again and again. Inside its contour a method finds their modes to the stated error in 95 % of the draws; beyond it, it does not. Points are the modes of this run.",
+        "Each map is computed from random synthetic structures. Inside its contour a method finds their modes to the stated error in 95 % of the draws; outside, it does not. Points are the modes of this run.",
         "反复抽取小型结构。在等值线之内，方法在 95 % 的抽样中以规定误差找到其模态；在其外则不能。点为本次运行的模态。",
     ),
     (
@@ -326,7 +320,10 @@ mod tests {
             for (index, (from, to)) in words.iter().enumerate() {
                 let count = |text: &str| text.matches("{}").count();
                 assert_eq!(count(from), count(to), "{from}");
-                assert!(words[..index].iter().all(|(own, _)| own != from), "{from}");
+                assert!(
+                    words[..index].iter().all(|(other, _)| other != from),
+                    "{from}"
+                );
             }
         }
     }
@@ -340,15 +337,21 @@ mod tests {
         }
         assert!(used.len() > 40, "{}", used.len());
         for text in used {
-            assert!(SCRIPT_WORDS.iter().any(|(own, _)| *own == text), "{text}");
+            assert!(
+                SCRIPT_WORDS.iter().any(|(english, _)| *english == text),
+                "{text}"
+            );
         }
-        for (own, _) in SCRIPT_WORDS {
-            assert!(script.contains(&format!("'{own}'")), "{own} is not used");
+        for (english, _) in SCRIPT_WORDS {
+            assert!(
+                script.contains(&format!("'{english}'")),
+                "{english} is not used"
+            );
         }
     }
 
     #[test]
-    fn values_stand_where_they_belong() {
+    fn sentences_are_filled_with_values_in_order() {
         let text = sentence(
             Language::English,
             "{}: {} → {} ± {} {}",
