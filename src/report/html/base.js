@@ -1,6 +1,6 @@
 // Words, numbers, colours and elements that every figure needs.
 
-/** The data of the page, read after it has been painted. */
+/** The data of the page, read after the browser has painted it. */
 let page = null;
 let figures = null;
 function readData() {
@@ -31,7 +31,7 @@ function svg(name, attributes = {}, text = null) {
   return node;
 }
 
-/** A number with so many significant digits, with a power of ten where that is shorter. */
+/** A number with `count` significant digits, with a power of ten where that is shorter. */
 function digits(value, count = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '—';
   const size = Math.abs(value);
@@ -66,7 +66,7 @@ function heat(share) {
   return `rgb(${mix.join(',')})`;
 }
 
-/** Black or white, whichever is read on the heat colour. */
+/** Dark or white, whichever has more contrast on a colour of the heat scale. */
 function inkOn(share) {
   const rgb = heat(share).match(/\d+/g).map(Number);
   return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] > 140 ? '#111722' : '#ffffff';
@@ -79,7 +79,7 @@ function inkOver(color) {
   return luminance > 0.19 ? '#10131a' : '#ffffff';
 }
 
-/** The one tooltip of the page. */
+/** The tooltip that all figures share. */
 const tip = {
   node: null,
   show(x, y, lines) {
@@ -110,7 +110,7 @@ function save(name, type, content) {
   setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
 
-/** A labelled choice; `items` are texts, `pick` is called with the index. */
+/** A labelled drop-down list; `items` are texts, `pick` is called with the index. */
 function choice(label, items, pick) {
   const select = el('select', { onchange: () => pick(select.selectedIndex) }, ...items.map((text) => el('option', {}, text)));
   return el('label', { class: 'choice' }, el('span', {}, label), select);
@@ -126,7 +126,7 @@ function tick(label, on, change) {
 const button = (label, click, more = {}) => el('button', { type: 'button', onclick: click, ...more }, label);
 const bar = (...parts) => el('div', { class: 'bar' }, ...parts);
 
-/** The test that was chosen last; the tabs that are opened next begin with it. */
+/** The test that the user selected last; other tabs open with it. */
 let chosenTest = null;
 
 /** The note over the figures of a synthetic test. */
@@ -160,7 +160,7 @@ function ofTests(host, has, draw) {
   show(first);
 }
 
-/** Drawings that follow the theme and the width of the window, while they are in the page. */
+/** Figures of the page that are redrawn when the theme or the width of the window changes. */
 const drawings = new Set();
 function redrawAll() {
   for (const drawing of drawings) {

@@ -1,4 +1,4 @@
-// Bode and Nyquist diagrams with the curve of the identified modes and the coherence.
+// Bode and Nyquist diagrams with the synthesized FRF of the identified modes and the coherence.
 
 /** Vertical lines at the modes of a test. */
 const modeMarks = (test) => test.modes.map((mode, k) => ({ x: mode.hz, text: String(k + 1) }));
@@ -62,7 +62,7 @@ function drawCurve(host, test, curve, hz, state) {
   nyquist(right, { curve, x, fitted, group, name, unit, range: set.band_hz });
 }
 
-/** The curve in the complex plane over the range of frequency that the Bode diagram shows. */
+/** The Nyquist diagram over the frequency range that the Bode diagram shows. */
 function nyquist(host, { curve, x, fitted, group, name, unit, range }) {
   const parts = (magnitude, degrees, keep) => {
     const [re, im, at] = [[], [], []];

@@ -3,7 +3,7 @@
 
 /** Minimum percentage of the draws in which a method has to meet the stated error. */
 const MIN_SUCCESS_PERCENT = 95;
-/** The darkest shade of a map, as a share of the heat scale: contours and points stay to be seen on it. */
+/** The darkest shade of a map, as a fraction of the heat scale: contours and points remain visible on it. */
 const DARKEST = { all: 0.42, one: 0.8 };
 const DASHES = ['', '8 3', '2 2.5', '9 3 2 3', '14 4', '5 2 1.5 2 1.5 2', '4 5'];
 /** Maximum number of modes with a sentence under the map. */
@@ -36,11 +36,11 @@ function drawMaps(host) {
   pickSlice(0);
 }
 
-/** The value of an axis at a share of it, and back. */
+/** From a fraction of an axis to its value, and back. */
 const valueAt = (axis, share) => (axis.log ? axis.lo * (axis.hi / axis.lo) ** share : axis.lo + share * (axis.hi - axis.lo));
 const shareOf = (axis, value) => (axis.log ? Math.log(value / axis.lo) / Math.log(axis.hi / axis.lo) : (value - axis.lo) / (axis.hi - axis.lo));
 
-/** The share of the draws at a place, linear between the nodes of the grid. */
+/** The detection rate at a location, linear between the nodes of the grid. */
 function shareAt(grid, [x, y]) {
   const part = (share, count) => {
     const at = Math.max(0, Math.min(1, share)) * (count - 1);
@@ -74,7 +74,7 @@ function wholeTicks(axis) {
   return ticks;
 }
 
-/** The contour of a method; where it has none, the legend says whether it holds everywhere or nowhere. */
+/** The failure boundary of a method; without one, the legend says whether the method succeeds everywhere or nowhere. */
 function contourSeries(slice, k) {
   const lines = slice.contours[k];
   const [x, y] = [[], []];
@@ -125,7 +125,7 @@ function shadeKey(method) {
   return key;
 }
 
-/** `4`, `1, 2`, `1 – 6`; modes that lie on one another share a label. */
+/** `4`, `1, 2`, `1 – 6`; modes that overlap share a label. */
 function modeLabels(plot, group, points) {
   const groups = [];
   points.forEach((point, k) => {

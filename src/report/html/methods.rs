@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::super::json::{BreakdownFile, RunReport};
 use super::super::{Block, Language, breakdown_blocks};
-use super::summary::marked;
+use super::summary::text_with_code;
 use super::words::word;
 use super::{Beside, escape, fragment};
 use crate::study::breakdown::{
@@ -40,14 +40,14 @@ pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
     if let Some(study) = &beside.order {
         tab.content += &format!("<h3>{}</h3>\n", w(ORDER));
-        tab.content += &match is_of_run(study, report) {
+        tab.content += &match study_belongs_to_run(study, report) {
             true => sentences(&study["answers"]) + &tables(study, language),
             false => note(OTHER_ORDER),
         };
     }
     if let Some(study) = &beside.speed_accuracy {
         tab.content += &format!("<h3>{}</h3>\n", w(SPEED));
-        if is_of_run(study, report) {
+        if study_belongs_to_run(study, report) {
             tab.content += &speed_text(study, language);
             tab.data.insert("speed".to_owned(), speed_data(study));
         } else {
@@ -56,7 +56,7 @@ pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -
     }
     if let Some(study) = &beside.breakdown {
         tab.content += &format!("<h3>{}</h3>\n", w(BREAKDOWN));
-        if breakdown_is_of_run(study, report) {
+        if breakdown_belongs_to_run(study, report) {
             let tables = language.translated(breakdown_blocks(study));
             tab.content += &format!(
                 "<p>{}</p>\n<div class=\"drawn\" data-draw=\"maps\"></div>\n<div class=\"drawn\" data-draw=\"precision\"></div>\n{}",
@@ -78,7 +78,7 @@ fn items(value: &Value) -> impl Iterator<Item = &Value> {
 
 /// Whether a study has the title of the run's scene, and each of its tests has the name and the
 /// data of a test of the run.
-fn is_of_run(study: &Value, report: &RunReport) -> bool {
+fn study_belongs_to_run(study: &Value, report: &RunReport) -> bool {
     let same_data = |test: &Value| {
         let name = test["name"].as_str().unwrap_or_default();
         let hashes = items(&test["inputs"]).filter_map(|file| file["sha256"].as_str());
@@ -91,7 +91,7 @@ fn is_of_run(study: &Value, report: &RunReport) -> bool {
 }
 
 /// Whether the modes of a study are those of the run; true for a study without a scene.
-fn breakdown_is_of_run(study: &BreakdownFile, report: &RunReport) -> bool {
+fn breakdown_belongs_to_run(study: &BreakdownFile, report: &RunReport) -> bool {
     let Some(title) = &study.title else {
         return true;
     };
@@ -116,7 +116,7 @@ fn speed_text(study: &Value, language: Language) -> String {
 
 fn sentences(texts: &Value) -> String {
     let all = items(texts).filter_map(Value::as_str);
-    all.map(|text| format!("<p class=\"why\">{}</p>\n", marked(text)))
+    all.map(|text| format!("<p class=\"why\">{}</p>\n", text_with_code(text)))
         .collect()
 }
 
@@ -163,10 +163,12 @@ const SPEED_TIME_FIELDS: &[&str] = &[
 
 fn speed_data(study: &Value) -> Value {
     let rows = |key: &str, fields| -> Vec<Value> {
-        items(&study[key]).map(|row| thinned(row, fields)).collect()
+        items(&study[key])
+            .map(|row| select_fields(row, fields))
+            .collect()
     };
     let test = |test: &Value| {
-        thinned(
+        select_fields(
             test,
             &["name", "refined_frequency_std", "refined_damping_std"],
         )
@@ -180,7 +182,7 @@ fn speed_data(study: &Value) -> Value {
 }
 
 /// The fields of this list that a row has; numbers have five digits.
-fn thinned(row: &Value, fields: &[&str]) -> Value {
+fn select_fields(row: &Value, fields: &[&str]) -> Value {
     let field = |name: &&str| match &row[*name] {
         Value::Null => None,
         Value::Number(number) => Some(((*name).to_owned(), json!(rounded(number.as_f64()?, 4)))),
@@ -219,7 +221,7 @@ fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language)
     let contours = |field: &Field| -> Vec<Vec<[f64; 2]>> {
         let lines = field.contour(LEVEL).into_iter();
         lines
-            .map(|line| line.into_iter().map(place).collect())
+            .map(|line| line.into_iter().map(round_location).collect())
             .collect()
     };
     let axis = |axis: &Axis| {
@@ -249,7 +251,7 @@ fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language)
     })
 }
 
-fn place([x, y]: [f64; 2]) -> [f64; 2] {
+fn round_location([x, y]: [f64; 2]) -> [f64; 2] {
     [x, y].map(|fraction| (1e4 * fraction).round() / 1e4)
 }
 
@@ -268,7 +270,7 @@ fn point_data(position: &UserModePosition, result: &SliceResult, language: Langu
         "test": position.mode.test,
         "number": position.mode.number,
         "hz": rounded(position.mode.frequency_hz, 6),
-        "place": place(position.place),
+        "place": round_location(position.place),
         "margins": margins.collect::<Vec<_>>(),
         "nearest": methods.position(|name| Some(name.as_str()) == nearest),
     })

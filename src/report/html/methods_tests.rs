@@ -194,9 +194,9 @@ fn maps_of_another_scene_or_of_other_modes_are_replaced_by_a_note() {
 
 #[test]
 fn a_study_of_other_data_is_replaced_by_a_note() {
-    let with = |place: &str, value: &str| {
+    let with = |pointer: &str, value: &str| {
         let mut accuracy = speed();
-        *accuracy.pointer_mut(place).expect("a place in the study") = json!(value);
+        *accuracy.pointer_mut(pointer).expect("field of the study") = json!(value);
         shown(&Beside {
             speed_accuracy: Some(accuracy),
             ..Beside::default()
@@ -208,15 +208,15 @@ fn a_study_of_other_data_is_replaced_by_a_note() {
     assert!(
         tab.content.contains("hammer: a &lt; b.") && tab.content.contains("data-draw=\"speed\"")
     );
-    for (place, value) in [
+    for (pointer, value) in [
         ("/title", "another"),
         ("/tests/0/name", "shaker"),
         ("/tests/0/inputs/0/sha256", "ffff"),
     ] {
-        let tab = with(place, value);
+        let tab = with(pointer, value);
         assert!(
             tab.data.is_empty() && tab.content.contains("is left out"),
-            "{place}"
+            "{pointer}"
         );
     }
     assert!(shown(&Beside::default()).content.is_empty());

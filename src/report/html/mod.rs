@@ -141,7 +141,7 @@ fn table_text(table: &Table, language: Language) -> String {
     let notes = table
         .footnotes
         .iter()
-        .map(|note| format!("<p>{}</p>\n", summary::marked(note)));
+        .map(|note| format!("<p>{}</p>\n", summary::text_with_code(note)));
     let notes: String = notes.collect();
     let notes = match table.footnotes.len() {
         0 => String::new(),

@@ -6,7 +6,7 @@ fn plain(size: f64) -> bool {
 }
 
 /// Power of ten of the second digit of a standard deviation.
-fn last_place(std: f64) -> i32 {
+fn second_digit_power(std: f64) -> i32 {
     let text = format!("{std:.1e}");
     let power = text
         .split('e')
@@ -18,17 +18,17 @@ fn last_place(std: f64) -> i32 {
 /// A standard deviation with two digits.
 pub(super) fn two_digits(std: f64) -> String {
     match plain(std) && std < 100.0 {
-        true => format!("{std:.*}", (-last_place(std)).max(0) as usize),
+        true => format!("{std:.*}", (-second_digit_power(std)).max(0) as usize),
         false => format!("{std:.1e}"),
     }
 }
 
 /// A value down to the second digit of its standard deviation.
-pub(super) fn to_place_of(value: f64, std: f64) -> String {
+pub(super) fn round_to_std(value: f64, std: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let last = last_place(std);
+    let last = second_digit_power(std);
     if plain(value.abs()) && last <= 0 {
         return format!("{value:.*}", (-last).min(12) as usize);
     }
@@ -75,7 +75,7 @@ mod tests {
             (-0.5, 0.0996, "-0.50 ± 0.10"),
             (0.0, 0.0011, "0 ± 0.0011"),
         ] {
-            let text = format!("{} ± {}", to_place_of(value, std), two_digits(std));
+            let text = format!("{} ± {}", round_to_std(value, std), two_digits(std));
             assert_eq!(text, expected);
         }
     }

@@ -42,7 +42,7 @@ const OTHER_RESULTS: &str = "The update in this folder is of other test frequenc
 pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> String {
     let updated = beside.updated.as_ref();
     let studied = methods::methods(report, beside, language);
-    let stale = updated.is_some_and(|result| !update::of_run(result, &report.figures));
+    let stale = updated.is_some_and(|result| !update::belongs_to_run(result, &report.figures));
     let updated = updated.filter(|_| !stale);
     let mut tabs: Vec<Tab> = tabs(report, (updated, studied.content), language)
         .into_iter()
@@ -195,7 +195,8 @@ fn tabs(
             "Update",
             updated.map_or_else(String::new, |result| {
                 let head = update::head(result, language);
-                head + &update::tables(result, language) + &update::reasons(result, language)
+                head + &update::tables(result, language)
+                    + &update::identifiability_tables(result, language)
             }),
             updated.is_some(),
         ),

@@ -28,7 +28,7 @@ function commonPower(lo, hi) {
 
 const raised = (n) => String(n).replace(/./g, (c) => '⁰¹²³⁴⁵⁶⁷⁸⁹⁻'['0123456789-'.indexOf(c)]);
 
-/** The label of an axis with the power of ten of its numbers beside the unit. */
+/** The label of an axis with the power of ten of its numbers before the unit. */
 function labelWith(label, power) {
   if (!power) return label;
   const ten = `10${raised(power)}`;
@@ -122,7 +122,7 @@ class Plot {
     return [options.min ?? lo - pad, options.max ?? hi + pad];
   }
 
-  /** From values to pixels. */
+  /** The scale from values to pixels. */
   scale(axis) {
     const { log } = this.o[axis];
     const [lo, hi] = this.range[axis] || this.whole(axis);

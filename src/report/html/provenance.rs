@@ -58,7 +58,7 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
             &provenance.inputs,
         ));
     }
-    let files: String = provenance.stated.iter().map(stated).collect();
+    let files: String = provenance.stated.iter().map(file_text).collect();
     format!(
         "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
         fragment(&tables, language),
@@ -66,7 +66,7 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
     )
 }
 
-fn stated(file: &SourceFile) -> String {
+fn file_text(file: &SourceFile) -> String {
     let head = format!(
         "<code>{}</code> <small class=\"hash\">{}</small>",
         escape(&file.path),

@@ -89,7 +89,7 @@ class View3d {
     if (this.triad) this.axes(pen);
   }
 
-  /** Takes the scale at which these points fill the view as it is turned now. */
+  /** Sets the scale at which these points fill the view in its present direction. */
   fill(points) {
     const width = Math.max(240, this.host.clientWidth || 600);
     this.size = 1;
@@ -188,7 +188,7 @@ class Pen {
     pen.fillText(text, x, y);
   }
 
-  /** Tiles from far to near. */
+  /** Draws tiles from far to near. */
   tiles(tiles, color) {
     const { pen } = this;
     const placed = tiles.map((tile) => {

@@ -11,7 +11,7 @@ function drawShapes(host) {
     if (tests[index]) body.append(...madeUp(tests[index]));
     new ShapeViewer(body, tests[index] || null);
   };
-  // The test that shows most of the shapes, unless another was chosen.
+  // The test with the most readings, unless the user selected another.
   const count = (test) => test.shapes.readings.length;
   const chosen = tests.findIndex((test) => test.name === chosenTest);
   const most = tests.findIndex((test) => count(test) === Math.max(...tests.map(count)));
@@ -101,7 +101,7 @@ class ShapeViewer {
     return notes.join(' · ');
   }
 
-  /** Centre and half size of everything, and the view that shows the motion. */
+  /** Centre and half size of the structure, and the direction of view that shows the motion. */
   frame() {
     const nodes = this.bodies ? this.bodies.nodes : [];
     const all = [...this.shapes.points.map((point) => point.at_m), ...nodes.map((node) => node.at_m)];
@@ -174,7 +174,7 @@ class ShapeViewer {
     this.draw();
   }
 
-  /** Complex displacement of every point, of the theory's at the same points, and of the bodies, in one scale. */
+  /** Complex displacements of the test and of the theory at the points of the test, and of the bodies, in one scale. */
   motion(entry) {
     const empty = () => this.shapes.points.map(() => ({ re: [0, 0, 0], im: [0, 0, 0], known: false }));
     const points = (values) => {
@@ -247,7 +247,7 @@ class ShapeViewer {
     for (const view of this.views) view.draw();
   }
 
-  /** A place in the frame of the view, moved by a displacement at the present phase. */
+  /** A point in the coordinates of the view, displaced by the motion at the present phase. */
   moved(at, motion, n, k) {
     const scale = motion ? this.state.amplitude * this.shape.unit * this.size : 0;
     const [c, s] = [Math.cos(this.state.phase), Math.sin(this.state.phase)];

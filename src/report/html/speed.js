@@ -36,7 +36,7 @@ function drawSpeed(host) {
 /** The disturbances of the synthetic twins. */
 const CONDITIONS = ['white noise', 'modes outside the band', 'record ends early'];
 
-/** A row of choices, each a label with its items, over a figure that is drawn again after each. */
+/** A row of labelled drop-down lists over a figure, which each selection redraws. */
 function choices(host, ...lists) {
   const picked = lists.map(() => 0);
   const place = el('div');
@@ -58,7 +58,7 @@ function choices(host, ...lists) {
   };
 }
 
-/** Names of the methods, each with its number, which is that of its colour and mark. */
+/** Names of the methods with the number of their colour and mark. */
 const numbered = (rows) => [...new Set(rows.map((row) => row.method))].map((name, number) => ({ name, number }));
 
 const mistakes = (row) => row.observable - row.found + row.spurious;
@@ -99,7 +99,7 @@ function costPlot(host, study, test, [onTwin, quantity, memory]) {
   }).filter((entry) => entry.rows.length);
   const line = (name, x, y, style) => series.push({ name, quiet: true, color: 'ink', width: 1.2, x, y, ...style });
   const front = shown.filter((row) => row.on_front === 'yes').sort((a, b) => cost(a) - cost(b));
-  // The front is that of time and frequency error.
+  // The Pareto front is computed from time and frequency error.
   const isFront = !memory && quantity === 0;
   if (isFront) line(T('Pareto front'), front.map(cost), front.map(y));
   const far = 1e4;

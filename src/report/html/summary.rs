@@ -13,7 +13,7 @@ use crate::scene::Overview;
 use super::super::Language;
 use super::super::comparison::headline;
 use super::super::json::RunReport;
-use super::numbers::{short, to_place_of, two_digits};
+use super::numbers::{round_to_std, short, two_digits};
 use super::words::{sentence, word};
 use super::{escape, update};
 
@@ -49,7 +49,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n",
         word(language, "Unmatched modes"),
-        list(&missed(overview, language))
+        list(&unmatched_modes(overview, language))
     );
     let verdict = updated.and_then(|result| update::verdict_line(result, language));
     let mut advice = advice(overview, updated, language);
@@ -133,7 +133,7 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
 
 /// Sentences on the unmatched modes, those that the test should observe first; the modes above the
 /// maximum number are counted.
-fn missed(overview: &Overview, language: Language) -> Vec<String> {
+fn unmatched_modes(overview: &Overview, language: Language) -> Vec<String> {
     let mut ranked: Vec<(u8, String)> = Vec::new();
     let mut unseen: BTreeMap<&str, usize> = BTreeMap::new();
     for row in &overview.rows {
@@ -198,7 +198,7 @@ fn missed(overview: &Overview, language: Language) -> Vec<String> {
 fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> Vec<String> {
     let parameters = updated.and_then(|result| result["parameters"].as_array());
     if let Some(parameters) = parameters {
-        let sentences = changes(parameters, language);
+        let sentences = identified_changes(parameters, language);
         if !sentences.is_empty() {
             return sentences;
         }
@@ -226,8 +226,8 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
     let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
     let text = "The frequency errors have no common sign, so no single stiffness factor explains them; the largest is {} at {}.";
     let largest_error = largest.map(|(row, cell, error)| {
-        let place = format!("{} ({})", row.label, cell.test);
-        sentence(language, text, &[format!("{error:+.2} %"), place])
+        let mode = format!("{} ({})", row.label, cell.test);
+        sentence(language, text, &[format!("{error:+.2} %"), mode])
     });
     let further = further.filter(|_| largest_error.is_some());
     largest_error.into_iter().chain(further).collect()
@@ -235,7 +235,7 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
 
 /// The identified parameters; of many, those with the largest changes in standard deviations, with
 /// the number of the others.
-fn changes(parameters: &[Value], language: Language) -> Vec<String> {
+fn identified_changes(parameters: &[Value], language: Language) -> Vec<String> {
     let identified = parameters.iter();
     let mut identified: Vec<&Value> = identified
         .filter(|parameter| parameter["verdict"] == "identified")
@@ -267,7 +267,7 @@ fn change_sentence(parameter: &Value, language: Language) -> String {
         parameter[key].as_f64().map_or_else(
             || "—".to_owned(),
             |value| match std {
-                Some(std) if key != "std" => to_place_of(value, std),
+                Some(std) if key != "std" => round_to_std(value, std),
                 Some(std) => two_digits(std),
                 None => short(value),
             },
@@ -315,13 +315,13 @@ fn limits(report: &RunReport, language: Language) -> String {
 fn list(items: &[String]) -> String {
     let items: String = items
         .iter()
-        .map(|item| format!("<li>{}</li>\n", marked(item)))
+        .map(|item| format!("<li>{}</li>\n", text_with_code(item)))
         .collect();
     format!("<ul>\n{items}</ul>\n")
 }
 
 /// HTML of a text, with the parts between backticks as code.
-pub(super) fn marked(text: &str) -> String {
+pub(super) fn text_with_code(text: &str) -> String {
     let mut out = String::new();
     for (index, part) in escape(text).split('`').enumerate() {
         match index % 2 {
@@ -335,7 +335,7 @@ pub(super) fn marked(text: &str) -> String {
 /// All findings by test, the most severe first, grouped by code with its explanation.
 pub(super) fn findings(report: &RunReport, language: Language) -> String {
     let mut text = String::new();
-    // The findings of the whole run have an empty name, as those of a run with one test.
+    // Findings under the same name are merged; the name of the whole run is empty.
     let mut by_name: Vec<(&str, Vec<Finding>)> = Vec::new();
     for (test, findings) in report
         .findings
@@ -356,7 +356,7 @@ pub(super) fn findings(report: &RunReport, language: Language) -> String {
             };
             let _ = writeln!(text, "<h3>{}</h3>", escape(name));
         }
-        text += &of_test(findings, language);
+        text += &findings_of_test(findings, language);
     }
     match text.is_empty() {
         true => format!("<p>{}</p>\n", word(language, "No findings.")),
@@ -364,7 +364,7 @@ pub(super) fn findings(report: &RunReport, language: Language) -> String {
     }
 }
 
-fn of_test(findings: &[Finding], language: Language) -> String {
+fn findings_of_test(findings: &[Finding], language: Language) -> String {
     let mut by_code: BTreeMap<(std::cmp::Reverse<Severity>, Code), Vec<String>> = BTreeMap::new();
     for finding in findings {
         let key = (std::cmp::Reverse(finding.severity), finding.code);
@@ -404,7 +404,7 @@ fn of_test(findings: &[Finding], language: Language) -> String {
             escape(language.sentence(code)),
             code.name(),
             entries.len(),
-            marked(language.explanation(code)),
+            text_with_code(language.explanation(code)),
         );
     }
     text + "</div>\n"
@@ -446,14 +446,14 @@ mod tests {
     fn of_many_parameters_the_largest_changes_in_standard_deviations_are_listed() {
         let parameter = |k: usize| serde_json::json!({"name": format!("p{k}"), "unit": "1", "initial": 1.0, "updated": 1.0 + 0.1 * k as f64, "std": 0.1, "verdict": "identified"});
         let many: Vec<Value> = (0..MAX_LISTED_ITEMS + 3).map(parameter).collect();
-        let sentences = changes(&many, Language::English);
+        let sentences = identified_changes(&many, Language::English);
         assert_eq!(sentences.len(), MAX_LISTED_ITEMS + 1);
         assert_eq!(sentences[0], "p10: 1.00 → 2.00 ± 0.10", "no unit");
         assert!(
             sentences[MAX_LISTED_ITEMS].starts_with("3 further"),
             "{sentences:?}"
         );
-        assert_eq!(changes(&many[..3], Language::English).len(), 3);
+        assert_eq!(identified_changes(&many[..3], Language::English).len(), 3);
         assert_eq!(unit_text("kg m2"), "kg m²");
     }
 

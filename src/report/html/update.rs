@@ -72,7 +72,7 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
 /// Each row `test f3` of the update has to state the frequency of that test mode, or the mean of a
 /// group that begins with it; published frequencies are not checked. Its model frequency before the
 /// update has to be one of the run's model, if it lies within their range.
-pub(super) fn of_run(updated: &Value, figures: &Figures) -> bool {
+pub(super) fn belongs_to_run(updated: &Value, figures: &Figures) -> bool {
     let rows = updated["before"]["rows"].as_array();
     let model_frequencies = figures.overview.iter().flat_map(|overview| &overview.rows);
     let model_frequencies: Vec<f64> = model_frequencies.filter_map(|row| row.theory_hz).collect();
@@ -126,7 +126,7 @@ pub(super) fn head(updated: &Value, language: Language) -> String {
 
 /// Identifiable combinations, and the parameter changes that explain the residual, where the update
 /// has them.
-pub(super) fn reasons(updated: &Value, language: Language) -> String {
+pub(super) fn identifiability_tables(updated: &Value, language: Language) -> String {
     let w = |text| word(language, text);
     let mut blocks = Vec::new();
     let combinations = updated["combinations"].as_array();
@@ -158,14 +158,20 @@ pub(super) fn reasons(updated: &Value, language: Language) -> String {
             columns: std::iter::once(Column::text(w("parameter")))
                 .chain(columns.map(Column::number))
                 .collect(),
-            rows: all.map(|candidate| change(candidate, language)).collect(),
-            footnotes: vec![sentence(language, text, &[freed(proposed, language)])],
+            rows: all
+                .map(|candidate| change_row(candidate, language))
+                .collect(),
+            footnotes: vec![sentence(
+                language,
+                text,
+                &[parameter_names(proposed, language)],
+            )],
         }));
     }
     fragment(&blocks, language)
 }
 
-fn freed(candidate: &Value, language: Language) -> String {
+fn parameter_names(candidate: &Value, language: Language) -> String {
     let names = candidate["parameters"].as_array().into_iter().flatten();
     let names: Vec<&str> = names.filter_map(Value::as_str).collect();
     match names.is_empty() {
@@ -174,10 +180,10 @@ fn freed(candidate: &Value, language: Language) -> String {
     }
 }
 
-fn change(candidate: &Value, language: Language) -> Vec<Cell> {
+fn change_row(candidate: &Value, language: Language) -> Vec<Cell> {
     let number = |key: &str, decimals| Cell::number(candidate[key].as_f64(), decimals);
     vec![
-        Cell::text(freed(candidate, language)),
+        Cell::text(parameter_names(candidate, language)),
         number("rms_percent", 3),
         number("largest_percent", 3),
         number("chi_square", 1),
@@ -341,14 +347,14 @@ mod tests {
         };
         let row = |label: &str, hz: f64| {
             let rows = serde_json::json!([{"label": label, "test_hz": hz}]);
-            of_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
+            belongs_to_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
         };
         assert!(row("a f f1", 10.0) && row("a f f2", 20.1) && row("published f1", 7.0));
         assert!(!row("a f f1", 10.01) && !row("a f f2", 10.0) && !row("b f1", 10.0));
-        assert!(of_run(&value("{}"), &figures));
+        assert!(belongs_to_run(&value("{}"), &figures));
         let partner = |hz: f64| {
             let rows = serde_json::json!([{"label": "a f f1", "test_hz": 10.0, "model_hz": hz}]);
-            of_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
+            belongs_to_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
         };
         assert!(partner(11.0) && partner(30.0) && !partner(12.0));
     }
