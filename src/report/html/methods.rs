@@ -34,18 +34,18 @@ pub(super) struct Methods {
 }
 
 /// The methods tab of a run; a note replaces a study of another scene.
-pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -> Methods {
+pub(super) fn methods(report: &RunReport, companions: &Beside, language: Language) -> Methods {
     let mut tab = Methods::default();
     let w = |text: &'static str| escape(word(language, text));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
-    if let Some(study) = &beside.order {
+    if let Some(study) = &companions.order {
         tab.content += &format!("<h3>{}</h3>\n", w(ORDER));
         tab.content += &match study_belongs_to_run(study, report) {
             true => sentences(&study["answers"]) + &tables(study, language),
             false => note(OTHER_ORDER),
         };
     }
-    if let Some(study) = &beside.speed_accuracy {
+    if let Some(study) = &companions.speed_accuracy {
         tab.content += &format!("<h3>{}</h3>\n", w(SPEED));
         if study_belongs_to_run(study, report) {
             tab.content += &speed_text(study, language);
@@ -54,7 +54,7 @@ pub(super) fn methods(report: &RunReport, beside: &Beside, language: Language) -
             tab.content += &note(OTHER_SPEED);
         }
     }
-    if let Some(study) = &beside.breakdown {
+    if let Some(study) = &companions.breakdown {
         tab.content += &format!("<h3>{}</h3>\n", w(BREAKDOWN));
         if breakdown_belongs_to_run(study, report) {
             let tables = language.translated(breakdown_blocks(study));

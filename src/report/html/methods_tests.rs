@@ -113,17 +113,17 @@ fn speed() -> Value {
     })
 }
 
-fn shown(beside: &Beside) -> Methods {
-    methods(&run(), beside, Language::English)
+fn methods_tab(companions: &Beside) -> Methods {
+    methods(&run(), companions, Language::English)
 }
 
 #[test]
 fn a_map_has_contours_detection_rates_and_distances_of_user_modes() {
-    let beside = |study| Beside {
+    let companions = |study| Beside {
         breakdown: Some(study),
         ..Beside::default()
     };
-    let tab = shown(&beside(breakdown()));
+    let tab = methods_tab(&companions(breakdown()));
     let slice = &tab.data["breakdown"]["slices"][0];
     assert_eq!(slice["shares"][0], json!([[0, 0], [100, 100]]));
     assert_eq!(slice["contours"][1], json!([]));
@@ -144,7 +144,7 @@ fn a_map_has_contours_detection_rates_and_distances_of_user_modes() {
     assert!(
         tab.content.contains("data-draw=\"maps\"") && tab.content.contains("mode 1 (412.3 Hz)")
     );
-    let chinese = methods(&run(), &beside(breakdown()), Language::Chinese);
+    let chinese = methods(&run(), &companions(breakdown()), Language::Chinese);
     let slice = &chinese.data["breakdown"]["slices"][0];
     assert_eq!(slice["x"]["label"], "阻尼比 (-)");
     let distance = &slice["points"][0]["margins"][0]["distance"];
@@ -172,11 +172,11 @@ fn maps_of_another_scene_or_of_other_modes_are_replaced_by_a_note() {
     let with = |change: fn(&mut BreakdownFile)| {
         let mut study = breakdown();
         change(&mut study);
-        let beside = Beside {
+        let companions = Beside {
             breakdown: Some(study),
             ..Beside::default()
         };
-        let tab = shown(&beside);
+        let tab = methods_tab(&companions);
         let left_out = tab.content.contains("modes of another scene");
         assert_eq!(left_out, tab.data.is_empty());
         left_out
@@ -197,7 +197,7 @@ fn a_study_of_other_data_is_replaced_by_a_note() {
     let with = |pointer: &str, value: &str| {
         let mut accuracy = speed();
         *accuracy.pointer_mut(pointer).expect("field of the study") = json!(value);
-        shown(&Beside {
+        methods_tab(&Beside {
             speed_accuracy: Some(accuracy),
             ..Beside::default()
         })
@@ -219,7 +219,7 @@ fn a_study_of_other_data_is_replaced_by_a_note() {
             "{pointer}"
         );
     }
-    assert!(shown(&Beside::default()).content.is_empty());
+    assert!(methods_tab(&Beside::default()).content.is_empty());
 }
 
 #[test]
@@ -232,7 +232,7 @@ fn the_scene_study_precedes_the_method_studies() {
         "tables": [],
     });
     let tab = |order: &Value| {
-        shown(&Beside {
+        methods_tab(&Beside {
             order: Some(order.clone()),
             speed_accuracy: Some(speed()),
             ..Beside::default()

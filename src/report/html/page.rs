@@ -39,9 +39,9 @@ const OTHER_RESULTS: &str = "The update in this folder is of other test frequenc
 
 /// The report of a run, with the update and the studies of its folder that belong to the same
 /// tests.
-pub fn report_page(report: &RunReport, beside: &Beside, language: Language) -> String {
-    let updated = beside.updated.as_ref();
-    let studied = methods::methods(report, beside, language);
+pub fn report_page(report: &RunReport, companions: &Beside, language: Language) -> String {
+    let updated = companions.updated.as_ref();
+    let studied = methods::methods(report, companions, language);
     let stale = updated.is_some_and(|result| !update::belongs_to_run(result, &report.figures));
     let updated = updated.filter(|_| !stale);
     let mut tabs: Vec<Tab> = tabs(report, (updated, studied.content), language)

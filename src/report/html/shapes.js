@@ -33,13 +33,13 @@ class ShapeViewer {
     this.test = test;
     this.shapes = test ? test.shapes : NO_SHAPES;
     this.bodies = this.shapes.in_a_row ? null : figures.theory;
-    this.state = { mode: 0, beside: false, bodies: true, amplitude: 0.16, speed: 1, phase: 0, play: !matchMedia('(prefers-reduced-motion: reduce)').matches };
+    this.state = { mode: 0, sideBySide: false, bodies: true, amplitude: 0.16, speed: 1, phase: 0, play: !matchMedia('(prefers-reduced-motion: reduce)').matches };
     this.list = this.modes();
     this.frame();
     this.views = [];
     this.host = el('div');
-    this.said = el('p', { class: 'said', 'aria-live': 'polite' });
-    host.append(this.controls(), this.said, this.host, hint(T('drag to rotate, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
+    this.description = el('p', { class: 'description', 'aria-live': 'polite' });
+    host.append(this.controls(), this.description, this.host, hint(T('drag to rotate, wheel to zoom; with the keyboard the arrows and + −')), el('p', { class: 'note' }, this.notes()));
     this.layout();
     this.pick(0);
     this.animate();
@@ -79,8 +79,8 @@ class ShapeViewer {
       this.draw();
     });
     const arrangement = button(T('side by side'), () => {
-      state.beside = !state.beside;
-      arrangement.textContent = state.beside ? T('over each other') : T('side by side');
+      state.sideBySide = !state.sideBySide;
+      arrangement.textContent = state.sideBySide ? T('over each other') : T('side by side');
       this.layout();
     });
     const parts = [select, button('‹', step(-1), { 'aria-label': '‹' }), button('›', step(1), { 'aria-label': '›' }), this.player,
@@ -131,7 +131,7 @@ class ShapeViewer {
 
   layout() {
     this.host.replaceChildren();
-    const count = this.state.beside ? 2 : 1;
+    const count = this.state.sideBySide ? 2 : 1;
     this.host.className = count > 1 ? 'halves' : '';
     this.views = [];
     for (let n = 0; n < count; n++) {
@@ -151,8 +151,8 @@ class ShapeViewer {
     const nodes = this.bodies ? this.bodies.nodes : [];
     const places = [...this.shapes.points, ...nodes].map((point) => this.moved(point.at_m, null, 0, 0));
     const radius = Math.max(0.15, ...this.radii.map((value) => value / this.size));
-    const beside = [0, 1, 2].flatMap((axis) => [-radius, radius].map((by) => (at) => at.map((x, k) => (k === axis ? x + by : x))));
-    const far = this.radii.some((value) => value > 0) ? places.flatMap((at) => beside.map((move) => move(at))) : places;
+    const offsets = [0, 1, 2].flatMap((axis) => [-radius, radius].map((by) => (at) => at.map((x, k) => (k === axis ? x + by : x))));
+    const far = this.radii.some((value) => value > 0) ? places.flatMap((at) => offsets.map((move) => move(at))) : places;
     return far;
   }
 
@@ -170,7 +170,7 @@ class ShapeViewer {
       if (entry.partner.error_percent !== null) parts.push(`${T('error')} ${signed(entry.partner.error_percent)} %`);
       if (entry.partner.mac !== null) parts.push(`MAC ${entry.partner.mac.toFixed(3)}`);
     } else if (this.compared()) parts.push(T('without a partner'));
-    this.said.textContent = parts.join(' · ');
+    this.description.textContent = parts.join(' · ');
     this.draw();
   }
 
