@@ -1,11 +1,10 @@
-//! The functions of a set inside a band, as receptances with the variance of every value.
+//! FRFs of a set inside a band, as receptances with the variance of every value.
 //!
-//! All functions are brought to one kind once, here, and the arguments of every estimator are
-//! checked here. A set may carry the decay rate `a` of an exponential window: its values were
-//! sampled at `s = iω + a`, so that mobility is `s X/F` and accelerance `s² X/F`. Dividing by the
-//! power of `s` leaves `X/F = Σ A/(iω − λ) + conj.` with `λ = λ_true − a`: an ordinary receptance
-//! whose poles carry the window's damping. Everything behind this file works on that and never
-//! meets `a` again.
+//! This file converts all FRFs to receptances and checks the arguments of every estimator. A set
+//! may carry the decay rate `a` of an exponential window: its values were sampled at `s = iω + a`,
+//! so that mobility is `s X/F` and accelerance `s² X/F`. Dividing by the power of `s` gives `X/F =
+//! Σ A/(iω − λ) + conj.` with `λ = λ_true − a`: an ordinary receptance whose poles carry the
+//! window's damping. The other files of the stage work on that and do not depend on `a`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
@@ -28,23 +27,23 @@ use crate::identify::noise::variance_model::Smooth;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::noise::model::ToldFrom;
 
-/// Lines beside a band that are used with it, as a share of its own.
-const GUARD: f64 = 0.05;
-/// Fewest lines in a band that are worth a search.
-const FEWEST_LINES: usize = 8;
-/// Dynamic range of a set, beyond any converter's: least noise over the largest response.
-const RANGE: f64 = 1e-10;
+/// Guard lines on each side of a band, over the number of its lines.
+const GUARD_LINES_RATIO: f64 = 0.05;
+/// Minimum number of lines in a band that is searched.
+const MIN_BAND_LINES: usize = 8;
+/// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter.
+const MIN_NOISE_OVER_RESPONSE: f64 = 1e-10;
 
-/// Values of functions: lines × functions.
+/// Values of FRFs: lines × FRFs.
 pub(in crate::identify) struct Values(ComplexMatrix);
 
 impl Values {
-    /// All of them.
+    /// The whole matrix.
     pub fn matrix(&self) -> &ComplexMatrix {
         &self.0
     }
 
-    /// By function.
+    /// Iterates over the FRFs, each with its values by line.
     pub fn iter(&self) -> impl Iterator<Item = &[Complex64]> {
         (0..self.0.ncols()).map(|f| &self[f])
     }
@@ -64,35 +63,35 @@ pub(in crate::identify) struct Receptances {
     pub omega: Vec<f64>,
     /// Spacing of the lines, rad/s.
     pub step: f64,
-    /// What the records make of a pole.
+    /// Line shape of a pole in these data.
     pub line_shape: LineShape,
-    /// Line shape of leakage that poles without it may have biased: of the stated window, or of one
-    /// that none states.
+    /// Line shape of leakage that may have biased poles fitted without it: of the stated window, or
+    /// of an unstated one.
     pub leakage: Option<LineShape>,
     /// Values, m/N.
     pub values: Values,
     /// Variance E|H − E H|² of every value, (m/N)², positive.
     pub variance: Vec<Vec<f64>>,
-    /// Part of every variance that the force makes, as far as it is known.
+    /// Fraction of every variance that is force noise, as far as it is estimated.
     pub by_force: Vec<Vec<f64>>,
-    /// Variances of each function as they came with the data, where they did.
+    /// Variances of each FRF as supplied with the data, where they were.
     pub stated: Vec<Option<Smooth>>,
-    /// What is known of modes outside the lines.
+    /// Model of the modes outside the lines.
     outside: Outside,
-    /// What follows from it, while it and the variances stay.
+    /// Basis of the out-of-band terms, valid until the model or the variances change.
     far: OnceLock<Far>,
-    /// How often both changed.
+    /// Counts changes of both.
     version: u64,
-    /// How the noise of neighbouring lines hangs together, as far as it is known.
+    /// Line correlation of the noise, as far as it is estimated.
     pub correlation: Correlation,
-    /// How functions of one hit point err together, as far as it is known.
+    /// Force noise common to the FRFs of one reference, as far as it is estimated.
     pub shared: Shared,
-    /// What tells the noise where the data do not.
+    /// Statistic that estimates the noise where the data have no variances.
     pub told_from: ToldFrom,
-    /// Least variance of each function, as measured.
+    /// Minimum variance of each FRF, in its measured quantity.
     floors: Vec<f64>,
-    /// Magnitude of measured values over receptances, one vector per function: noise is even in
-    /// what was measured.
+    /// Magnitude of measured values over receptances, one vector per FRF: noise is white in the
+    /// measured quantity.
     pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
@@ -108,14 +107,14 @@ impl Receptances {
         Self::on_lines(set, lines)
     }
 
-    /// As [`Self::new`], with [`GUARD`] of its lines more on each side as far as the set has them.
+    /// As [`Self::new`], with guard lines on each side as far as the set has them.
     ///
     /// # Errors
     /// As [`Self::new`], for the band itself.
     pub fn guarded(set: &FrfSet, band: Band) -> Result<Self, IdentifyError> {
         let lines = checked_lines(set, band)?;
-        // Outside the band nobody promised good values.
-        Self::on_lines(set, guarded(set, &lines)).or_else(|_| Self::on_lines(set, lines))
+        // Values on guard lines may be invalid: then the band is used without them.
+        Self::on_lines(set, add_guard_lines(set, &lines)).or_else(|_| Self::on_lines(set, lines))
     }
 
     fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
@@ -127,18 +126,21 @@ impl Receptances {
         let step = std::f64::consts::TAU * set.axis().step_hz;
         let scales = Scales::new(set, &omega);
         let noise = input_variance::of_set(set, &lines);
-        let by_force = noise.iter().map(|own| own.by_force.clone()).collect();
+        let by_force = noise
+            .iter()
+            .map(|frf_noise| frf_noise.by_force.clone())
+            .collect();
         let window = Correlation::of_window(set.added_damping_rad_s, (step, lines.len()));
         let shared = Shared::of_variances(set.functions(), &noise, &window);
         let of_receptance = |(i, noise): (usize, Noise)| {
             let (_, scale) = scales.of(set, i);
             let variance = noise.variance.iter().zip(scale.iter());
-            let own = Smooth {
+            let receptance_noise = Smooth {
                 variance: variance.map(|(v, s)| v / (s * s)).collect(),
                 by_force: noise.by_force,
             };
-            let variance = own.variance.clone();
-            (variance, noise.measured.then_some(own))
+            let variance = receptance_noise.variance.clone();
+            (variance, noise.measured.then_some(receptance_noise))
         };
         let noise = noise.into_par_iter().enumerate().map(of_receptance);
         let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
@@ -176,9 +178,9 @@ impl Receptances {
         Ok(data)
     }
 
-    /// No function is better known than [`RANGE`] of the strongest response: what is far below it
-    /// (directions that symmetry keeps still) is no response, whatever its own noise. The floor is
-    /// even in what was measured, as noise is.
+    /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker
+    /// FRF (in a direction that symmetry keeps at rest) is no response, whatever its variance. The
+    /// minimum is constant over the lines in the measured quantity, as noise is.
     pub fn raise_variances(&mut self) {
         let (floors, scales) = (&self.floors, &self.measured_scale);
         let raise = |(f, variance): (usize, &mut Vec<f64>)| {
@@ -192,44 +194,46 @@ impl Receptances {
     fn floors(&self) -> Vec<f64> {
         let mut strongest = vec![0.0f64; self.lines()];
         for values in self.values.iter() {
-            for (most, h) in strongest.iter_mut().zip(values) {
-                *most = most.max(h.norm_sqr());
+            for (largest, h) in strongest.iter_mut().zip(values) {
+                *largest = largest.max(h.norm_sqr());
             }
         }
         let floor = |scale: &Arc<Vec<f64>>| {
             let powers = strongest.iter().zip(scale.iter()).map(|(p, s)| p * s * s);
-            RANGE * RANGE * powers.sum::<f64>() / self.lines() as f64
+            MIN_NOISE_OVER_RESPONSE * MIN_NOISE_OVER_RESPONSE * powers.sum::<f64>()
+                / self.lines() as f64
         };
         self.measured_scale.par_iter().map(floor).collect()
     }
 
-    /// Whether the variances of all functions came with the data.
+    /// Whether the data supply the variances of all FRFs.
     pub fn variance_measured(&self) -> bool {
         self.stated.iter().all(Option::is_some)
     }
 
+    /// Discards values that depend on noise or out-of-band model, which have changed.
     pub fn renew(&mut self) {
         self.far = OnceLock::new();
         self.version += 1;
     }
 
-    /// A number that tells whether the noise, or what is known of modes outside, changed since.
+    /// Version number: it changes with the noise and with the out-of-band model.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// What is known of modes outside the lines.
+    /// Model of the modes outside the lines.
     pub fn outside(&self) -> &Outside {
         &self.outside
     }
 
-    /// Takes over what is known of modes outside the lines; what was known before.
+    /// Replaces the model of the modes outside the lines and returns the previous one.
     pub fn set_outside(&mut self, outside: Outside) -> Outside {
         self.renew();
         std::mem::replace(&mut self.outside, outside)
     }
 
-    /// The background of all lines.
+    /// Basis of the out-of-band terms over all lines.
     pub fn far(&self) -> &Far {
         self.far.get_or_init(|| Far::new(self, &self.outside))
     }
@@ -250,7 +254,7 @@ impl Receptances {
         (line.max(0.0) as usize).min(self.lines() - 1)
     }
 
-    /// Takes over the line shape of poles, with the correlation of noise that goes with it.
+    /// Sets the line shape of poles, with the line correlation of the noise that it implies.
     pub fn observe(&mut self, line_shape: LineShape) {
         self.line_shape = line_shape;
         if let Some(correlation) = line_shape.noise_correlation() {
@@ -259,7 +263,7 @@ impl Receptances {
         self.renew();
     }
 
-    /// Adds to a function what is to be corrected of it at each frequency, rad/s.
+    /// Adds a correction to an FRF, a function of frequency in rad/s.
     pub fn correct(&mut self, function: usize, by: impl Fn(f64) -> Complex64) {
         let values = self.values.0.col_as_slice_mut(function);
         for (value, omega) in values.iter_mut().zip(&self.omega) {
@@ -278,7 +282,7 @@ impl Receptances {
         self.omega[self.lines() - 1] - self.omega[0]
     }
 
-    /// How far a frequency lies from the lines, rad/s; 0 among them.
+    /// Distance of a frequency from the range of the lines, rad/s; 0 inside.
     pub fn beyond(&self, omega: f64) -> f64 {
         let (first, last) = (self.omega[0], self.omega[self.lines() - 1]);
         (first - omega).max(omega - last).max(0.0)
@@ -291,7 +295,7 @@ impl Receptances {
     }
 }
 
-/// What turns measured values into receptances, line by line, and the magnitude of its inverse: for
+/// Factor from measured values to receptances, line by line, and the magnitude of its inverse: for
 /// each order of derivative.
 struct Scales(BTreeMap<i32, (Vec<Complex64>, Arc<Vec<f64>>)>);
 
@@ -328,7 +332,7 @@ pub(in crate::identify) fn whole_band(set: &FrfSet) -> Option<Band> {
 pub(in crate::identify) fn no_band(set: &FrfSet) -> IdentifyError {
     IdentifyError::TooFewLines {
         got: set.axis().len,
-        expected: FEWEST_LINES,
+        expected: MIN_BAND_LINES,
     }
 }
 
@@ -359,45 +363,45 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     let lines = set.axis().lines(&band);
     let first = lines.clone().find(|k| set.axis().hz(*k) > 0.0);
     let lines = first.unwrap_or(lines.end)..lines.end;
-    if lines.len() < FEWEST_LINES {
+    if lines.len() < MIN_BAND_LINES {
         return Err(IdentifyError::TooFewLines {
             got: lines.len(),
-            expected: FEWEST_LINES,
+            expected: MIN_BAND_LINES,
         });
     }
     Ok(lines)
 }
 
-/// Lines of a band with [`GUARD`] of them more on each side, as far as the set has them.
-fn guarded(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
-    let guard = (GUARD * lines.len() as f64).ceil() as usize;
+/// Lines of a band with [`GUARD_LINES_RATIO`] of them more on each side, as far as the set has them.
+fn add_guard_lines(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+    let guard = (GUARD_LINES_RATIO * lines.len() as f64).ceil() as usize;
     let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
     let start = lines.start.saturating_sub(guard);
     let end = (lines.end + guard).min(set.axis().len);
     start.max(first.unwrap_or(lines.start))..end
 }
 
-/// The lines of a band and beside it that an identification looks at; none where the band is none.
+/// Lines of a band with its guard lines; empty where the band is invalid.
 pub(in crate::identify) fn looked_at(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
-    checked_lines(set, band).map_or(0..0, |lines| guarded(set, &lines))
+    checked_lines(set, band).map_or(0..0, |lines| add_guard_lines(set, &lines))
 }
 
-/// Lines without those at either end where all functions are exactly 0, as a filter of the analyser
-/// leaves them, or no number: between these and the first value lies no resonance. All lines where
-/// that leaves too few.
+/// Lines without those at either end where all FRFs are exactly 0, as a filter of the analyser
+/// leaves them, or not finite: no resonance is identifiable there. All lines where too few would
+/// remain.
 fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
     let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
     let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
     let start = lines.clone().find(|k| !blank(*k));
     let end = lines.clone().rev().find(|k| !blank(*k));
     match (start, end) {
-        (Some(start), Some(last)) if last + 1 - start >= FEWEST_LINES => start..last + 1,
+        (Some(start), Some(last)) if last + 1 - start >= MIN_BAND_LINES => start..last + 1,
         _ => lines,
     }
 }
 
-/// Numbers of the functions with a value in a band that is no number, with the frequency of the
-/// first, Hz.
+/// Numbers of the FRFs with a value that is not finite in a band, with the frequency of the first
+/// such value, Hz.
 pub(in crate::identify) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
     let lines = without_blanks(set, lines);

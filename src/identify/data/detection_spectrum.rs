@@ -1,16 +1,15 @@
-//! The mode indicator: the power of all functions on one axis, in which peaks are searched.
+//! Mode indicator: the power of all FRFs on one axis, in which peaks are searched.
 //!
 //! `S_k = Σ_f w_f ω_k² |R_fk|²`: a weighted sum of squared *mobilities*. A viscously damped mode is
-//! symmetric in mobility (its peak lies at the natural frequency, its half-power points at
+//! symmetric in mobility (its peak is at the natural frequency, its half-power points at
 //! `ω_n(√(1+ζ²) ∓ ζ)`), and neither the stiffness line that dominates a receptance at low
 //! frequencies nor the mass line that dominates an accelerance at high ones hides a peak. The
-//! weight of a function is one over its noise variance (the median over the band) when the
-//! variances came with the data, else one over its own mean square, so that no function drowns the
-//! others.
+//! weight of an FRF is the inverse of its noise variance (the median over the band) where the data
+//! supply the variances, else of its mean square, so that no FRF dominates.
 
 use crate::identify::data::band_frfs::Receptances;
 
-/// Weighted power of all functions.
+/// Weighted power of all FRFs.
 pub(in crate::identify) struct Indicator {
     /// `S_k` at every line.
     pub power: Vec<f64>,

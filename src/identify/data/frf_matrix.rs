@@ -1,9 +1,9 @@
-//! The functions of a set as outputs × inputs: the side with fewer degrees of freedom drives, the
-//! other one carries the shape.
+//! FRF matrix of a set: outputs × inputs, with the smaller dimension as inputs; the outputs carry
+//! the mode shape.
 //!
-//! A mode leaves `A_of = ψ_o L_i` whichever side is called the response, so that a roving hammer
-//! with one sensor is the same problem as one hit with many sensors (ties go to the references).
-//! Pairs may be missing.
+//! A residue is `A_oi = ψ_o L_i` with either dimension as response, so that a roving hammer with
+//! one sensor is the same problem as one excitation point with many sensors (for equal dimensions
+//! the references are the inputs). FRFs may be missing.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,57 +13,57 @@ use crate::dof::Dof;
 use crate::frf::Function;
 use crate::linalg::{self, ComplexMatrix};
 
-/// Functions by output.
+/// FRFs by output.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct Sides {
     /// Number of inputs.
     pub inputs: usize,
-    /// Of each output: its functions as (input, number in the set), inputs ascending.
+    /// FRFs of each output as (input, number in the set), inputs ascending.
     pub outputs: Vec<Vec<(usize, usize)>>,
 }
 
 impl Sides {
-    /// Of the functions of a set.
+    /// FRF matrix of the FRFs of a set.
     pub fn new(functions: &[Function]) -> Self {
         let responses: BTreeSet<&Dof> = functions.iter().map(|f| &f.response).collect();
         let references: BTreeSet<&Dof> = functions.iter().map(|f| &f.reference).collect();
-        let turned = responses.len() < references.len();
+        let inputs_are_responses = responses.len() < references.len();
         let numbers = |dofs: BTreeSet<&Dof>| -> BTreeMap<Dof, usize> {
             dofs.into_iter().cloned().zip(0..).collect()
         };
-        let (outer, inner) = if turned {
+        let (outer, inner) = if inputs_are_responses {
             (numbers(references), numbers(responses))
         } else {
             (numbers(responses), numbers(references))
         };
-        let place = |f: &Function| match turned {
+        let indices = |f: &Function| match inputs_are_responses {
             true => (outer[&f.reference], inner[&f.response]),
             false => (outer[&f.response], inner[&f.reference]),
         };
         let mut outputs = vec![Vec::new(); outer.len()];
-        for (number, (output, input)) in functions.iter().map(place).enumerate() {
+        for (number, (output, input)) in functions.iter().map(indices).enumerate() {
             outputs[output].push((input, number));
         }
-        outputs.iter_mut().for_each(|own| own.sort_unstable());
+        outputs.iter_mut().for_each(|frfs| frfs.sort_unstable());
         Self {
             inputs: inner.len(),
             outputs,
         }
     }
 
-    /// Whether every output has every input.
+    /// Whether the matrix is complete: every output has every input.
     pub fn complete(&self) -> bool {
-        self.outputs.iter().all(|own| own.len() == self.inputs)
+        self.outputs.iter().all(|frfs| frfs.len() == self.inputs)
     }
 
-    /// A value per function as outputs × inputs, where every output has every input.
+    /// One value per FRF as a matrix of outputs × inputs; the FRF matrix must be complete.
     pub fn matrix(&self, value: impl Fn(usize) -> Complex64) -> ComplexMatrix {
         linalg::complex_matrix(self.outputs.len(), self.inputs, |o, i| {
             value(self.outputs[o][i].1)
         })
     }
 
-    /// The same functions as so many outputs of one input.
+    /// The same FRFs as outputs of one input.
     pub fn as_one_input(&self) -> Self {
         let functions: usize = self.outputs.iter().map(Vec::len).sum();
         Self {
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_side_with_fewer_degrees_of_freedom_drives() {
+    fn the_smaller_dimension_of_the_frf_matrix_is_the_inputs() {
         let fixed = ["1:+Z", "2:+Z", "3:+Z"].map(|r| function(r, "1:+Z"));
         let sides = Sides::new(&fixed);
         assert_eq!((sides.inputs, sides.outputs.len()), (1, 3));

@@ -26,7 +26,7 @@ use crate::frf::{FrfSet, Window};
 
 use crate::identify::noise::line_correlation::Correlation;
 
-/// Cosines of a window, most.
+/// Maximum number of cosines of a window.
 const TERMS: usize = 5;
 /// Coefficients of the Hann window.
 const HANN: [f64; TERMS] = [0.5, -0.5, 0.0, 0.0, 0.0];
@@ -64,7 +64,7 @@ impl LineShape {
     /// `1/(iω − λ)`.
     pub const EXACT: Self = Self(None);
 
-    /// Of a set whose window is one for steady signals; exact for any other.
+    /// Line shape of a set whose window is one for steady signals; exact for any other.
     pub fn of(set: &FrfSet) -> Self {
         let record_s = set.axis().step_hz.recip();
         Self((set.window).and_then(|window| Smoothing::new(record_s, window)))
@@ -76,7 +76,7 @@ impl LineShape {
     pub fn unstated(set: &FrfSet) -> Vec<Self> {
         let is_hammer_test = set.record_duration_s.is_some()
             || set.added_damping_rad_s > 0.0
-            || set.mixed_windows.iter().any(|own| own.is_for_hits());
+            || set.mixed_windows.iter().any(|window| window.is_for_hits());
         if is_hammer_test || set.window.is_some() {
             return Vec::new();
         }
@@ -104,7 +104,8 @@ impl LineShape {
     /// 2.6 and 2.9 lines from a mode of simulated bridges remain; at 4, more hammer tests are
     /// fitted twice in vain.
     pub fn split_lines(&self) -> f64 {
-        self.0.map_or(0.0, |own| own.terms_used() as f64 + 1.0)
+        self.0
+            .map_or(0.0, |smoothing| smoothing.terms_used() as f64 + 1.0)
     }
 
     /// Relative bias of the damping of a fit of `1/(iω − λ)`, from the decay rate that it found,
@@ -414,7 +415,7 @@ mod tests {
     fn powers_are_derivatives_of_the_pole() {
         let shape = LineShape(Smoothing::new(2.0, Window::HannBroad));
         let (omega, lambda, step) = (7.0, Complex64::new(-0.6, 6.5), 1e-5);
-        let at = |n: usize, own: Complex64| shape.power(1.0, (omega, own), n);
+        let at = |n: usize, pole: Complex64| shape.power(1.0, (omega, pole), n);
         for n in 1..POWERS {
             let difference = (at(n, lambda + step) - at(n, lambda - step)) / (2.0 * step);
             let error = (difference / (n as f64) - at(n + 1, lambda)).norm();

@@ -1,20 +1,19 @@
-//! The roots of a fit: poles with participation factors, and the residues that belong to them.
+//! Poles of the fitted model, with participation factors and residues.
 
 use num_complex::Complex64;
 
-/// Residues are found so often before a pole moves: neighbours that lean on each other know each
-/// other's by then.
-const FRESH: u8 = 2;
+/// Number of residue estimates before a pole iterates: residues of neighbours that depend on each
+/// other have converged by then.
+const RESIDUE_ESTIMATES: u8 = 2;
 
-/// Damping ratio from which on a pole is no resonance any more: what it would explain is
-/// background.
-const MOST_DAMPING: f64 = 0.3;
-/// Damping ratio that no step of a fit exceeds: wide roots overlap all others and take their place.
-const LARGEST_DAMPING: f64 = 0.5;
-/// A factor this many times the pivot's takes its place.
-const OUTGROWN: f64 = 2.0;
+/// Damping ratio above which a pole is no resonance: it represents out-of-band terms.
+const MAX_RESONANCE_DAMPING_RATIO: f64 = 0.3;
+/// Maximum damping ratio of any step of a fit: wider poles overlap all others and replace them.
+const MAX_STEP_DAMPING_RATIO: f64 = 0.5;
+/// Participation factor, over that of the pivot, above which its input becomes the pivot.
+const MAX_FACTOR_OVER_PIVOT: f64 = 2.0;
 
-/// One root of the model: a pole that one mode or several share.
+/// Pole of the model, of one mode or of several.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct Root {
     /// λ as in the data, rad/s.
@@ -26,61 +25,60 @@ pub(in crate::identify) struct Root {
     pub pivots: Vec<usize>,
     /// Residue of each function, m/(N s).
     pub residues: Vec<Complex64>,
-    /// `E|δA|²` of each in white noise but for a factor that all have in common, m²/(N s)²; empty
-    /// for a root that was not fitted yet.
+    /// `E|δA|²` of each in white noise, except for a factor common to all, m²/(N s)²; empty for a
+    /// pole that was not fitted yet.
     pub residue_variances: Vec<f64>,
-    /// How well it is known.
+    /// Uncertainty and significance.
     pub quality: Quality,
-    /// How far its fit is.
+    /// State of its iteration.
     pub progress: Progress,
-    /// Whether something speaks against its being a mode.
+    /// Whether a criterion indicates that it is no mode.
     pub suspect: bool,
-    /// Whether it describes the amplitude dependence of another ([`companions`](crate::identify::ml::amplitude_dependence))
-    /// and is no mode.
+    /// Whether it describes the amplitude dependence of another pole and is no mode
+    /// ([`companions`](crate::identify::ml::amplitude_dependence)).
     pub is_companion: bool,
-    /// Number that it shares with the root beside it from which it was told by what one alone
-    /// leaves over.
+    /// Number shared with the close pole from which it was separated by the residual of a fit of
+    /// one pole for both.
     pub pair: Option<u32>,
 }
 
-/// What a fit says of one root besides its numbers.
+/// Uncertainty and significance of a pole.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct Quality {
-    /// Cramér-Rao deviation of real and of imaginary part of λ, rad/s, in noise that is white over
-    /// the lines and every function's own.
+    /// Cramér-Rao standard deviation of the real and of the imaginary part of λ, rad/s, in noise
+    /// that is white over the lines and independent between FRFs.
     pub pole_bound: f64,
-    /// The same in the noise that there is.
+    /// The same in the estimated noise, with its line correlation and its force noise.
     pub pole_std: f64,
-    /// From the pole to the maximum of the likelihood as a Gauss-Newton step sees it, rad/s, for
-    /// one that stays where it was put.
+    /// From the pole to the maximum of the likelihood as a Gauss-Newton step predicts it, rad/s,
+    /// for a pole that is kept fixed.
     pub offset: Complex64,
-    /// Error that what lies outside the lines leaves in λ as far as the data tell, rad/s; `None`
-    /// where anything may lie there.
+    /// Error of λ by the modes outside the lines as far as the data determine it, rad/s; `None`
+    /// where the out-of-band model is unconstrained.
     pub bias: Option<Complex64>,
     /// `2 Σ|ψ|²/var ψ` over outputs of each independent combination of its modes, ascending:
-    /// chi-squared of two degrees of freedom per output where there is no mode.
+    /// without a mode chi-squared with two degrees of freedom per output.
     pub strengths: Vec<f64>,
     /// Participation factors of these combinations.
     pub combinations: Vec<Vec<Complex64>>,
-    /// The largest of one output.
+    /// The largest term of one output.
     pub largest: f64,
-    /// Factor by which noise that hangs together over the lines, or that functions share, raises
-    /// both where there is no mode.
+    /// Factor by which line correlation and force noise raise both where there is no mode.
     pub by_lines: f64,
 }
 
-/// Whether a pole makes a resonance.
+/// Whether the damping ratio of a pole is that of a resonance.
 pub(in crate::identify) fn resonates(lambda: Complex64) -> bool {
-    -lambda.re < MOST_DAMPING * lambda.norm()
+    -lambda.re < MAX_RESONANCE_DAMPING_RATIO * lambda.norm()
 }
 
-/// Whether a fit may put a pole there.
+/// Whether a step of a fit may move a pole there.
 pub(in crate::identify) fn in_reach(lambda: Complex64) -> bool {
-    lambda.re < 0.0 && -lambda.re < LARGEST_DAMPING * lambda.norm()
+    lambda.re < 0.0 && -lambda.re < MAX_STEP_DAMPING_RATIO * lambda.norm()
 }
 
 impl Quality {
-    /// Of a root that was not fitted yet.
+    /// Of a pole that was not fitted yet.
     pub const UNKNOWN: Self = Self {
         pole_bound: f64::INFINITY,
         pole_std: f64::INFINITY,
@@ -92,8 +90,8 @@ impl Quality {
         by_lines: 1.0,
     };
 
-    /// How far λ may be from where it belongs, rad/s: what noise does, and how far it was left from
-    /// its place.
+    /// Error of λ, rad/s: its standard deviation and its distance from the maximum of the
+    /// likelihood.
     pub fn pole_error(&self) -> f64 {
         self.pole_std.hypot(self.offset.norm())
     }
@@ -104,14 +102,14 @@ impl Quality {
     }
 }
 
-/// How far the fit of a root is.
+/// State of the iteration of a pole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::identify) enum Progress {
-    /// Its residues must be found this many times before its pole moves.
+    /// Its residues are estimated this many times before it iterates.
     Fresh(u8),
-    /// It moves.
+    /// It iterates.
     Moving,
-    /// It stays where it is.
+    /// It has converged and is kept fixed.
     Settled,
 }
 
@@ -134,7 +132,7 @@ pub(in crate::identify) fn combined(
 }
 
 impl Root {
-    /// A root of one mode, scaled to 1 at its largest factor.
+    /// A pole of one mode, scaled to 1 at its largest factor.
     pub fn single(lambda: Complex64, participation: &[Complex64], functions: usize) -> Self {
         let size = |i: &usize| participation[*i].norm();
         let pivot = (0..participation.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
@@ -147,7 +145,7 @@ impl Root {
             residues: vec![Complex64::ZERO; functions],
             residue_variances: Vec::new(),
             quality: Quality::UNKNOWN,
-            progress: Progress::Fresh(FRESH),
+            progress: Progress::Fresh(RESIDUE_ESTIMATES),
             suspect: false,
             is_companion: false,
             pair: None,
@@ -164,18 +162,18 @@ impl Root {
         -self.lambda.re
     }
 
-    /// Half-power width, rad/s.
+    /// Half-power bandwidth, rad/s.
     pub fn width(&self) -> f64 {
         2.0 * self.lambda.re.abs()
     }
 
-    /// The inputs whose factors are free: those that are no pivot.
+    /// The inputs whose factors are free: all except the pivots.
     pub fn free_inputs(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.parts[0].len()).filter(|input| !self.pivots.contains(input))
     }
 
-    /// Takes in the modes of another root: a basis of all participation factors with 1 at pivots of
-    /// its own.
+    /// Adds the modes of another pole: the participation factors are reduced to a basis with one
+    /// pivot each.
     pub fn join(&mut self, parts: Vec<Vec<Complex64>>) {
         self.parts.extend(parts);
         self.residues.fill(Complex64::ZERO);
@@ -183,44 +181,46 @@ impl Root {
         self.reduce();
     }
 
-    /// Its residues are to be found anew before its pole moves.
+    /// Resets the iteration: residues are estimated again before the pole moves.
     pub fn refresh(&mut self) {
-        self.progress = Progress::Fresh(FRESH);
+        self.progress = Progress::Fresh(RESIDUE_ESTIMATES);
     }
 
-    /// Keeps so many of its modes: the strongest combinations or, where these are not known, the
-    /// first.
+    /// Keeps `count` of its modes: the strongest combinations or, where these are not estimated,
+    /// the first.
     pub fn keep_strongest(&mut self, count: usize) {
         let mut parts = std::mem::take(&mut self.parts);
-        let known = &mut self.quality.combinations;
-        if known.len() == parts.len() {
-            parts = known.split_off(known.len() - count);
+        let combinations = &mut self.quality.combinations;
+        if combinations.len() == parts.len() {
+            parts = combinations.split_off(combinations.len() - count);
         } else {
             parts.truncate(count);
         }
         self.join(parts);
     }
 
-    /// Pivots at the largest factors again, when others have grown beyond them.
+    /// Moves pivots to the largest factors, where others exceed them.
     pub fn choose_pivots(&mut self) {
-        let outgrown = |part: &Vec<Complex64>| part.iter().any(|l| l.norm() > OUTGROWN);
+        let outgrown =
+            |part: &Vec<Complex64>| part.iter().any(|l| l.norm() > MAX_FACTOR_OVER_PIVOT);
         if self.parts.iter().any(outgrown) {
             self.reduce();
         }
     }
 
-    /// Gauss-Jordan elimination with full pivoting: each part 1 at its pivot and 0 at those of the
-    /// others; parts without anything of their own go.
+    /// Gauss-Jordan elimination with full pivoting: each vector of factors is 1 at its pivot and 0
+    /// at those of the others; linearly dependent vectors are removed.
     fn reduce(&mut self) {
         let inputs = self.parts[0].len();
         self.pivots.clear();
         let mut done = 0;
         while done < self.parts.len() {
-            let places = (done..self.parts.len()).flat_map(|p| (0..inputs).map(move |i| (p, i)));
-            let free = places.filter(|(_, i)| !self.pivots.contains(i));
+            let candidates =
+                (done..self.parts.len()).flat_map(|p| (0..inputs).map(move |i| (p, i)));
+            let free = candidates.filter(|(_, i)| !self.pivots.contains(i));
             let size = |(p, i): &(usize, usize)| self.parts[*p][*i].norm();
             let best = free.max_by(|a, b| size(a).total_cmp(&size(b)));
-            let Some((row, input)) = best.filter(|place| size(place) > 1e-9) else {
+            let Some((row, input)) = best.filter(|candidate| size(candidate) > 1e-9) else {
                 self.parts.truncate(done);
                 break;
             };
@@ -233,7 +233,7 @@ impl Root {
                     let factor = part[input];
                     part.iter_mut()
                         .zip(&pivot)
-                        .for_each(|(l, own)| *l -= factor * own);
+                        .for_each(|(l, pivot_factor)| *l -= factor * pivot_factor);
                 }
             }
             self.pivots.push(input);

@@ -1,11 +1,11 @@
-//! What lies outside a window of lines, as functions of frequency that every function may hold in
-//! any mixture.
+//! Basis functions of the out-of-band terms: the contribution of modes outside a range of lines, in
+//! any mixture in every FRF.
 //!
-//! Constant and slope follow what is farther from the window than the window is long. Where the
-//! window ends with the data, modes outside can be as near as they like and nobody sees them: poles
-//! that crowd towards that end follow them, at distances from the end that double from line to line
-//! and as far from the axis (rational approximation with clustered poles converges exponentially in
-//! their number: Gopal and Trefethen 2019, SIAM J. Numer. Anal. 57(5)).
+//! Constant and slope represent modes that are farther from the range than its length. Where the
+//! range ends with the data, modes outside can be arbitrarily near and unobserved: poles clustered
+//! towards that end represent them, at distances from the end that double from pole to pole and
+//! equally far from the axis (rational approximation with clustered poles converges exponentially
+//! in their number: Gopal and Trefethen 2019, SIAM J. Numer. Anal. 57(5)).
 
 use std::ops::Range;
 
@@ -13,48 +13,47 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-/// Nearest pole, lines beyond the end.
-const NEAREST: f64 = 1.5;
-/// Ratio of distances.
-const RATIO: f64 = 2.0;
-/// Farthest pole, in lengths of the window.
-const FARTHEST: f64 = 1.0;
+/// Distance of the nearest pole from the end, lines.
+const NEAREST_POLE_LINES: f64 = 1.5;
+/// Ratio of the distances of successive poles.
+const DISTANCE_RATIO: f64 = 2.0;
+/// Distance of the farthest pole, in lengths of the range.
+const FARTHEST_POLE_LENGTHS: f64 = 1.0;
 
-/// Columns of every window: constant and slope.
+/// Columns of every basis: constant and slope.
 pub(in crate::identify) const EVERYWHERE: usize = 2;
-/// Lines for each pole, fewest.
-const FEWEST_LINES_EACH: usize = 3;
+/// Minimum number of lines for each pole.
+const MIN_LINES_PER_POLE: usize = 3;
 
-/// What is known of the modes outside the lines of a band.
+/// Model of the modes outside the lines of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) enum Outside {
-    /// Nothing: they may lie anywhere.
+    /// Unconstrained: they may lie anywhere.
     Anywhere,
-    /// What they put into the lines goes along these courses; none where the data show no such
-    /// modes.
+    /// Their contribution has these frequency profiles; none where the data show no such modes.
     Courses(Vec<Course>),
 }
 
-/// What modes outside put into the lines, as far as all functions share it.
+/// Out-of-band term: a rank-one contribution of modes outside the lines, common to all FRFs.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct Course {
-    /// One value per line.
+    /// Frequency profile: one value per line.
     pub values: Vec<Complex64>,
-    /// How much of it each function holds, over its noise: a vector of length 1.
+    /// Amplitude in each FRF, over its noise: a vector of length 1.
     pub shares: Vec<Complex64>,
 }
 
-/// The background of a window.
+/// Basis of the out-of-band terms on a range of lines.
 #[derive(Clone, Debug)]
 pub(in crate::identify) struct Background<'a> {
     poles: Vec<Complex64>,
-    /// Courses on the lines of the window.
+    /// Frequency profiles on the lines of the range.
     courses: Vec<&'a [Complex64]>,
 }
 
 impl<'a> Background<'a> {
-    /// For lines of a band that has `omega` in all. What lies outside counts where the window ends
-    /// with the band.
+    /// Basis for lines of a band that has `omega` in all. Modes outside the band count where the
+    /// range ends with the band.
     pub fn new(omega: &[f64], lines: &Range<usize>, outside: &'a Outside) -> Self {
         let (below, above) = (lines.start == 0, lines.end == omega.len());
         match outside {
@@ -63,10 +62,10 @@ impl<'a> Background<'a> {
                 courses: Vec::new(),
             },
             Outside::Courses(courses) => {
-                let own = courses.iter().filter(|_| below || above);
+                let terms = courses.iter().filter(|_| below || above);
                 Self {
                     poles: Vec::new(),
-                    courses: own.map(|course| &course.values[lines.clone()]).collect(),
+                    courses: terms.map(|course| &course.values[lines.clone()]).collect(),
                 }
             }
         }
@@ -77,7 +76,7 @@ impl<'a> Background<'a> {
         EVERYWHERE + self.poles.len() + self.courses.len()
     }
 
-    /// Column at a line of the window.
+    /// Value of a column at a line of the range.
     pub fn value(&self, column: usize, omega: &[f64], k: usize) -> Complex64 {
         let (first, last) = (omega[0], omega[omega.len() - 1]);
         match column {
@@ -90,31 +89,31 @@ impl<'a> Background<'a> {
         }
     }
 
-    /// Orthonormal columns over a course of noise.
-    pub fn basis(&self, omega: &[f64], course: &[f64]) -> ComplexMatrix {
+    /// Orthonormal columns, divided by the profile of the noise.
+    pub fn basis(&self, omega: &[f64], noise_profile: &[f64]) -> ComplexMatrix {
         let columns = linalg::complex_matrix(omega.len(), self.columns(), |k, c| {
-            self.value(c, omega, k) / course[k]
+            self.value(c, omega, k) / noise_profile[k]
         });
         ThinQr::or_not_a_number(&columns).q
     }
 }
 
-/// Poles that crowd towards the ends of a window that are the band's.
+/// Poles clustered towards those ends of a range that are ends of the band.
 fn clustered(omega: &[f64], lines: &Range<usize>, (below, above): (bool, bool)) -> Vec<Complex64> {
     let step = omega[1] - omega[0];
-    // Few lines cannot tell many poles.
-    let most = lines.len() / FEWEST_LINES_EACH;
-    let length = FARTHEST * lines.len() as f64 * step;
+    // Few lines cannot determine many poles.
+    let max_columns = lines.len() / MIN_LINES_PER_POLE;
+    let length = FARTHEST_POLE_LENGTHS * lines.len() as f64 * step;
     let mut poles = Vec::new();
-    let mut distance = NEAREST * step;
-    while distance < length && poles.len() + EVERYWHERE <= most {
+    let mut distance = NEAREST_POLE_LINES * step;
+    while distance < length && poles.len() + EVERYWHERE <= max_columns {
         if below {
             poles.push(Complex64::new(-distance, omega[0] - distance));
         }
         if above {
             poles.push(Complex64::new(-distance, omega[omega.len() - 1] + distance));
         }
-        distance *= RATIO;
+        distance *= DISTANCE_RATIO;
     }
     poles
 }

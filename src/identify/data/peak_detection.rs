@@ -1,26 +1,25 @@
-//! The search for resonances: local maxima of the indicator that are peaks, not noise.
+//! Search for resonances: local maxima of the indicator that are peaks, not noise.
 //!
 //! A maximum becomes a peak when
-//! 1. it is the highest point within its own half-power band: going outwards, the power falls to
+//! 1. it is the highest point within its half-power band: in both directions the power falls to
 //!    half before it rises above the maximum, at least on one side; on the other side the band may
-//!    end, or a higher line may come, but only farther away;
-//! 2. it stands above the noise. With the functions whitened by their variances, the deviation of
-//!    the vector of all `n` functions at the maximum from the straight line between its two flank
-//!    lines has, where there is only noise on a smooth background, a power that is chi-squared with
-//!    `2n` degrees of freedom. The limit is its quantile at `1 − p/N` for the stated false-alarm
-//!    probability `p` in the whole band of `N` lines (Bonferroni). This holds on any straight
-//!    background, so that noise wiggles on the skirt of a resonance 60 dB above the noise do not
-//!    pass. Where a higher line ends one flank, the dip before it must be deeper than noise makes
-//!    it as well: on a background that bends, as at an antiresonance, a wiggle's flank lines are
-//!    far from it and off any straight line;
+//!    end, or a higher line may follow, but only at a larger distance;
+//! 2. it exceeds the noise. With the FRFs whitened by their variances, the deviation of the vector
+//!    of all `n` FRFs at the maximum from the straight line between its two flank lines has, for
+//!    noise on a smooth background, a power that is chi-squared with `2n` degrees of freedom. The
+//!    limit is its quantile at `1 − p/N` for the stated false-alarm probability `p` in the whole
+//!    band of `N` lines (Bonferroni). This is valid on any straight background, so that noise on
+//!    the skirt of a resonance 60 dB above it does not pass. Where a higher line ends one flank,
+//!    the dip before it must exceed the noise as well: on a curved background, as at an
+//!    antiresonance, the flank lines of a noise maximum are distant and off any straight line;
 //! 3. it is stable: the values run clockwise with frequency, which is what a pole with positive
 //!    damping does.
 //!
-//! A peak must also be fitted later by the method, or turn as a resonance does between its
-//! half-power points ([`drop_humps`]).
+//! A peak must also be fitted later by the method, or its phase must change between its half-power
+//! points as that of a resonance does ([`drop_humps`]).
 //!
-//! A maximum that stands above the noise and fails one of the others is dropped with a finding;
-//! noise is dropped without a word.
+//! A maximum that exceeds the noise and fails another criterion is rejected with a finding; noise
+//! is rejected without one.
 
 use std::f64::consts::TAU;
 
@@ -30,20 +29,20 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::detection_spectrum::Indicator;
 
-/// Least part of a resonance's turn between its half-power points: noise or a neighbour may take
-/// most of it away. Before an antiresonance the values turn the other way.
+/// Minimum phase change between the half-power points, over that of a resonance: noise or a
+/// neighbour may hide most of it. Before an antiresonance the phase changes in the other direction.
 pub(in crate::identify) const LEAST_TURN: f64 = 0.2;
 
-/// Where the search outwards from a maximum ends.
+/// End of the search from a maximum to one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) enum Flank {
     /// First line below half power.
     Half(usize),
-    /// A line above the maximum comes first; with the lowest line between.
+    /// A line above the maximum comes first.
     Higher {
         /// First line above the maximum.
         line: usize,
-        /// Lowest line between.
+        /// Lowest line before it.
         valley: usize,
     },
     /// The band ends first.
@@ -59,7 +58,7 @@ impl Flank {
         }
     }
 
-    /// Lines between the maximum and what ended the search.
+    /// Lines between the maximum and the end of the search.
     fn distance(self, top: usize) -> usize {
         match self {
             Flank::Half(line) | Flank::Edge(line) | Flank::Higher { line, .. } => {
@@ -82,24 +81,24 @@ pub(in crate::identify) struct Peak {
     pub power: f64,
 }
 
-/// Why a maximum above the noise is not a peak.
+/// Reason why a maximum above the noise is no peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) enum Drop {
     /// A higher line inside the half-power band: power at the maximum over power in the valley, at
     /// least 2 expected.
     NotHighest(f64),
-    /// Not fitted, and turning less than [`LEAST_TURN`] of what a resonance turns.
+    /// Not fitted, with a phase change below [`LEAST_TURN`] of that of a resonance.
     NotTurning(f64),
     /// Anticlockwise: relative area of the triangle of the three lines, more than 0 expected.
     Unstable(f64),
 }
 
-/// What the search found, in ascending frequency.
+/// Result of the search, in ascending frequency.
 #[derive(Debug, Default)]
 pub(in crate::identify) struct Found {
     /// Resonances.
     pub peaks: Vec<Peak>,
-    /// Maxima above the noise that are none.
+    /// Rejected maxima above the noise.
     pub dropped: Vec<(Peak, Drop)>,
 }
 
@@ -126,9 +125,9 @@ pub(in crate::identify) fn search(
     found
 }
 
-/// Drops the peaks in which no resonance could be fitted and whose values do not turn as around
-/// one: humps of the background, such as that between a minimum and an antiresonance. Says whether
-/// there were any.
+/// Rejects the peaks in which no resonance could be fitted and whose phase does not change as that
+/// of one: maxima of the background, such as that between a minimum and an antiresonance. Returns
+/// whether there were any.
 pub(in crate::identify) fn drop_humps(
     found: &mut Found,
     (data, indicator): (&Receptances, &Indicator),
@@ -148,8 +147,8 @@ pub(in crate::identify) fn drop_humps(
     found.peaks.len() < before
 }
 
-/// Clockwise angle between the half-power points that there are, or between one and the top, as a
-/// part of what it is for a resonance: 45 degrees on either side.
+/// Clockwise angle between the half-power points that exist, or between one and the maximum, over
+/// that of a resonance: 45 degrees on either side.
 fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let foot = |flank: Flank| match flank {
         Flank::Half(line) => (line, 1.0),
@@ -164,10 +163,10 @@ fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -
 
 /// Quantile of chi-squared with `2n` degrees of freedom at `1 − p/N`.
 pub(in crate::identify) fn noise_limit(functions: usize, lines: usize, false_alarm: f64) -> f64 {
-    let share = (false_alarm / lines as f64).clamp(1e-14, 0.5);
+    let tail_probability = (false_alarm / lines as f64).clamp(1e-14, 0.5);
     ChiSquared::new(2.0 * functions as f64)
         .expect("degrees of freedom are positive")
-        .inverse_cdf(1.0 - share)
+        .inverse_cdf(1.0 - tail_probability)
 }
 
 fn maximum_at(power: &[f64], line: usize) -> Option<Peak> {
@@ -201,27 +200,28 @@ fn flank(power: &[f64], top: f64, outwards: impl Iterator<Item = usize>) -> Flan
     Flank::Edge(last)
 }
 
-/// Share of the left foot in the straight line between the feet, at the maximum.
+/// Weight of the left foot in the straight line between the feet, at the maximum.
 fn left_share(peak: &Peak) -> f64 {
     let (left, right) = (peak.left.foot(), peak.right.foot());
     (right - peak.line) as f64 / (right - left) as f64
 }
 
-/// Squared deviation from the line between the feet in units of its noise, summed over functions;
-/// chi-squared with two degrees of freedom for every function when there is only noise on a
-/// straight line.
+/// Squared deviation from the line between the feet over the variance of its noise, summed over
+/// FRFs; for noise on a straight line chi-squared with two degrees of freedom for every FRF.
 fn deviation(data: &Receptances, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
-    let share = left_share(peak);
+    let weight_of_left = left_share(peak);
     let term = |(h, v): (&[Complex64], &Vec<f64>)| {
-        let between = share * h[left] + (1.0 - share) * h[right];
-        let variance = v[top] + share * share * v[left] + (1.0 - share).powi(2) * v[right];
+        let between = weight_of_left * h[left] + (1.0 - weight_of_left) * h[right];
+        let variance = v[top]
+            + weight_of_left * weight_of_left * v[left]
+            + (1.0 - weight_of_left).powi(2) * v[right];
         2.0 * (h[top] - between).norm_sqr() / variance
     };
     data.values.iter().zip(&data.variance).map(term).sum()
 }
 
-/// Lowest line on the way to a higher one.
+/// Lowest line before a higher one.
 fn valley(peak: &Peak) -> Option<usize> {
     [peak.left, peak.right]
         .into_iter()
@@ -231,15 +231,14 @@ fn valley(peak: &Peak) -> Option<usize> {
         })
 }
 
-/// Whether the dip before a higher line is more than noise; without a higher line there is none to
-/// judge.
+/// Whether the dip before a higher line exceeds the noise; true without a higher line.
 fn above_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
     valley(peak).is_none() || dip(data, indicator, peak) > limit
 }
 
 /// Squared difference of the root of the indicator at the maximum and in the valley before the
-/// higher line, in units of its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the values
-/// turn as well, which is no peak: only the magnitude counts here.
+/// higher line, over its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the phase changes
+/// as well, without a peak: only the magnitude counts here.
 fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let Some(valley) = valley(peak) else {
         return 0.0;
@@ -275,9 +274,9 @@ fn highest_in_its_band(peak: &Peak) -> bool {
     }
 }
 
-/// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of their
-/// squared sides at the maximum; positive for positive damping, whatever constant lies under the
-/// resonance.
+/// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of the
+/// products of their sides at the maximum; positive for positive damping, whatever constant is
+/// added to the resonance.
 fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
@@ -289,9 +288,9 @@ fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     if sides > 0.0 { area / sides } else { 0.0 }
 }
 
-/// First estimate of a pole, rad/s, from the lines of the indicator around its peak: top by a
-/// parabola, decay rate from the nearer half-power point; looking no farther than the valleys to
-/// the neighbouring maxima.
+/// First estimate of a pole, rad/s, from the lines of the indicator around its peak: frequency by a
+/// parabola, decay rate from the nearer half-power point; within the valleys to the neighbouring
+/// maxima.
 pub(in crate::identify) fn first_pole(
     data: &Receptances,
     indicator: &Indicator,

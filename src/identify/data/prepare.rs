@@ -12,23 +12,23 @@ use crate::identify::data::outlier_lines::{filled, without_spikes};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::IdentifyOptions;
 
-/// Most rounds in which spikes are sought.
-const ROUNDS: usize = 3;
+/// Maximum number of passes that search for outlier lines.
+const MAX_OUTLIER_PASSES: usize = 3;
 
-/// What an identification looks at.
+/// FRFs and band that an identification reads.
 pub(in crate::identify) struct Chosen<'a> {
     pub set: Cow<'a, FrfSet>,
     pub band: Band,
-    /// Of what was left out or replaced.
+    /// Findings on rejected FRFs and on replaced lines.
     pub findings: Vec<Finding>,
 }
 
-/// The functions of the references that the options name, and the band: that of the options, else
-/// the set's valid band, else its axis; as far as there are lines. Lines without any value and
-/// spikes are replaced by what their neighbours say ([`spikes`]).
+/// Selects the FRFs of the references that the options name, and the band: that of the options,
+/// else the set's valid band, else its axis; cut to the lines of the set. Missing lines and outlier
+/// lines are interpolated from their neighbours (`outlier_lines`).
 ///
 /// # Errors
-/// [`IdentifyError::UnknownReference`] for one that no function has; [`IdentifyError::TooFewLines`]
+/// [`IdentifyError::UnknownReference`] for one that no FRF has; [`IdentifyError::TooFewLines`]
 /// for an axis without any band.
 pub(in crate::identify) fn chosen<'a>(
     set: &'a FrfSet,
@@ -43,9 +43,9 @@ pub(in crate::identify) fn chosen<'a>(
                 known,
             });
         }
-        let of_them = |i: &usize| references.contains(&set.functions()[*i].reference);
-        let own: Vec<usize> = (0..set.len()).filter(of_them).collect();
-        set = Cow::Owned(set.part(&own));
+        let is_selected = |i: &usize| references.contains(&set.functions()[*i].reference);
+        let selected: Vec<usize> = (0..set.len()).filter(is_selected).collect();
+        set = Cow::Owned(set.part(&selected));
     }
     let band = options.band.or(set.valid_band);
     let band = band.or_else(|| whole_band(&set));
@@ -60,15 +60,15 @@ pub(in crate::identify) fn chosen<'a>(
         let damaged = damaged(&set, band);
         let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
         let sound: Vec<usize> = sound.collect();
-        // Of nothing but damage, the error says what it is.
+        // Where every FRF is damaged, the identification fails with an error that names the value.
         if !damaged.is_empty() && !sound.is_empty() {
             let left_out = |(i, hz): (&usize, &f64)| left_out(&set.functions()[*i], *hz);
             findings.extend(damaged.iter().map(left_out));
             set = Cow::Owned(set.part(&sound));
         }
     }
-    // A weak line beside a strong one is seen when that is gone.
-    for _ in 0..ROUNDS {
+    // A weak outlier next to a strong one is detected once that is replaced.
+    for _ in 0..MAX_OUTLIER_PASSES {
         let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) else {
             break;
         };
@@ -82,8 +82,8 @@ pub(in crate::identify) fn chosen<'a>(
     })
 }
 
-/// A band without what lies beyond the lines by half a step or more, and what was cut off; one
-/// beside the lines, or none, stays as it is.
+/// The part of a band inside the lines, with findings where half a step or more is cut off; a band
+/// outside the lines, or an invalid one, is returned unchanged.
 fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let inside = |whole: &Band| {
         let lo_hz = band.lo_hz.max(whole.lo_hz);
@@ -91,10 +91,10 @@ fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     };
     let legal = Band::new(band.lo_hz, band.hi_hz).ok();
     let whole = legal.and_then(|_| whole_band(set));
-    let Some((whole, own)) = whole.and_then(|whole| Some((whole, inside(&whole)?))) else {
+    let Some((whole, cut_band)) = whole.and_then(|whole| Some((whole, inside(&whole)?))) else {
         return (band, Vec::new());
     };
-    // From 0 Hz on is from the first line above it.
+    // A band from 0 Hz begins at the first line above it.
     let slack = 0.5 * set.axis().step_hz;
     let low = band.lo_hz < whole.lo_hz - slack && set.axis().start_hz > 0.0;
     let high = band.hi_hz > whole.hi_hz + slack;
@@ -109,16 +109,16 @@ fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let findings: Vec<Finding> = ends.into_iter().flatten().collect();
     match findings.is_empty() {
         true => (band, findings),
-        false => (own, findings),
+        false => (cut_band, findings),
     }
 }
 
-/// The findings of a band at whose ends no function has a number: those lines are left out.
+/// The findings of a band at whose ends no FRF has a finite value: those lines are removed.
 fn ends_without_numbers(set: &FrfSet, band: Band) -> Vec<Finding> {
     let lines = set.axis().lines(&band);
     let none = |k: &usize| (0..set.len()).all(|i| !set.values(i)[*k].is_finite());
     let hz = |k: usize| set.axis().hz(k);
-    // Derivatives have no value at 0 Hz, and nobody looks there.
+    // Derivatives have no value at 0 Hz, which no identification reads.
     let first = lines.clone().find(|k| hz(*k) > 0.0 && !none(k));
     let last = lines.clone().rev().find(|k| !none(k));
     let (Some(first), Some(last)) = (first, last) else {

@@ -1,4 +1,4 @@
-//! What roots and background make of all lines of a band, and what they leave over.
+//! Prediction of the FRFs by poles and out-of-band terms, and its residual, on all lines of a band.
 
 use std::ops::Range;
 
@@ -12,32 +12,33 @@ use crate::identify::data::model_pole::Root;
 use crate::identify::data::out_of_band_basis::{Background, Course, EVERYWHERE, Outside};
 use crate::identify::noise::band_profile::Profile;
 
-/// What lies outside the lines, told from all of them together: the background of the whole band.
+/// Basis of the out-of-band terms over all lines of the band.
 ///
-/// A window in the middle has constant and slope alone for what is outside; a strong mode beyond
-/// the end of a long band is curved there, and the whole band knows by how much.
+/// A fit of a few lines in the middle of the band has only constant and slope for out-of-band
+/// modes; over a long band the contribution of a strong mode beyond its end is curved, which only
+/// all lines together determine.
 pub(in crate::identify) struct Far {
     omega: Vec<f64>,
     line_shape: LineShape,
     level: Vec<f64>,
-    /// Columns of the background times their coordinates, and what gives the coordinates: lines ×
-    /// columns.
+    /// Columns of the basis times the noise profile, and the weights that yield the coordinates:
+    /// lines × columns.
     columns: ComplexMatrix,
     weights: ComplexMatrix,
-    /// Of the measured values: columns × functions.
+    /// Coordinates of the measured values: columns × FRFs.
     coordinates: ComplexMatrix,
 }
 
-/// What is left over on some lines, over the noise.
+/// Residual on a range of lines: data minus model, over the standard deviation of the noise.
 pub(in crate::identify) struct Rest {
-    /// The lines.
+    /// The range of lines.
     pub lines: Range<usize>,
-    /// Lines × functions.
+    /// Lines × FRFs.
     pub values: ComplexMatrix,
 }
 
 impl Rest {
-    /// Lines × functions, from the first line on.
+    /// Residual of lines × FRFs, from the first line.
     #[cfg(test)]
     pub fn of_all(values: ComplexMatrix) -> Self {
         Self {
@@ -46,18 +47,18 @@ impl Rest {
         }
     }
 
-    /// Of a function at a line.
+    /// Residual of an FRF at a line.
     pub fn at(&self, function: usize, line: usize) -> Complex64 {
         self.values[(line - self.lines.start, function)]
     }
 
-    /// Of a function on some of the lines.
+    /// Residual of an FRF on a range of lines.
     pub fn of(&self, function: usize, lines: Range<usize>) -> &[Complex64] {
         let start = lines.start - self.lines.start;
         &self.values.col_as_slice(function)[start..start + lines.len()]
     }
 
-    /// Brings values over the noise of some variances, by function and line, over that of others.
+    /// Rescales the residual from one set of noise variances, by FRF and line, to another.
     pub fn over(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
         let lines = self.lines.clone();
         linalg::by_column(&mut self.values, |f, column| {
@@ -68,60 +69,63 @@ impl Rest {
         });
     }
 
-    /// `Σ|rest|²`.
+    /// `Σ|r|²` of the residual r.
     pub fn energy(&self) -> f64 {
         self.values.squared_norm_l2()
     }
 
-    /// The same of a value.
+    /// Mean square of the residual.
     pub fn mean_power(&self) -> f64 {
         self.energy() / (self.values.nrows() * self.values.ncols()) as f64
     }
 }
 
 impl Far {
-    /// Of the lines of a band.
+    /// Basis for all lines of a band.
     pub fn new(data: &Receptances, outside: &Outside) -> Self {
         let lines = 0..data.lines();
-        let Profile { level, course } = Profile::new(data, lines.clone());
-        let background = Background::new(&data.omega, &lines, outside);
-        // Orthonormal over the course of the noise.
-        let basis = background.basis(&data.omega, &course);
+        let Profile {
+            level,
+            course: noise_profile,
+        } = Profile::new(data, lines.clone());
+        let terms = Background::new(&data.omega, &lines, outside);
+        // Orthonormal after division by the noise profile.
+        let basis = terms.basis(&data.omega, &noise_profile);
         let of = |scale: &dyn Fn(usize) -> f64| {
             linalg::complex_matrix(basis.nrows(), basis.ncols(), |k, c| {
                 basis[(k, c)] * scale(k)
             })
         };
-        let weights = of(&|k| course[k].recip());
+        let weights = of(&|k| noise_profile[k].recip());
         Self {
             omega: data.omega.clone(),
             line_shape: data.line_shape,
             coordinates: linalg::adjoint_product(&weights, data.values.matrix().as_ref()),
-            columns: of(&|k| course[k]),
+            columns: of(&|k| noise_profile[k]),
             weights,
             level,
         }
     }
 
-    /// The columns of the background: lines × columns.
+    /// The columns of the basis: lines × columns.
     pub fn columns(&self) -> &ComplexMatrix {
         &self.columns
     }
 
-    /// Coordinates of what the roots leave over: columns × functions.
+    /// Coordinates of the residual of the poles: columns × FRFs.
     pub fn of_rest(&self, roots: &[Root]) -> ComplexMatrix {
         let courses = self.weights.adjoint() * courses(self.line_shape, &self.omega, roots);
         &self.coordinates - courses * residues(roots, self.level.len())
     }
 
-    /// What roots and background make of the lines.
+    /// Prediction of the lines by poles and out-of-band terms.
     pub fn beside<'a>(&'a self, data: &'a Receptances, roots: &'a [Root]) -> Described<'a> {
-        let (of_rest, residues) = (self.of_rest(roots), residues(roots, self.level.len()));
+        let (coordinates, residues) = (self.of_rest(roots), residues(roots, self.level.len()));
         let first = self.columns.ncols();
         let rows = first + residues.nrows();
         let amplitudes = linalg::complex_matrix(rows, self.level.len(), |c, f| {
             if c < first {
-                of_rest[(c, f)]
+                coordinates[(c, f)]
             } else {
                 residues[(c - first, f)]
             }
@@ -134,37 +138,37 @@ impl Far {
         }
     }
 
-    /// Coordinates of what the roots leave over, over the noise, without constant and slope:
-    /// columns × functions.
+    /// Coordinates of the residual of the poles, over the noise, without constant and slope:
+    /// columns × FRFs.
     fn beyond(&self, roots: &[Root]) -> ComplexMatrix {
-        let rest = self.of_rest(roots);
-        let columns = rest.nrows() - EVERYWHERE;
-        linalg::complex_matrix(columns, rest.ncols(), |c, f| {
-            rest[(EVERYWHERE + c, f)] / self.level[f]
+        let coordinates = self.of_rest(roots);
+        let columns = coordinates.nrows() - EVERYWHERE;
+        linalg::complex_matrix(columns, coordinates.ncols(), |c, f| {
+            coordinates[(EVERYWHERE + c, f)] / self.level[f]
         })
     }
 
-    /// Courses over the lines of what the roots leave over beyond constant and slope, the strongest
-    /// first: as many as leave no more of the rest than noise, of which `alike` lines count for
-    /// one, and so many at most.
+    /// Out-of-band terms of the residual of the poles beyond constant and slope, the strongest
+    /// first: as many as reduce the residual to noise, of which `line_ratio` lines have the information
+    /// of one, and at most `max_terms`.
     ///
-    /// The coordinates over the noise, a matrix of columns × functions, are noise of unit variance
-    /// plus one dyad per course; what r dyads leave has (columns − r)(functions − r) numbers
-    /// (reduced rank: Anderson 1951, Annals of Mathematical Statistics 22).
-    pub fn strongest(&self, roots: &[Root], alike: f64, most: usize) -> Vec<Course> {
+    /// The coordinates over the noise, a matrix of columns × FRFs, are noise of unit variance plus
+    /// one rank-one term per mode; after r terms (columns − r)(FRFs − r) numbers remain (reduced
+    /// rank: Anderson 1951, Annals of Mathematical Statistics 22).
+    pub fn strongest(&self, roots: &[Root], line_ratio: f64, max_terms: usize) -> Vec<Course> {
         let beyond = self.beyond(roots);
         let Ok(svd) = linalg::singular_vectors(&beyond) else {
             return Vec::new();
         };
-        let left = |rank: usize| svd.values[rank..].iter().map(|s| s * s).sum::<f64>();
+        let remaining = |rank: usize| svd.values[rank..].iter().map(|s| s * s).sum::<f64>();
         let noise = |rank: usize| {
             let numbers = ((beyond.nrows() - rank) * (beyond.ncols() - rank)) as f64;
-            alike * (numbers + numbers.sqrt())
+            line_ratio * (numbers + numbers.sqrt())
         };
         let all = svd.values.len();
-        let needed = (0..all).find(|rank| left(*rank) <= noise(*rank));
-        let count = needed.unwrap_or(all).min(most);
-        let course = |rank: usize| {
+        let needed = (0..all).find(|rank| remaining(*rank) <= noise(*rank));
+        let count = needed.unwrap_or(all).min(max_terms);
+        let term = |rank: usize| {
             let at = |k: usize| -> Complex64 {
                 let terms = (0..beyond.nrows())
                     .map(|c| self.columns[(k, EVERYWHERE + c)] * svd.left[(c, rank)]);
@@ -176,31 +180,31 @@ impl Far {
                 shares: shares.collect(),
             }
         };
-        (0..count).map(course).collect()
+        (0..count).map(term).collect()
     }
 
-    /// Energy beyond constant and slope that the background explains of what the roots leave over,
-    /// over the noise, with the complex numbers that it has.
+    /// Energy of the residual of the poles that the out-of-band terms explain beyond constant and
+    /// slope, over the noise, with its number of complex values.
     pub fn explained(&self, roots: &[Root]) -> (f64, usize) {
         let beyond = self.beyond(roots);
         (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())
     }
 }
 
-/// What roots and background make of the lines.
+/// Prediction of the FRFs by poles and out-of-band terms.
 pub(in crate::identify) struct Described<'a> {
     far: &'a Far,
     data: &'a Receptances,
     roots: &'a [Root],
-    /// Of background, roots and conjugates: columns × functions.
+    /// Amplitudes of out-of-band terms, poles and conjugates: columns × FRFs.
     amplitudes: ComplexMatrix,
 }
 
 impl Described<'_> {
-    /// What they leave over on some lines, over the noise at each.
+    /// Residual on a range of lines, over the noise at each.
     pub fn left_over(&self, lines: Range<usize>) -> Rest {
         let first = self.far.columns.ncols();
-        let roots = courses(
+        let pole_columns = courses(
             self.far.line_shape,
             &self.far.omega[lines.clone()],
             self.roots,
@@ -209,7 +213,7 @@ impl Described<'_> {
             if c < first {
                 self.far.columns[(lines.start + k, c)]
             } else {
-                roots[(k, c - first)]
+                pole_columns[(k, c - first)]
             }
         });
         let over_noise = |f: usize, column: &mut [Complex64]| {
@@ -225,15 +229,15 @@ impl Described<'_> {
     }
 }
 
-/// `1/(iω − λ)` of every root and of its conjugate: lines × twice the roots.
+/// `1/(iω − λ)` of every pole and of its conjugate: lines × twice the number of poles.
 pub(in crate::identify) fn courses(
     line_shape: LineShape,
     omega: &[f64],
     roots: &[Root],
 ) -> ComplexMatrix {
-    linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, place| {
-        let lambda = roots[place / 2].lambda;
-        let lambda = if place % 2 == 0 {
+    linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, column| {
+        let lambda = roots[column / 2].lambda;
+        let lambda = if column % 2 == 0 {
             lambda
         } else {
             lambda.conj()
@@ -242,11 +246,11 @@ pub(in crate::identify) fn courses(
     })
 }
 
-/// Residues of every root and of its conjugate: twice the roots × functions.
+/// Residues of every pole and of its conjugate: twice the number of poles × FRFs.
 pub(in crate::identify) fn residues(roots: &[Root], functions: usize) -> ComplexMatrix {
-    linalg::complex_matrix(2 * roots.len(), functions, |place, f| {
-        let residue = roots[place / 2].residues[f];
-        if place % 2 == 0 {
+    linalg::complex_matrix(2 * roots.len(), functions, |row, f| {
+        let residue = roots[row / 2].residues[f];
+        if row % 2 == 0 {
             residue
         } else {
             residue.conj()

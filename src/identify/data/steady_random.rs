@@ -1,10 +1,9 @@
 //! FRF sets of a test under steady random force, computed from its time series, for the tests of
 //! this stage.
 //!
-//! The force is white. Each mode answers by the recursion `y_n = e^(λΔt) y_(n−1) + f_n`, which is
-//! exact for the sampled force: nothing of what a record loses at its ends is left away. Records
-//! are cut one after the other, weighted with a window, transformed and averaged to H1 and its
-//! coherence.
+//! The force is white. Each mode responds by the recursion `y_n = e^(λΔt) y_(n−1) + f_n`, which is
+//! exact for the sampled force and includes the truncation of records at their ends. Successive
+//! records are weighted with a window, transformed and averaged to H1 and its coherence.
 
 use num_complex::Complex64;
 use rand::SeedableRng;
@@ -20,7 +19,7 @@ use crate::quantity::FrfKind;
 use crate::identify::data::line_shape::cosines;
 use crate::identify::synthetic::Structure;
 
-/// How a structure is measured under steady random force.
+/// Measurement of a structure under steady random force.
 #[derive(Clone, Debug)]
 pub(in crate::identify) struct Steady {
     pub rate_hz: f64,
@@ -64,7 +63,9 @@ impl Steady {
             let weighted = |record: &[f64]| -> Vec<f64> {
                 record.iter().zip(&weights).map(|(x, w)| x * w).collect()
             };
-            records.map(|own| plan.transform(&weighted(own))).collect()
+            records
+                .map(|record| plan.transform(&weighted(record)))
+                .collect()
         };
         let forces = spectra(&force);
         let step_hz = self.rate_hz / self.record as f64;
@@ -81,11 +82,11 @@ impl Steady {
         });
         for point in 0..structure.modes[0].2.len() {
             let mut response = vec![0.0; samples];
-            for (mode, own) in structure.modes.iter().zip(&accelerations) {
+            for (mode, acceleration) in structure.modes.iter().zip(&accelerations) {
                 let factor = mode.2[point] * mode.2[0];
                 response
                     .iter_mut()
-                    .zip(own)
+                    .zip(acceleration)
                     .for_each(|(x, q)| *x += factor * q);
             }
             let power = response.iter().map(|x| x * x).sum::<f64>() / samples as f64;
@@ -135,7 +136,7 @@ fn acceleration(lambda: Complex64, rate_hz: f64, force: &[f64]) -> Vec<f64> {
     force.iter().map(&mut next).collect()
 }
 
-/// H1 and coherence on some lines.
+/// H1 and coherence on a range of lines.
 fn h1(
     forces: &[Vec<Complex64>],
     responses: &[Vec<Complex64>],

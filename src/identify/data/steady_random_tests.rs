@@ -68,7 +68,7 @@ fn in_band(lo_hz: f64, hi_hz: f64, order: Option<usize>) -> IdentifyOptions {
     }
 }
 
-/// What an identification says of the damping of one mode.
+/// Identified damping of one mode.
 struct Damping {
     /// Error over the true damping.
     error: f64,
@@ -76,7 +76,7 @@ struct Damping {
     std: f64,
 }
 
-/// The six modes of the bridge, of which no other is allowed and none may be missing.
+/// Dampings of the six modes of the bridge; fails on any other or missing mode.
 fn dampings(set: &FrfSet, options: &IdentifyOptions) -> Vec<Damping> {
     let model = identify(set, options).unwrap();
     let (lo_hz, hi_hz) = (MODES[0].0 - 0.3, MODES[5].0 + 0.3);
@@ -108,20 +108,23 @@ fn damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation() {
             (1..=DRAWS).flat_map(|seed| dampings(&stated(seed, given), &in_band(2.0, 5.0, None)));
         let all: Vec<Damping> = draws.collect();
         let count = all.len() as f64;
-        let mean = all.iter().map(|own| own.error).sum::<f64>() / count;
+        let mean = all.iter().map(|damping| damping.error).sum::<f64>() / count;
         let rms = |of: &dyn Fn(&Damping) -> f64| {
-            (all.iter().map(|own| of(own).powi(2)).sum::<f64>() / count).sqrt()
+            (all.iter().map(|damping| of(damping).powi(2)).sum::<f64>() / count).sqrt()
         };
-        let (scatter, normalised) = (rms(&|own| own.error), rms(&|own| own.error / own.std));
+        let (scatter, normalised) = (
+            rms(&|damping| damping.error),
+            rms(&|damping| damping.error / damping.std),
+        );
         // Three standard errors; fits of poles that are not smoothed are 13 to 25 % too high.
         assert!(
             mean.abs() < 3.0 * scatter / count.sqrt(),
             "{given}: {mean} {scatter}"
         );
         assert!(scatter < 0.06, "{given}: {scatter}");
-        // 95 % intervals: 99.9 % of binomial counts of 72 are above 61. No deviation is twice what
-        // it need be.
-        let inside = |own: &&Damping| own.error.abs() < 1.96 * own.std;
+        // 95 % intervals: 99.9 % of binomial counts of 72 are above 61. No standard
+        // deviation is twice the necessary one.
+        let inside = |damping: &&Damping| damping.error.abs() < 1.96 * damping.std;
         let covered = all.iter().filter(inside).count();
         assert!(covered >= 62, "{given}: {covered} of {count}, {normalised}");
         assert!(normalised > 0.5, "{given}: {normalised}");
@@ -129,7 +132,7 @@ fn damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation() {
 }
 
 #[test]
-fn band_and_order_change_damping_by_less_than_its_deviation() {
+fn band_and_order_change_damping_by_less_than_its_standard_deviation() {
     let set = stated(3, true);
     let first = dampings(&set, &in_band(2.0, 5.0, None));
     let others = [
@@ -139,14 +142,17 @@ fn band_and_order_change_damping_by_less_than_its_deviation() {
         in_band(2.0, 5.0, Some(12)),
     ];
     for options in &others {
-        for (own, first) in dampings(&set, options).iter().zip(&first) {
-            assert!((own.error - first.error).abs() < first.std, "{options:?}");
+        for (changed, first) in dampings(&set, options).iter().zip(&first) {
+            assert!(
+                (changed.error - first.error).abs() < first.std,
+                "{options:?}"
+            );
         }
     }
 }
 
 fn has(findings: &[Finding], code: Code) -> bool {
-    findings.iter().any(|own| own.code == code)
+    findings.iter().any(|finding| finding.code == code)
 }
 
 #[test]
@@ -168,13 +174,16 @@ fn random_force_under_an_unstated_window_makes_no_second_poles() {
 
 /// Each finding of split poles is at a mode of the table, and names window and number of poles.
 fn assert_split_at_modes(model: &ModalModel, window: &str) {
-    let is_split = |own: &&Finding| own.code == Code::LeakageSplit;
-    for own in model.findings.iter().filter(is_split) {
+    let is_split = |finding: &&Finding| finding.code == Code::LeakageSplit;
+    for finding in model.findings.iter().filter(is_split) {
         let place = |mode: &Mode| Place::Mode(mode.frequency_hz);
         let modes = &model.modes;
-        assert!(modes.iter().any(|mode| place(mode) == own.place), "{own}");
-        assert!(own.value.unwrap() >= 2.0, "{own}");
-        assert_eq!(own.detail.as_deref(), Some(window));
+        assert!(
+            modes.iter().any(|mode| place(mode) == finding.place),
+            "{finding}"
+        );
+        assert!(finding.value.unwrap() >= 2.0, "{finding}");
+        assert_eq!(finding.detail.as_deref(), Some(window));
     }
 }
 
@@ -187,15 +196,15 @@ fn random_force_under_an_unstated_flat_top_window_has_its_bias_and_no_second_pol
         let options = in_band(2.0, 5.0, None);
         made += dampings(&set, &options)
             .iter()
-            .map(|own| own.error)
+            .map(|damping| damping.error)
             .sum::<f64>();
         let model = identify(&set, &options).unwrap();
         assert_split_at_modes(&model, "flat-top");
         split += usize::from(has(&model.findings, Code::LeakageSplit));
-        let biased = |own: &&Finding| own.code == Code::DampingBiasedHigh;
-        for own in model.findings.iter().filter(biased) {
-            assert_eq!(own.detail.as_deref(), Some("flat-top"));
-            reported += own.value.unwrap() / 100.0;
+        let biased = |finding: &&Finding| finding.code == Code::DampingBiasedHigh;
+        for finding in model.findings.iter().filter(biased) {
+            assert_eq!(finding.detail.as_deref(), Some("flat-top"));
+            reported += finding.value.unwrap() / 100.0;
         }
     }
     // Under a Hann window alone two of these draws have more than six modes, and two no finding.
@@ -235,7 +244,7 @@ fn close_modes_in_noise_stay_two() {
 }
 
 #[test]
-fn the_bias_reported_under_an_unstated_window_is_that_of_the_damping() {
+fn damping_bias_reported_under_an_unstated_window_is_the_actual_one() {
     for seed in 1..=4 {
         let set = measured(seed, false);
         let model = identify(&set, &in_band(2.0, 5.0, None)).unwrap();
@@ -246,9 +255,11 @@ fn the_bias_reported_under_an_unstated_window_is_that_of_the_damping() {
             let mode = modes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let mode = mode.unwrap();
             let place = Place::Mode(mode.frequency_hz);
-            let biased = |own: &&Finding| own.code == Code::DampingBiasedHigh && own.place == place;
+            let biased = |finding: &&Finding| {
+                finding.code == Code::DampingBiasedHigh && finding.place == place
+            };
             let finding = model.findings.iter().find(biased);
-            reported += finding.map_or(0.0, |own| own.value.unwrap());
+            reported += finding.map_or(0.0, |finding| finding.value.unwrap());
             made += 100.0 * (mode.damping_ratio.unwrap() / damping - 1.0);
         }
         assert!(
@@ -344,7 +355,7 @@ fn an_exponential_window_of_unstated_decay_rate_is_reported_by_every_method() {
 }
 
 #[test]
-fn hits_have_no_bias_by_a_window() {
+fn windows_for_impacts_give_no_leakage_bias() {
     let mut set = measured(1, true);
     let is_reported = |set: &FrfSet| {
         let model = identify(set, &in_band(2.0, 5.0, None)).unwrap();
