@@ -1,4 +1,4 @@
-//! Noise that functions of one hit point share, told from what is left over and from variances.
+//! Force noise common to the FRFs of one reference, estimated from residual and variances.
 
 use crate::identify::noise::force_noise::*;
 use crate::identify::synthetic::white_noise;
@@ -14,19 +14,19 @@ fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
 }
 
 #[test]
-fn noise_along_the_response_is_shared_when_it_is_larger_there() {
+fn excess_noise_along_the_response_is_common_force_noise() {
     for seed in 0..20 {
-        // 400 squares of one exponential variable each tell their mean to 5 %.
+        // 400 squares of one exponential variable each have a mean known to 5 %.
         assert!(shared_part(&lines(3.0, 3.0, seed), 1.0) > 0.7);
         assert!((shared_part(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
         assert!(shared_part(&lines(3.0, 1.0, seed), 1.0) <= 0.0);
-        // Functions without noise of the force have nothing to share.
+        // FRFs without force noise have none in common.
         assert!(shared_part(&lines(1.0, 1.0, seed), 1.0) <= 0.0);
     }
 }
 
 #[test]
-fn variances_that_scatter_alike_are_of_the_same_hits() {
+fn variances_of_the_same_impacts_scatter_together() {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{ChiSquared, Distribution};
@@ -35,13 +35,13 @@ fn variances_that_scatter_alike_are_of_the_same_hits() {
     let scatter = ChiSquared::new(FREEDOM).expect("degrees of freedom are positive");
     for seed in 0..10 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut of = |same: bool| {
+        let mut fraction = |same: bool| {
             let mut estimated = vec![Vec::new(); 4];
             for _ in 0..100 {
-                let one = scatter.sample(&mut random) / FREEDOM;
-                for (f, own) in estimated.iter_mut().enumerate() {
-                    let other = scatter.sample(&mut random) / FREEDOM;
-                    own.push((1 + f) as f64 * if same { one } else { other });
+                let common = scatter.sample(&mut random) / FREEDOM;
+                for (f, variances) in estimated.iter_mut().enumerate() {
+                    let independent = scatter.sample(&mut random) / FREEDOM;
+                    variances.push((1 + f) as f64 * if same { common } else { independent });
                 }
             }
             let estimated: Vec<Estimated> = (estimated.into_iter().enumerate())
@@ -50,7 +50,7 @@ fn variances_that_scatter_alike_are_of_the_same_hits() {
                     variance,
                     degrees_of_freedom: Some(FREEDOM),
                     alike: 1.0,
-                    own: None,
+                    response_noise: None,
                 })
                 .collect();
             let smooth = Smooth {
@@ -60,8 +60,8 @@ fn variances_that_scatter_alike_are_of_the_same_hits() {
             let all: Vec<&Estimated> = estimated.iter().collect();
             told_by_variances(&all, &vec![smooth; 4])
         };
-        assert!(of(true) > 0.999);
-        assert!(of(false) < 0.3);
+        assert!(fraction(true) > 0.999);
+        assert!(fraction(false) < 0.3);
     }
     // ψ′(1) is π²/6, ψ′(1/2) is π²/2.
     let square = std::f64::consts::PI.powi(2);
@@ -76,9 +76,9 @@ fn energies_along_and_across_the_response_add_up() {
         Complex64::new(0.0, -2.0),
         Complex64::ONE,
     ];
-    let of = |own: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], own, |f| response[f]);
-    let same = of(&|f| Complex64::new(0.0, 3.0) * response[f]);
+    let energies = |value: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], value, |f| response[f]);
+    let same = energies(&|f| Complex64::new(0.0, 3.0) * response[f]);
     assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
-    let other = of(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
+    let other = energies(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
     assert!((other.along - 7.0).abs() < 1e-12 && (other.across - 42.0).abs() < 1e-12);
 }

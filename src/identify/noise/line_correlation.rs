@@ -1,25 +1,26 @@
-//! How the noise of neighbouring lines hangs together, and what that does to what a root collects
-//! of it.
+//! Correlation of noise between frequency lines, and its effect on the noise of amplitudes and
+//! poles.
 //!
-//! Noise is white over the lines only where it is even over the record. A window on the responses,
-//! a force that is set to zero after the pulse, or zeros behind a record leave it in a part of the
-//! record, and the lines then share it: its course has bumps as wide as those of modes. With the
-//! correlation `ρ(m)` over `m` lines, a course `g` over the lines collects `gᴴRg/gᴴg = Σ_m ρ(m)
-//! A(m)` times the variance that white noise of the same level gives, with the autocorrelation A of
-//! g. For a root of decay rate σ and lines Δ apart, and with `s = 1 + imΔ/2σ`, `A = 1/s` for the
-//! amplitude, and `A = 1/s − 2/s² + 2/s³` for the pole, whose course is what is left of the
-//! derivative beside the root itself. In time these are `e^(−u)` and `(1 − u)² e^(−u)`, `u = 2σt`.
+//! Noise is independent between lines only where it is stationary over the record. A window on the
+//! responses, a force that is set to zero after the pulse, or zeros at the end of a record confine
+//! it to a part of the record, and neighbouring lines are then correlated: the noise has bumps as
+//! wide as those of modes. With the correlation `ρ(m)` over `m` lines, the amplitude of a profile
+//! `g` over the lines has `gᴴRg/gᴴg = Σ_m ρ(m) A(m)` times its variance in white noise of the same
+//! level, with the autocorrelation A of g. For a pole of decay rate σ and line spacing Δ, and with
+//! `s = 1 + imΔ/2σ`, `A = 1/s` for the amplitude, and `A = 1/s − 2/s² + 2/s³` for the pole, whose
+//! profile is the derivative orthogonalised to the line shape itself. In time these are `e^(−u)`
+//! and `(1 − u)² e^(−u)`, `u = 2σt`.
 //!
-//! The correlation is told from what a fit leaves over on those stretches of the band where that is
-//! no more than the noise; what a mode leaves that is missing hangs together as well. Only phases
-//! are used, so that a few large values count no more than others, and of the stretches the median.
-//! For circular Gaussian values of correlation ρ the mean product of phases is `(π/4) ρ ₂F₁(1/2,
-//! 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory, section
-//! 9.1).
+//! The correlation is estimated from the residual of a fit on those segments of the band where it
+//! does not exceed the noise; the residual of a missing mode is correlated as well. Only phases are
+//! used, so that a few large values have no more weight than others, and of the segments the
+//! median. For circular Gaussian values of correlation ρ the mean product of phases is `(π/4) ρ
+//! ₂F₁(1/2, 1/2; 2; |ρ|²)` (Middleton 1960, An Introduction to Statistical Communication Theory,
+//! section 9.1).
 //!
-//! Noise that begins at once with the record, as all noise under a window does, has `ic/m` for long
-//! lags. Each of these is too small to be told, but all together are up to half of what a mode
-//! collects that decays long before the noise does; c follows from the lags that are told.
+//! Noise that begins with the record, as all noise under a window does, has `ic/m` for long lags.
+//! Each of these is too small to estimate, but their sum is up to half of the noise of a mode that
+//! decays long before the noise does; c follows from the estimated lags.
 
 use std::ops::Range;
 
@@ -28,50 +29,50 @@ use rayon::prelude::*;
 
 use crate::identify::data::residual::Rest;
 
-/// Stretches of the band that are looked at each by itself.
-const STRETCHES: usize = 16;
-/// Fewest lines of a stretch.
-const FEWEST_LINES: usize = 32;
-/// Most power of a stretch, over the noise.
-const QUIET: f64 = 2.0;
-/// Fewest quiet stretches, as a share of all.
-const ENOUGH: f64 = 0.2;
-/// Correlation below which lags are left out.
-const LEAST: f64 = 0.02;
-/// Least mean square of a second difference that is believed.
-const LEAST_DIFFERENCE: f64 = 0.1;
-/// Longest lag, as a share of a stretch.
-const LONGEST: f64 = 0.5;
-/// What is this many deviations from 0 is no chance.
-const CERTAIN: f64 = 4.0;
+/// Maximum number of segments of the band.
+const MAX_SEGMENTS: usize = 16;
+/// Minimum number of lines in a segment.
+const MIN_SEGMENT_LINES: usize = 32;
+/// Maximum power of a segment of noise alone, over the noise.
+const MAX_SEGMENT_POWER: f64 = 2.0;
+/// Minimum fraction of segments of noise alone.
+const MIN_SEGMENT_FRACTION: f64 = 0.2;
+/// Minimum correlation of a lag that is kept.
+const MIN_LAG_CORRELATION: f64 = 0.02;
+/// Minimum mean square of the second difference of unit noise.
+const MIN_DIFFERENCE_SQUARE: f64 = 0.1;
+/// Longest lag, as a fraction of a segment.
+const MAX_LAG_OVER_SEGMENT: f64 = 0.5;
+/// Minimum significance of a lag, standard deviations.
+const MIN_LAG_STDS: f64 = 4.0;
 /// Variance of a median over that of a mean.
-const OF_MEDIAN: f64 = std::f64::consts::FRAC_PI_2;
+const MEDIAN_VARIANCE_RATIO: f64 = std::f64::consts::FRAC_PI_2;
 /// Terms of the hypergeometric series and steps of its inversion.
-const TERMS: usize = 400;
-const HALVINGS: usize = 50;
+const SERIES_TERMS: usize = 400;
+const BISECTION_STEPS: usize = 50;
 
-/// Mean square of a second difference of unit noise that is little.
-const LITTLE: f64 = 3.0;
-/// Noise that each function has for itself: fewest quiet stretches, largest mean product of phases
-/// half-way to the longest lag and beyond, and how alike two functions are at most.
-const FEWEST_STRETCHES: usize = 8;
-const GONE: f64 = 0.3;
-const MOST_ALIKE: f64 = 0.4;
-/// The same in long stretches: noise of a window over 100 time constants has 0.24, what three of
-/// many modes leave 0.4 to 0.6.
-const LITTLE_ALIKE: f64 = 0.32;
+/// Mean square of the second difference of unit noise below which it is small.
+const SMALL_DIFFERENCE_SQUARE: f64 = 3.0;
+/// Criteria of independent noise in each FRF: minimum number of segments of noise alone, maximum
+/// mean product of phases from half the longest lag on, and maximum similarity of two FRFs.
+const LONG_SEGMENTS: usize = 8;
+const MAX_DISTANT_PRODUCT: f64 = 0.3;
+const MAX_FRF_SIMILARITY: f64 = 0.4;
+/// Maximum similarity in long segments: noise under a window over 100 time constants has 0.24, the
+/// residual of three of many modes 0.4 to 0.6.
+const MAX_LONG_SEGMENT_SIMILARITY: f64 = 0.32;
 
-/// Sizes of a correlation that tell how noise decays.
-const CLEAR: Range<f64> = 0.3..0.9;
-/// Least `Im ρ/|ρ|` of these, which is 0.4 to 1 where noise begins with the record, and 0 where it
-/// is even and was smoothed.
-const LEAST_PHASE: f64 = 0.3;
+/// Magnitudes of the correlation that the decay rate of the noise is estimated from.
+const DECAY_MAGNITUDES: Range<f64> = 0.3..0.9;
+/// Minimum `Im ρ/|ρ|` of these, which is 0.4 to 1 where noise begins with the record, and 0 where
+/// it is stationary and was smoothed.
+const MIN_DECAY_PHASE: f64 = 0.3;
 
-/// Longest lag of a series, as a part of it, and fewest pairs of values that tell one.
-const LAGS: usize = 4;
-const FEWEST_PAIRS: f64 = 40.0;
+/// Longest lag of a series, as a part of it, and minimum number of pairs of values for a lag.
+const SERIES_OVER_LONGEST_LAG: usize = 4;
+const MIN_LAG_PAIRS: f64 = 40.0;
 
-/// Correlation of noise over lines.
+/// Correlation of noise between frequency lines.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct Correlation {
     /// `E[r_k conj(r_(k+m))]` over the variance, from m = 1.
@@ -85,7 +86,7 @@ impl Correlation {
     /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length
     /// is the spacing of the lines: `ρ(m) = 1/(1 − imΔ/2a)`, as far as there are lines.
     pub fn of_window(added_damping_rad_s: f64, (step, lines): (f64, usize)) -> Self {
-        // The window has to fall within the record for that.
+        // That holds where the window decays within the record.
         if added_damping_rad_s * std::f64::consts::TAU / step <= 1.0 {
             return Self::WHITE;
         }
@@ -96,41 +97,46 @@ impl Correlation {
         }
     }
 
-    /// Of some lags, from that of neighbours on.
+    /// Correlation of the given lags, from that of adjacent lines.
     pub fn of_lags(lags: Vec<Complex64>) -> Self {
         Self { lags }
     }
 
-    /// Of what a fit leaves over. `None` where it is more than noise nearly everywhere.
+    /// Estimate from the residual of a fit; `None` where it exceeds the noise nearly everywhere.
     pub fn of_rest(rest: &Rest) -> Option<Self> {
-        Some(Quiet::new(rest, STRETCHES)?.correlation())
+        Some(NoiseSegments::new(rest, MAX_SEGMENTS)?.correlation())
     }
 
-    /// As [`Self::of_rest`], where it can be nothing but noise of which second differences hold
-    /// little: every function has its own, and lines of a stretch that are far apart share none.
+    /// As [`Self::of_rest`], where the residual can only be noise with small second differences:
+    /// every FRF has an independent profile, and distant lines of a segment are uncorrelated.
     pub fn of_own_noise(rest: &Rest) -> Option<Self> {
-        let own_noise = |quiet: &Quiet| {
-            let (enough, longest) = (quiet.stretches.len() >= FEWEST_STRETCHES, quiet.longest());
-            let gone = || (longest / 2..=longest).all(|lag| quiet.product(lag).norm() < GONE);
-            enough && quiet.alike() < MOST_ALIKE && gone()
+        let is_independent = |noise: &NoiseSegments| {
+            let (enough_segments, longest) =
+                (noise.segments.len() >= LONG_SEGMENTS, noise.longest());
+            let decays = || {
+                (longest / 2..=longest).all(|lag| noise.product(lag).norm() < MAX_DISTANT_PRODUCT)
+            };
+            enough_segments && noise.alike() < MAX_FRF_SIMILARITY && decays()
         };
-        let mut quiet = [STRETCHES, FEWEST_STRETCHES].into_iter();
-        let quiet = quiet.find_map(|most| Quiet::new(rest, most).filter(own_noise))?;
-        Some(quiet.correlation()).filter(Self::differences_hold_little)
+        let mut noise = [MAX_SEGMENTS, LONG_SEGMENTS].into_iter();
+        let noise =
+            noise.find_map(|segments| NoiseSegments::new(rest, segments).filter(is_independent))?;
+        Some(noise.correlation()).filter(Self::differences_hold_little)
     }
 
-    /// Whether every function has a course of its own in what is left over, in long stretches,
-    /// where noise that lines share far apart is alike by chance no longer.
+    /// Whether the FRFs have independent residuals, in long segments, where noise correlated over
+    /// many lines is no longer similar at random.
     pub fn functions_differ(rest: &Rest) -> bool {
-        Quiet::new(rest, FEWEST_STRETCHES).is_some_and(|quiet| quiet.alike() < LITTLE_ALIKE)
+        NoiseSegments::new(rest, LONG_SEGMENTS)
+            .is_some_and(|noise| noise.alike() < MAX_LONG_SEGMENT_SIMILARITY)
     }
 
-    /// Of the phases of some series of values, 0 where there is none. `None` where they are too few
-    /// to tell.
+    /// Estimate from the phases of series of values, 0 where there is none; `None` for too few
+    /// values.
     pub fn of_phases(series: &[Vec<Complex64>]) -> Option<Self> {
         let lines = series.iter().map(Vec::len).max().unwrap_or(0);
         let mut lags = Vec::new();
-        for lag in 1..lines / LAGS {
+        for lag in 1..lines / SERIES_OVER_LONGEST_LAG {
             let (mut sum, mut pairs) = (Complex64::ZERO, 0.0);
             for phases in series {
                 for (a, b) in phases.iter().zip(&phases[lag..]) {
@@ -138,41 +144,46 @@ impl Correlation {
                     pairs += a.norm_sqr() * b.norm_sqr();
                 }
             }
-            let own = sum / pairs;
-            let limit = CERTAIN * (0.5 / pairs).sqrt();
-            if pairs < FEWEST_PAIRS && lag == 1 {
+            let product = sum / pairs;
+            let limit = MIN_LAG_STDS * (0.5 / pairs).sqrt();
+            if pairs < MIN_LAG_PAIRS && lag == 1 {
                 return None;
             }
-            // What comes after the first that chance makes is chance; so is all of a few.
-            if pairs < FEWEST_PAIRS || own.re.abs() < limit && own.im.abs() < limit {
+            // Lags after the first insignificant one are noise; so are lags of few pairs.
+            if pairs < MIN_LAG_PAIRS || product.re.abs() < limit && product.im.abs() < limit {
                 break;
             }
-            lags.push(correlation(own));
+            lags.push(correlation(product));
         }
         Some(Self { lags })
     }
 
-    /// Variance of a root's amplitude over that under white noise, 1 at least; `step` is the
+    /// Variance of the amplitude of a pole over that under white noise, at least 1; `step` is the
     /// spacing of the lines, rad/s.
     pub fn of_amplitude(&self, decay: f64, step: f64) -> f64 {
         self.factor(decay, step, |s| s.inv())
     }
 
-    /// The same of its pole.
+    /// Variance of the pole itself over that under white noise, at least 1.
     pub fn of_pole(&self, decay: f64, step: f64) -> f64 {
         self.factor(decay, step, |s| s.inv() - 2.0 / (s * s) + 2.0 / (s * s * s))
     }
 
-    fn factor(&self, decay: f64, step: f64, course: impl Fn(Complex64) -> Complex64) -> f64 {
+    fn factor(
+        &self,
+        decay: f64,
+        step: f64,
+        autocorrelation: impl Fn(Complex64) -> Complex64,
+    ) -> f64 {
         let ratio = step / (2.0 * decay);
-        let term = |(place, rho): (usize, &Complex64)| {
-            let s = Complex64::new(1.0, ratio * (place + 1) as f64);
-            2.0 * (rho * course(s)).re
+        let term = |(index, rho): (usize, &Complex64)| {
+            let s = Complex64::new(1.0, ratio * (index + 1) as f64);
+            2.0 * (rho * autocorrelation(s)).re
         };
         (1.0 + self.lags.iter().enumerate().map(term).sum::<f64>()).max(1.0)
     }
 
-    /// ρ(m), 0 where nothing hangs together any more.
+    /// ρ(m), 0 beyond the last lag.
     pub fn lag(&self, m: usize) -> Complex64 {
         match m {
             0 => Complex64::ONE,
@@ -180,124 +191,125 @@ impl Correlation {
         }
     }
 
-    /// Values that count for one where powers are added up: `Σ |ρ|²` over all lags.
+    /// Number of values with the information of one independent value, where powers are summed: `Σ
+    /// |ρ|²` over all lags.
     pub fn alike(&self) -> f64 {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
     }
 
-    /// Decay rate a of noise that falls as `e^(−at)`, of `ρ = 1/(1 − imx)`, `x = Δ/2a`, 1/s, from
-    /// its magnitude; `step` is Δ in rad/s. `None` where its phase is far from that, as after
-    /// smoothing over the lines.
+    /// Decay rate a of noise that decays as `e^(−at)`, with `ρ = 1/(1 − imx)`, `x = Δ/2a`, 1/s,
+    /// from the magnitude of ρ; `step` is Δ in rad/s. `None` where its phase differs from that, as
+    /// after smoothing over the lines.
     pub fn decay(&self, step: f64) -> Option<f64> {
-        let own = self.lags.iter().enumerate();
-        let own: Vec<(f64, Complex64)> = own
+        let lags = self.lags.iter().enumerate();
+        let lags: Vec<(f64, Complex64)> = lags
             .map(|(n, rho)| ((n + 1) as f64, *rho))
-            .take_while(|(_, rho)| rho.norm() > CLEAR.start)
-            .filter(|(_, rho)| rho.norm() < CLEAR.end)
+            .take_while(|(_, rho)| rho.norm() > DECAY_MAGNITUDES.start)
+            .filter(|(_, rho)| rho.norm() < DECAY_MAGNITUDES.end)
             .collect();
-        if own.is_empty() {
+        if lags.is_empty() {
             return None;
         }
-        let phase = median(own.iter().map(|(_, rho)| rho.im / rho.norm()).collect());
-        let by_size = |(m, rho): &(f64, Complex64)| (1.0 / rho.norm_sqr() - 1.0).sqrt() / m;
-        let by_size = median(own.iter().map(by_size).collect());
-        (phase > LEAST_PHASE).then(|| 0.5 * step / by_size)
+        let phase = median(lags.iter().map(|(_, rho)| rho.im / rho.norm()).collect());
+        let ratio = |(m, rho): &(f64, Complex64)| (1.0 / rho.norm_sqr() - 1.0).sqrt() / m;
+        let ratio = median(lags.iter().map(ratio).collect());
+        (phase > MIN_DECAY_PHASE).then(|| 0.5 * step / ratio)
     }
 
-    /// Whether second differences hold little of the noise.
+    /// Whether second differences contain little of the noise.
     pub fn differences_hold_little(&self) -> bool {
-        self.of_second_difference() < LITTLE
+        self.of_second_difference() < SMALL_DIFFERENCE_SQUARE
     }
 
     /// Mean square of the second difference of unit noise, 6 for white.
     pub fn of_second_difference(&self) -> f64 {
-        (6.0 - 8.0 * self.lag(1).re + 2.0 * self.lag(2).re).max(LEAST_DIFFERENCE)
+        (6.0 - 8.0 * self.lag(1).re + 2.0 * self.lag(2).re).max(MIN_DIFFERENCE_SQUARE)
     }
 }
 
-/// Phases of what a fit leaves over where that is no more than noise.
-struct Quiet {
-    /// Lines of each stretch, of one length.
-    stretches: Vec<Range<usize>>,
+/// Phases of the residual in segments where it does not exceed the noise.
+struct NoiseSegments {
+    /// Lines of each segment, all of one length.
+    segments: Vec<Range<usize>>,
     /// By function and line; 0 where there is none.
     phases: Vec<Vec<Complex64>>,
     /// Lines of the band.
     lines: usize,
 }
 
-impl Quiet {
-    /// Of so many stretches at most; `None` where too few are quiet.
+impl NoiseSegments {
+    /// Divides the band into at most `most` segments; `None` where too few are noise alone.
     fn new(rest: &Rest, most: usize) -> Option<Self> {
         let (lines, functions) = (rest.lines.len(), rest.values.ncols());
-        let count = (lines / FEWEST_LINES).clamp(1, most);
+        let count = (lines / MIN_SEGMENT_LINES).clamp(1, most);
         let length = lines / count;
-        let power = |stretch: &Range<usize>| {
+        let power = |segment: &Range<usize>| {
             let of = |f: usize| {
-                let own = rest.values.col_as_slice(f)[stretch.clone()].iter();
-                own.map(Complex64::norm_sqr).sum::<f64>()
+                let values = rest.values.col_as_slice(f)[segment.clone()].iter();
+                values.map(Complex64::norm_sqr).sum::<f64>()
             };
             (0..functions).map(of).sum::<f64>() / (length * functions) as f64
         };
-        let stretches: Vec<Range<usize>> = (0..count)
+        let segments: Vec<Range<usize>> = (0..count)
             .into_par_iter()
             .map(|n| n * length..(n + 1) * length)
-            .filter(|stretch| power(stretch) < QUIET)
+            .filter(|segment| power(segment) < MAX_SEGMENT_POWER)
             .collect();
-        if (stretches.len() as f64) < ENOUGH * count as f64 {
+        if (segments.len() as f64) < MIN_SEGMENT_FRACTION * count as f64 {
             return None;
         }
         let phases = (0..functions)
             .into_par_iter()
             .map(|f| rest.values.col_as_slice(f).iter().map(phase).collect());
         Some(Self {
-            stretches,
+            segments,
             phases: phases.collect(),
             lines,
         })
     }
 
     fn length(&self) -> usize {
-        self.stretches[0].len()
+        self.segments[0].len()
     }
 
     /// Longest lag.
     fn longest(&self) -> usize {
-        (LONGEST * self.length() as f64) as usize
+        (MAX_LAG_OVER_SEGMENT * self.length() as f64) as usize
     }
 
     fn correlation(&self) -> Correlation {
-        let values = (self.stretches.len() * self.length() * self.phases.len()) as f64;
-        let limit = CERTAIN * (OF_MEDIAN / (2.0 * values)).sqrt();
+        let values = (self.segments.len() * self.length() * self.phases.len()) as f64;
+        let limit = MIN_LAG_STDS * (MEDIAN_VARIANCE_RATIO / (2.0 * values)).sqrt();
         let mut lags = Vec::new();
         for lag in 1..=self.longest() {
-            let own = self.product(lag);
-            // What comes after the first that chance makes is chance, and a fit of many columns
-            // leaves a little of its own.
-            let limit = limit.max(LEAST);
-            if own.re.abs() < limit && own.im.abs() < limit {
+            let product = self.product(lag);
+            // Lags after the first insignificant one are noise, and a fit of many columns leaves a
+            // little correlation.
+            let limit = limit.max(MIN_LAG_CORRELATION);
+            if product.re.abs() < limit && product.im.abs() < limit {
                 break;
             }
-            lags.push(correlation(own));
+            lags.push(correlation(product));
         }
-        let told = lags.len();
-        // What stopped it belongs to the mean: noise of a part of the record has zeros there.
-        let begin = if told < self.longest() {
-            let stop = correlation(self.product(told + 1));
+        let count = lags.len();
+        // The first rejected lag enters the mean: noise in a part of the record has zeros there.
+        let tail_factor = if count < self.longest() {
+            let stop = correlation(self.product(count + 1));
             beginning(&[lags.as_slice(), &[stop]].concat(), 0)
         } else {
-            beginning(&lags, told / 2)
+            beginning(&lags, count / 2)
         };
-        let tail = (told + 1..=self.lines).filter(|_| told > 0);
-        lags.extend(tail.map(|m| Complex64::new(0.0, begin / m as f64)));
+        let tail = (count + 1..=self.lines).filter(|_| count > 0);
+        lags.extend(tail.map(|m| Complex64::new(0.0, tail_factor / m as f64)));
         Correlation { lags }
     }
 
-    /// Median over the stretches of the mean product of phases so many lines apart.
+    /// Median over the segments of the mean product of phases `lag` lines apart.
     fn product(&self, lag: usize) -> Complex64 {
         let products: Vec<Complex64> = self
-            .stretches
+            .segments
             .par_iter()
-            .map(|stretch| mean_product(&self.phases, stretch.clone(), lag))
+            .map(|segment| mean_product(&self.phases, segment.clone(), lag))
             .collect();
         Complex64::new(
             median(products.iter().map(|p| p.re).collect()),
@@ -305,26 +317,25 @@ impl Quiet {
         )
     }
 
-    /// How alike the courses of neighbouring functions are: mean square of their mean product of
-    /// phases over a stretch.
+    /// Similarity of neighbouring FRFs: mean square of their mean product of phases over a segment.
     fn alike(&self) -> f64 {
-        let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), stretch: &Range<usize>| {
-            let product = stretch.clone().map(|k| a[k] * b[k].conj());
+        let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), segment: &Range<usize>| {
+            let product = segment.clone().map(|k| a[k] * b[k].conj());
             (product.sum::<Complex64>() / self.length() as f64).norm_sqr()
         };
         let pairs = || self.phases.iter().zip(&self.phases[1..]);
-        let sum = |stretch| pairs().map(|pair| square(pair, stretch)).sum::<f64>();
-        let sum: f64 = self.stretches.iter().map(sum).sum();
-        sum / (pairs().count() * self.stretches.len()) as f64
+        let sum = |segment| pairs().map(|pair| square(pair, segment)).sum::<f64>();
+        let sum: f64 = self.segments.iter().map(sum).sum();
+        sum / (pairs().count() * self.segments.len()) as f64
     }
 }
 
-/// `c` of the `ic/m` that noise which begins at once with the record has for lags too long to be
-/// told: each is next to nothing, all together are half of what a mode collects that decays long
-/// before the noise does. Mean of `m Im ρ` from some lag on.
+/// `c` of the `ic/m` of noise that begins with the record, for lags too long to be estimated: each
+/// is small, their sum is half of the noise of a mode that decays long before the noise does. Mean
+/// of `m Im ρ` from the lag `from`.
 fn beginning(lags: &[Complex64], from: usize) -> f64 {
-    let told = lags.iter().enumerate().skip(from);
-    let sum: f64 = told.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
+    let used = lags.iter().enumerate().skip(from);
+    let sum: f64 = used.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
     sum / (lags.len() - from).max(1) as f64
 }
 
@@ -337,14 +348,14 @@ fn phase(value: &Complex64) -> Complex64 {
     }
 }
 
-fn mean_product(phases: &[Vec<Complex64>], stretch: Range<usize>, lag: usize) -> Complex64 {
-    let last = stretch.end - lag;
-    let own = |values: &Vec<Complex64>| -> Complex64 {
-        (stretch.start..last)
+fn mean_product(phases: &[Vec<Complex64>], segment: Range<usize>, lag: usize) -> Complex64 {
+    let last = segment.end - lag;
+    let product = |values: &Vec<Complex64>| -> Complex64 {
+        (segment.start..last)
             .map(|k| values[k] * values[k + lag].conj())
             .sum()
     };
-    phases.iter().map(own).sum::<Complex64>() / ((last - stretch.start) * phases.len()) as f64
+    phases.iter().map(product).sum::<Complex64>() / ((last - segment.start) * phases.len()) as f64
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -356,7 +367,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn correlation(product: Complex64) -> Complex64 {
     let size = product.norm();
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTION_STEPS {
         let middle = 0.5 * (low + high);
         if product_of_phases(middle) < size {
             low = middle;
@@ -370,7 +381,7 @@ fn correlation(product: Complex64) -> Complex64 {
 fn product_of_phases(rho: f64) -> f64 {
     let square = rho * rho;
     let (mut term, mut sum) = (1.0, 1.0);
-    for n in 0..TERMS {
+    for n in 0..SERIES_TERMS {
         let half = n as f64 + 0.5;
         term *= square * half * half / ((n as f64 + 2.0) * (n as f64 + 1.0));
         sum += term;

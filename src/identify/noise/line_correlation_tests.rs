@@ -3,7 +3,7 @@ use crate::identify::noise::line_correlation::*;
 use crate::identify::synthetic::{white_noise, windowed_noise};
 use crate::linalg;
 
-/// Spectra of noise that decays as `e^(−at)` over a record of `lines` samples: lines × functions.
+/// Spectra of noise that decays as `e^(−at)` over a record of `lines` samples: lines × FRFs.
 fn decaying(lines: usize, functions: usize, at_end: f64) -> linalg::ComplexMatrix {
     let columns: Vec<Vec<Complex64>> = (0..functions as u64)
         .map(|f| windowed_noise(lines, at_end, 7 + f))
@@ -20,14 +20,14 @@ fn white_noise_has_no_correlation() {
 }
 
 #[test]
-fn an_exponential_window_costs_what_theory_says() {
+fn noise_factor_under_an_exponential_window_is_that_of_theory() {
     let size_of = |noise: &linalg::ComplexMatrix| ((8192 * 6) as f64).sqrt() / noise.norm_l2();
     // a T; modes whose windowed decay rate is 3 a and 60 a.
     for at_end in [1.0, 4.0, 10.0] {
         let noise = decaying(8192, 6, at_end);
         let size = size_of(&noise);
         let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
+        let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
         for ratio in [3.0, 60.0] {
             let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
             // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the
@@ -36,9 +36,12 @@ fn an_exponential_window_costs_what_theory_says() {
             let first = 2.0 * at_end / (1.0 - (-2.0 * at_end).exp());
             let amplitude = first / q;
             let pole = first * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
-            let (a, p) = (told.of_amplitude(decay, step), told.of_pole(decay, step));
-            // The tail of lags that chance hides is much of what a record which hardly decays has,
-            // and a mode far wider than the noise hangs together collects.
+            let (a, p) = (
+                estimated.of_amplitude(decay, step),
+                estimated.of_pole(decay, step),
+            );
+            // A record that hardly decays has much of its correlation in lags below the limit, and
+            // the noise of a mode far wider than the correlation consists of them.
             let bound = match (at_end < 4.0, at_end > 4.0) {
                 (true, _) => 0.15,
                 (_, true) => 0.2,
@@ -53,8 +56,8 @@ fn an_exponential_window_costs_what_theory_says() {
                 "{at_end} {ratio}: {p} {pole}"
             );
             if at_end >= 4.0 {
-                let own = Correlation::of_window(at_end, (step, 8192));
-                let (a, p) = (own.of_amplitude(decay, step), own.of_pole(decay, step));
+                let exact = Correlation::of_window(at_end, (step, 8192));
+                let (a, p) = (exact.of_amplitude(decay, step), exact.of_pole(decay, step));
                 assert!(
                     (a / amplitude - 1.0).abs() < 0.1,
                     "{at_end} {ratio}: {a} {amplitude}"
@@ -66,77 +69,80 @@ fn an_exponential_window_costs_what_theory_says() {
 }
 
 #[test]
-fn the_decay_of_noise_is_told_and_smoothed_noise_has_none() {
-    let own = |noise: linalg::ComplexMatrix| {
+fn noise_decay_rate_is_estimated_and_smoothed_noise_has_none() {
+    let decay_rate = |noise: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
-        let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
-        told.decay(std::f64::consts::TAU)
+        let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
+        estimated.decay(std::f64::consts::TAU)
     };
     for at_end in [4.0, 10.0, 40.0] {
-        let ratio = own(decaying(4096, 4, at_end)).expect("lines enough") / at_end;
+        let ratio = decay_rate(decaying(4096, 4, at_end)).expect("lines enough") / at_end;
         assert!((ratio - 1.0).abs() < 0.25, "{at_end}: {ratio}");
     }
     let white = decaying(4104, 4, 0.0);
     let mean = |k: usize, f: usize| (k..k + 8).map(|n| white[(n, f)]).sum();
-    assert_eq!(own(linalg::complex_matrix(4096, 4, mean)), None);
+    assert_eq!(decay_rate(linalg::complex_matrix(4096, 4, mean)), None);
 }
 
 #[test]
-fn noise_in_a_part_of_the_record_costs_what_theory_says() {
+fn noise_factor_of_noise_in_a_quarter_of_the_record_is_that_of_theory() {
     // A quarter of 8192 samples: a mode that decays within it meets four times the mean power.
     let plan = ComplexPlan::inverse(8192);
     let columns: Vec<Vec<Complex64>> = (0..6)
         .map(|f| {
-            let mut own = white_noise(8192, 4.0 / 8192.0, 30 + f);
-            own[2048..].fill(Complex64::ZERO);
-            plan.run(&mut own, &mut plan.scratch());
-            own.reverse();
-            own
+            let mut samples = white_noise(8192, 4.0 / 8192.0, 30 + f);
+            samples[2048..].fill(Complex64::ZERO);
+            plan.run(&mut samples, &mut plan.scratch());
+            samples.reverse();
+            samples
         })
         .collect();
     let rest = linalg::complex_matrix(8192, 6, |k, f| columns[f][k]);
-    let told = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
-    let factor = told.of_amplitude(60.0, std::f64::consts::TAU);
+    let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
+    let factor = estimated.of_amplitude(60.0, std::f64::consts::TAU);
     assert!((factor / 4.0 - 1.0).abs() < 0.15, "{factor}");
 }
 
 #[test]
-fn noise_of_its_own_is_told_from_what_missing_modes_leave() {
-    let own = |rest: linalg::ComplexMatrix| {
+fn correlated_noise_is_separated_from_missing_modes() {
+    let noise_correlation = |rest: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / rest.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * rest[(k, f)]);
         Correlation::of_own_noise(&Rest::of_all(rest))
     };
     let noise = decaying(4096, 4, 40.0);
-    assert!(own(noise.clone()).is_some());
-    // Second differences tell white noise, and what a window leaves of which they still hold
+    assert!(noise_correlation(noise.clone()).is_some());
+    // Second differences estimate white noise, and noise under a window that leaves them large
     // enough.
-    assert_eq!(own(decaying(4096, 4, 0.0)), None);
-    assert_eq!(own(decaying(4096, 4, 2.0)), None);
-    // One course in all functions, and a few modes.
+    assert_eq!(noise_correlation(decaying(4096, 4, 0.0)), None);
+    assert_eq!(noise_correlation(decaying(4096, 4, 2.0)), None);
+    // One profile common to all FRFs, and a few modes.
     assert_eq!(
-        own(linalg::complex_matrix(4096, 4, |k, f| {
+        noise_correlation(linalg::complex_matrix(4096, 4, |k, f| {
             (1.0 + f as f64) * noise[(k, 0)]
         })),
         None
     );
     let mode = |k: usize, n: usize| Complex64::new(20.0, k as f64 - 700.0 * n as f64).inv();
     let modes = |k: usize, f: usize| -> Complex64 {
-        let part = |n: usize| (1.0 + (3 * n * n + 7 * f * n) as f64).sin() * mode(k, n);
-        (0..6).map(part).sum()
+        let term = |n: usize| (1.0 + (3 * n * n + 7 * f * n) as f64).sin() * mode(k, n);
+        (0..6).map(term).sum()
     };
-    assert_eq!(own(linalg::complex_matrix(4096, 4, modes)), None);
+    assert_eq!(
+        noise_correlation(linalg::complex_matrix(4096, 4, modes)),
+        None
+    );
 }
 
 #[test]
-fn what_is_more_than_noise_says_nothing_of_it() {
+fn a_residual_above_the_noise_gives_no_correlation() {
     let rest = linalg::complex_matrix(400, 2, |k, _| Complex64::new(0.0, 0.1 * k as f64) - 40.0);
     assert_eq!(Correlation::of_rest(&Rest::of_all(rest)), None);
 }
 
 #[test]
-fn phases_tell_the_correlation() {
+fn correlation_follows_from_the_mean_product_of_phases() {
     for rho in [0.1, 0.5, 0.9] {
         let product = Complex64::from_polar(product_of_phases(rho), 0.7);
         let back = correlation(product);
@@ -145,31 +151,31 @@ fn phases_tell_the_correlation() {
             "{back}"
         );
     }
-    // Four million pairs of correlation 1/2, drawn elsewhere, gave 0.4061 with a deviation of
-    // 0.0003.
+    // Four million pairs of correlation 1/2, computed elsewhere, gave 0.4061 with a standard
+    // deviation of 0.0003.
     assert!((product_of_phases(0.5) - 0.406_298_886_460).abs() < 1e-11);
     assert!((product_of_phases(1.0) - 1.0).abs() < 0.01);
 }
 
 #[test]
-fn a_window_that_falls_at_once_has_no_more_lags_than_lines() {
+fn a_steep_window_has_no_more_lags_than_lines() {
     assert_eq!(Correlation::of_window(1e12, (1.0, 100)).lags.len(), 100);
 }
 
 #[test]
-fn functions_differ_where_each_has_noise_of_its_own_and_not_where_they_share_a_course() {
+fn frfs_differ_with_independent_noise_and_not_with_a_common_profile() {
     let differ = |noise: &linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
         Correlation::functions_differ(&Rest::of_all(rest))
     };
-    let own = decaying(4096, 4, 100.0);
-    assert!(differ(&own));
-    let course = windowed_noise(4096, 100.0, 1);
-    let share = |f: usize| [1.0, -0.6, 0.3, 1.4][f];
-    let alike = linalg::complex_matrix(4096, 4, |k, f| share(f) * course[k]);
-    assert!(!differ(&alike));
-    // Four fifths of the power of each function.
-    let mixed = linalg::complex_matrix(4096, 4, |k, f| own[(k, f)] + 2.0 * course[k]);
+    let independent = decaying(4096, 4, 100.0);
+    assert!(differ(&independent));
+    let common = windowed_noise(4096, 100.0, 1);
+    let amplitude = |f: usize| [1.0, -0.6, 0.3, 1.4][f];
+    let similar = linalg::complex_matrix(4096, 4, |k, f| amplitude(f) * common[k]);
+    assert!(!differ(&similar));
+    // The common noise is four fifths of the power of each FRF.
+    let mixed = linalg::complex_matrix(4096, 4, |k, f| independent[(k, f)] + 2.0 * common[k]);
     assert!(!differ(&mixed));
 }

@@ -1,10 +1,13 @@
-//! The noise of functions as what a fit leaves over of them tells it.
+//! Noise variance of each FRF, estimated from the residual of the current fit.
 //!
-//! What is a function's own came with the data, or second differences tell it, or the level of what
-//! is left over. Noise of the force goes with |H|² (`v = a + b|H|²`,
-//! [`noise_course`](crate::identify::noise::variance_model)), and between resonances it may be more than what is the
-//! function's own: there second differences tell both, and a missing mode puts little into them.
-//! Within resonances what is left over tells b alone, beside an `a` that is known.
+//! Model: `v = a + b |H|²` ([`variance_model`](crate::identify::noise::variance_model)). `a` is the
+//! response noise of one FRF; `b` is the force noise, common to all FRFs of one reference.
+//!
+//! - `a`: the variance supplied with the data; else the second differences of the residual, which a
+//!   missing mode hardly changes; else the level of the residual.
+//! - `b` between resonances, where it may exceed `a`: from second differences, jointly with `a`,
+//!   because a missing mode adds little to them there.
+//! - `b` at resonances: from the residual itself, with `a` fixed.
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -12,212 +15,226 @@ use rayon::prelude::*;
 use crate::identify::noise::input_variance::{Squares, raise_to_floor};
 use crate::identify::noise::variance_model::{self, Estimated, Smooth};
 
-/// Times that what is a function's own is told beside the noise of the force, and its least part of
-/// what was told without: medians of some hundred lines tell no less.
-const BESIDE_FORCE: usize = 2;
-const LEAST_OWN: f64 = 0.1;
-/// Power over its median up to which a line is outside resonances.
-const OUTSIDE: f64 = 30.0;
-/// Mean square of the logarithm by which variances that a running median tells of white noise
-/// differ from it, 0.023 (simulated), with room for chance.
-const MOST_SCATTER: f64 = 0.035;
-/// Lines whose sums stay in the nearest cache.
-const LINES_AT_ONCE: usize = 1024;
+/// Number of estimates of the response noise with the force noise subtracted, and its minimum over
+/// the estimate without: medians of some hundred lines scatter no more.
+const JOINT_ESTIMATES: usize = 2;
+const MIN_RESPONSE_NOISE_RATIO: f64 = 0.1;
+/// Maximum power of a line outside resonances, over the median.
+const MAX_POWER_OVER_MEDIAN: f64 = 30.0;
+/// Maximum mean square of the logarithm of variances over their common profile: for running medians
+/// of white noise it is 0.023 (simulated).
+const MAX_LOG_SCATTER: f64 = 0.035;
+/// Lines whose sums fit into the nearest cache.
+const CACHE_LINES: usize = 1024;
 
-/// A function of which a fit leaves something over.
+/// Residual of one FRF, from which its noise is estimated.
 pub(in crate::identify) struct LeftOver {
-    /// What is left over at every line, beside |H|² as measured and variances of the function's
-    /// own.
-    left: Estimated,
-    /// What tells these variances, where they did not come with the data.
-    told: Option<Squares>,
-    /// |H|² of the fit alone: noise of a line has no part in it.
+    /// Squared residual at every line, with |H|² as measured and the variance of the response
+    /// noise.
+    samples: Estimated,
+    /// Squares that estimate the response noise, where the data supply no variance.
+    squares: Option<Squares>,
+    /// |H|² of the fit alone, which contains no noise of the line.
     fitted: Vec<f64>,
 }
 
-/// What tells the noise of a function.
+/// Source of the response noise of an FRF.
 pub(in crate::identify) enum Source {
-    /// Variances that came with the data.
+    /// Variances supplied with the data.
     Stated(Vec<f64>),
-    /// Second differences of what a fit leaves over; with the mean square of those of unit noise, 6
-    /// for white noise.
+    /// Second differences of the residual; with the mean square of those of unit noise, 6 for white
+    /// noise.
     SecondDifferences(f64),
-    /// The level of what a fit leaves over.
+    /// The level of the residual.
     Level,
 }
 
 impl LeftOver {
-    /// Of H, and what is left over of it; `alike` lines count for one.
-    pub fn new(values: &[Complex64], rest: &[Complex64], (source, alike): (Source, f64)) -> Self {
+    /// Residual of H with its source of response noise; `line_ratio` lines have the information of
+    /// one.
+    pub fn new(
+        values: &[Complex64],
+        residual: &[Complex64],
+        (source, line_ratio): (Source, f64),
+    ) -> Self {
         let power = values.iter().map(Complex64::norm_sqr).collect();
-        let fit = values.iter().zip(rest);
-        let fitted = fit.map(|(h, rest)| (h - rest).norm_sqr()).collect();
-        let left: Vec<f64> = rest.iter().map(Complex64::norm_sqr).collect();
-        let (own, told) = match source {
-            Source::Stated(own) => (own, None),
+        let fit = values.iter().zip(residual);
+        let fitted = fit.map(|(h, residual)| (h - residual).norm_sqr()).collect();
+        let energy: Vec<f64> = residual.iter().map(Complex64::norm_sqr).collect();
+        let (response_noise, squares) = match source {
+            Source::Stated(variance) => (variance, None),
             Source::SecondDifferences(of_unit) => {
-                let mut squares = Squares::of_second_differences(rest);
+                let mut squares = Squares::of_second_differences(residual);
                 squares.values.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
                 (squares.variance(), Some(squares))
             }
             Source::Level => {
-                let squares = Squares::of_level(&left);
+                let squares = Squares::of_level(&energy);
                 (squares.variance(), Some(squares))
             }
         };
         let mut new = Self {
-            left: Estimated {
-                variance: left,
+            samples: Estimated {
+                variance: energy,
                 power,
                 degrees_of_freedom: Some(2.0),
-                alike,
-                own: None,
+                alike: line_ratio,
+                response_noise: None,
             },
-            told,
+            squares,
             fitted,
         };
-        new.set_own(own);
+        new.set_response_noise(response_noise);
         new
     }
 
-    /// What its second differences tell of some lines, over its own variances as told before: what
-    /// changes slowly is these.
+    /// Second differences on some lines, over the response noise as estimated before: response
+    /// noise is the slowly varying part.
     fn differences_at(&self, lines: &[usize]) -> Option<Estimated> {
-        let (told, own) = (self.told.as_ref()?, self.left.own.as_ref()?);
-        let mean = |k: &usize| std::f64::consts::LN_2 * told.values[*k] / own[*k];
+        let squares = self.squares.as_ref()?;
+        let response_noise = self.samples.response_noise.as_ref()?;
+        let mean = |k: &usize| std::f64::consts::LN_2 * squares.values[*k] / response_noise[*k];
+        let power = |k: &usize| self.fitted[*k] / response_noise[*k];
         Some(Estimated {
             variance: lines.iter().map(mean).collect(),
-            power: lines.iter().map(|k| self.fitted[*k] / own[*k]).collect(),
+            power: lines.iter().map(power).collect(),
             degrees_of_freedom: Some(2.0),
-            alike: self.left.alike * told.differences_alike?,
-            own: None,
+            alike: self.samples.alike * squares.differences_alike?,
+            response_noise: None,
         })
     }
 
-    fn told_by_differences(&self) -> Option<&Squares> {
-        let told = self.told.as_ref();
-        told.filter(|told| told.differences_alike.is_some())
+    fn difference_squares(&self) -> Option<&Squares> {
+        let squares = self.squares.as_ref();
+        squares.filter(|squares| squares.differences_alike.is_some())
     }
 
-    /// Tells its own variances beside a part of |H|² that the force makes.
-    fn tell_beside(&mut self, by_power: &[f64]) {
-        let Some(told) = self.told_by_differences() else {
+    /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.
+    fn estimate_with_force_noise(&mut self, by_power: &[f64]) {
+        let Some(squares) = self.difference_squares() else {
             return;
         };
         let force = self.fitted.iter().zip(by_power).map(|(p, b)| b * p);
-        let beside = told.beside(force).into_iter().zip(told.variance());
-        let own = beside.map(|(v, without)| v.max(LEAST_OWN * without));
-        self.set_own(own.collect());
+        let estimates = squares.beside(force).into_iter().zip(squares.variance());
+        let raised = estimates.map(|(v, without)| v.max(MIN_RESPONSE_NOISE_RATIO * without));
+        self.set_response_noise(raised.collect());
     }
 
-    /// Raises variances to those that its own were told beside.
-    fn at_least_beside(&self, smooth: &mut Smooth, by_power: &[f64]) {
-        let (Some(own), Some(_)) = (&self.left.own, self.told_by_differences()) else {
+    /// Raises variances to the sum of response noise and given force noise.
+    fn raise_to_joint_estimate(&self, smooth: &mut Smooth, by_power: &[f64]) {
+        let (Some(response_noise), Some(_)) =
+            (&self.samples.response_noise, self.difference_squares())
+        else {
             return;
         };
         for (k, b) in by_power.iter().enumerate() {
-            let least = own[k] + b * self.fitted[k];
-            if smooth.variance[k] < least {
-                smooth.variance[k] = least;
-                smooth.by_force[k] = 1.0 - own[k] / least;
+            let minimum = response_noise[k] + b * self.fitted[k];
+            if smooth.variance[k] < minimum {
+                smooth.variance[k] = minimum;
+                smooth.by_force[k] = 1.0 - response_noise[k] / minimum;
             }
         }
     }
 
-    /// Takes variances as its own, raised to the floor where the data did not state them.
-    fn set_own(&mut self, mut own: Vec<f64>) {
-        if self.told.is_some() {
-            raise_to_floor(&mut own, self.left.power.iter().copied());
+    /// Sets the variance of the response noise, raised to the minimum where the data supply none.
+    fn set_response_noise(&mut self, mut variance: Vec<f64>) {
+        if self.squares.is_some() {
+            raise_to_floor(&mut variance, self.samples.power.iter().copied());
         }
-        self.left.own = Some(own);
+        self.samples.response_noise = Some(variance);
     }
 }
 
-/// Variances of functions of one hit point from what a fit leaves over of them.
+/// Estimates the variances of the FRFs of one reference from the residual of a fit.
 ///
-/// What is the function's own came with the data; else it is even over the lines, and second
-/// differences tell it, which what a missing mode leaves hardly moves, or the level where lines
-/// share so much noise that differences hold little of it. Noise of the force under a window is
-/// smooth over the lines; it goes with |H|², and what is left over in all resonances together tells
-/// it, better than the variances of a few hits do.
+/// The response noise is supplied with the data; else it is constant over the lines, estimated from
+/// second differences, which the residual of a missing mode hardly changes, or from the level where
+/// correlated noise makes second differences small. Force noise under a window is smooth over the
+/// lines and proportional to |H|²; the residual in all resonances together determines it better
+/// than the variances of a few impacts do.
 pub(in crate::identify) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
     let mut by_power = Vec::new();
-    for _ in 0..BESIDE_FORCE {
-        let told = by_power_outside(&functions);
-        if told.iter().all(|b| *b <= 0.0) {
+    for _ in 0..JOINT_ESTIMATES {
+        let estimate = force_noise_outside_resonances(&functions);
+        if estimate.iter().all(|b| *b <= 0.0) {
             break;
         }
-        by_power = told;
+        by_power = estimate;
         functions
             .par_iter_mut()
-            .for_each(|own| own.tell_beside(&by_power));
+            .for_each(|frf| frf.estimate_with_force_noise(&by_power));
     }
-    let unstated = functions.iter_mut().filter(|own| own.told.is_some());
-    share_course(unstated.filter_map(|own| own.left.own.as_mut()).collect());
-    let left: Vec<&Estimated> = functions.iter().map(|own| &own.left).collect();
-    let mut smooth = variance_model::smooth(&left);
-    let of_both = smooth.par_iter_mut().zip(&functions);
-    of_both.for_each(|(smooth, function)| function.at_least_beside(smooth, &by_power));
+    let unstated = functions.iter_mut().filter(|frf| frf.squares.is_some());
+    share_profile(
+        unstated
+            .filter_map(|frf| frf.samples.response_noise.as_mut())
+            .collect(),
+    );
+    let samples: Vec<&Estimated> = functions.iter().map(|frf| &frf.samples).collect();
+    let mut smooth = variance_model::smooth(&samples);
+    let pairs = smooth.par_iter_mut().zip(&functions);
+    pairs.for_each(|(smooth, frf)| frf.raise_to_joint_estimate(smooth, &by_power));
     smooth
 }
 
-/// Part of |H|² that the force makes at every line, as second differences tell it outside
-/// resonances: a missing mode puts little into these, and much into those within its own.
-fn by_power_outside(functions: &[LeftOver]) -> Vec<f64> {
+/// Force noise coefficient b at every line, from second differences outside resonances: a missing
+/// mode adds little to these there, and much within its resonance.
+fn force_noise_outside_resonances(functions: &[LeftOver]) -> Vec<f64> {
     let differences = functions
         .iter()
-        .filter(|own| own.told_by_differences().is_some());
-    let powers: Vec<&[f64]> = differences.map(|own| &own.fitted[..]).collect();
+        .filter(|frf| frf.difference_squares().is_some());
+    let powers: Vec<&[f64]> = differences.map(|frf| &frf.fitted[..]).collect();
     let Some(lines) = powers.first().map(|power| power.len()) else {
         return Vec::new();
     };
     let mut whole = vec![0.0; lines];
     for power in powers {
         let level = power.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let own = whole.iter_mut().zip(power);
-        own.for_each(|(sum, p)| *sum += p / level);
+        let sums = whole.iter_mut().zip(power);
+        sums.for_each(|(sum, p)| *sum += p / level);
     }
     let mut sorted = whole.clone();
-    let most = OUTSIDE * *sorted.select_nth_unstable_by(lines / 2, f64::total_cmp).1;
-    let outside: Vec<usize> = (0..lines).filter(|k| whole[*k] <= most).collect();
+    let max_power =
+        MAX_POWER_OVER_MEDIAN * *sorted.select_nth_unstable_by(lines / 2, f64::total_cmp).1;
+    let outside: Vec<usize> = (0..lines).filter(|k| whole[*k] <= max_power).collect();
     let Some(last) = outside.len().checked_sub(1) else {
         return Vec::new();
     };
-    let told = functions.par_iter();
-    let told: Vec<Estimated> = told
-        .filter_map(|own| own.differences_at(&outside))
+    let samples: Vec<Estimated> = functions
+        .par_iter()
+        .filter_map(|frf| frf.differences_at(&outside))
         .collect();
-    let by_power = variance_model::by_power(&told.iter().collect::<Vec<_>>());
+    let by_power = variance_model::by_power(&samples.iter().collect::<Vec<_>>());
     let next = |k: usize| outside.partition_point(|line| *line < k).min(last);
     (0..lines).map(|k| by_power[next(k)]).collect()
 }
 
-/// Functions whose variances differ from a common course by no more than such estimates scatter
-/// have that course, each with a level of its own: the scatter of each by itself would look like
-/// power that noise does not have where there are many.
-fn share_course(mut own: Vec<&mut Vec<f64>>) {
-    let lines = own.first().map_or(0, |values| values.len());
-    let levels: Vec<f64> = own
+/// Sets variances that differ from a common profile only by the scatter of such estimates to that
+/// profile, with a level per FRF: the scatter of each FRF would otherwise look like force noise
+/// where there are many.
+fn share_profile(mut frfs: Vec<&mut Vec<f64>>) {
+    let lines = frfs.first().map_or(0, |values| values.len());
+    let levels: Vec<f64> = frfs
         .par_iter()
         .map(|values| values.iter().sum::<f64>() / lines as f64)
         .collect();
-    let mut course = vec![0.0; lines];
-    let pieces = course.par_chunks_mut(LINES_AT_ONCE).enumerate();
+    let mut profile = vec![0.0; lines];
+    let pieces = profile.par_chunks_mut(CACHE_LINES).enumerate();
     pieces.for_each(|(number, sums)| {
-        let first = number * LINES_AT_ONCE;
-        for (values, level) in own.iter().zip(&levels) {
-            let part = (level * levels.len() as f64).recip();
+        let first = number * CACHE_LINES;
+        for (values, level) in frfs.iter().zip(&levels) {
+            let weight = (level * levels.len() as f64).recip();
             for (sum, v) in sums.iter_mut().zip(&values[first..]) {
-                *sum += v * part;
+                *sum += v * weight;
             }
         }
     });
-    let course = &course;
-    own.par_iter_mut().zip(levels).for_each(|(values, level)| {
-        let apart = |(v, c): (&f64, &f64)| (v / (level * c)).ln().powi(2);
-        let scatter = values.iter().zip(course).map(apart).sum::<f64>() / lines as f64;
-        if scatter <= MOST_SCATTER {
-            for (v, c) in values.iter_mut().zip(course) {
+    let profile = &profile;
+    frfs.par_iter_mut().zip(levels).for_each(|(values, level)| {
+        let log_ratio = |(v, c): (&f64, &f64)| (v / (level * c)).ln().powi(2);
+        let scatter = values.iter().zip(profile).map(log_ratio).sum::<f64>() / lines as f64;
+        if scatter <= MAX_LOG_SCATTER {
+            for (v, c) in values.iter_mut().zip(profile) {
                 *v = level * c;
             }
         }
@@ -230,9 +247,9 @@ mod tests {
     use crate::identify::synthetic::white_noise;
 
     #[test]
-    fn what_is_left_over_tells_the_noise_of_the_force_beside_that_of_the_response() {
-        // Resonances 20 lines wide; an own variance of 1e-6, and 1 % of the response, even over 40
-        // lines.
+    fn residual_gives_force_noise_in_addition_to_response_noise() {
+        // Resonances 20 lines wide; response noise of variance 1e-6, and force noise of 1 % of the
+        // response, constant over 40 lines.
         let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
         let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
@@ -240,8 +257,8 @@ mod tests {
         let force = |k: usize| white[k..k + 40].iter().sum::<Complex64>();
         let functions: Vec<_> = (0..6)
             .map(|f| {
-                let own = white_noise(4000, 1e-6, 10 + f);
-                let rest = (0..4000).map(|k| own[k] + force(k) * values[k]);
+                let response = white_noise(4000, 1e-6, 10 + f);
+                let rest = (0..4000).map(|k| response[k] + force(k) * values[k]);
                 LeftOver::new(
                     &values,
                     &rest.collect::<Vec<_>>(),
@@ -249,42 +266,42 @@ mod tests {
                 )
             })
             .collect();
-        let told = of_rest(functions);
-        let between: f64 = told.iter().map(|own| own.variance[500]).sum::<f64>() / 6.0;
+        let smoothed = of_rest(functions);
+        let between = smoothed.iter().map(|frf| frf.variance[500]).sum::<f64>() / 6.0;
         assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
-        // Half a dozen independent errors within each of eight resonances: their mean square to a
-        // sixth.
-        let tops = (0..8).map(|n| told[0].variance[250 + 500 * n]);
+        // Half a dozen independent errors within each of eight resonances: their mean square is
+        // known to a sixth.
+        let tops = (0..8).map(|n| smoothed[0].variance[250 + 500 * n]);
         let top = tops.sum::<f64>() / 8.0;
         assert!((top / 1.01e-4 - 1.0).abs() < 0.5, "{top}");
-        assert!(told[0].by_force[250] > 0.9 && told[0].by_force[500] < 0.2);
+        assert!(smoothed[0].by_force[250] > 0.9 && smoothed[0].by_force[500] < 0.2);
     }
 
     #[test]
-    fn what_is_left_over_adds_noise_of_the_force_to_stated_variances() {
+    fn residual_adds_force_noise_to_stated_variances() {
         // Stated: 1e-6 at every line. Of the six, one response has ten times that, stated as well.
         let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
         let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
-        let told = |by_force: f64| {
+        let estimates = |by_force: f64| {
             let force = white_noise(4000, by_force, 3);
-            let left = |f: u64| {
+            let residual = |f: u64| {
                 let stated = if f == 5 { 1e-5 } else { 1e-6 };
-                let own = white_noise(4000, stated, 10 + f);
-                let rest = (0..4000).map(|k| own[k] + force[k] * values[k]);
+                let response = white_noise(4000, stated, 10 + f);
+                let rest = (0..4000).map(|k| response[k] + force[k] * values[k]);
                 let stated = Source::Stated(vec![stated; 4000]);
                 LeftOver::new(&values, &rest.collect::<Vec<_>>(), (stated, 1.0))
             };
-            of_rest((0..6).map(left).collect())
+            of_rest((0..6).map(residual).collect())
         };
-        let top = |own: &Smooth| {
+        let top = |frf: &Smooth| {
             let tops = (0..8).flat_map(|n| 240 + 500 * n..260 + 500 * n);
-            tops.map(|k| own.variance[k] / values[k].norm_sqr())
+            tops.map(|k| frf.variance[k] / values[k].norm_sqr())
                 .sum::<f64>()
                 / 160.0
         };
-        let with = told(1e-4);
-        // 160 lines, each an own draw of the force: its mean square to 8 %, four times.
+        let with = estimates(1e-4);
+        // 160 lines, each an independent sample of the force: their mean square to 8 %, four times.
         assert!(
             (top(&with[0]) / 1.01e-4 - 1.0).abs() < 0.3,
             "{}",
@@ -294,8 +311,8 @@ mod tests {
         assert!((with[0].variance[500] / 1.05e-6 - 1.0).abs() < 0.15);
         assert!((with[5].variance[500] / 1.005e-5 - 1.0).abs() < 0.15);
         assert!(with[0].by_force[250] > 0.9 && with[0].by_force[500] < 0.2);
-        // Where the stated variances are all there is, they stay.
-        let without = told(1e-12);
+        // Where the data contain the stated variances alone, the estimate is the stated one.
+        let without = estimates(1e-12);
         assert!(
             (top(&without[0]) / 1e-6 - 1.0).abs() < 1.0,
             "{}",
@@ -305,10 +322,10 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_the_force_outside_resonances_is_no_noise_of_the_responses() {
-        // 1 % of the response, far more than its own noise between resonances of ten lines;
-        // antiresonances where the functions' signs put them. The ninth function holds hardly
-        // anything but noise.
+    fn force_noise_outside_resonances_is_not_estimated_as_response_noise() {
+        // Force noise of 1 % of the response, far above the response noise between resonances of
+        // ten lines; antiresonances where the signs of the FRFs place them. The ninth FRF is hardly
+        // more than noise.
         let resonance = |k: usize, at: f64| 5.0 / Complex64::new(5.0, k as f64 - at);
         let sign = |f: usize, n: usize| if (f >> (n % 3)) & 1 == 0 { 1.0 } else { -1.0 };
         let value = |f: usize, k: usize| -> Complex64 {
@@ -323,18 +340,20 @@ mod tests {
             let values: Vec<Complex64> = (0..4000).map(|k| scale * value(f, k)).collect();
             let seed = f as u64;
             let force = white_noise(4000, of_force, 100 + seed);
-            let own = white_noise(4000, of_response, 200 + seed);
-            let rest: Vec<Complex64> = (0..4000).map(|k| own[k] + force[k] * values[k]).collect();
+            let response = white_noise(4000, of_response, 200 + seed);
+            let rest: Vec<Complex64> = (0..4000)
+                .map(|k| response[k] + force[k] * values[k])
+                .collect();
             let variance = values.iter().map(|h| of_response + of_force * h.norm_sqr());
             truth.push(variance.collect::<Vec<f64>>());
             let measured: Vec<Complex64> = values.iter().zip(&rest).map(|(h, e)| h + e).collect();
             LeftOver::new(&measured, &rest, (Source::SecondDifferences(6.0), 1.0))
         });
-        let told = of_rest(functions.collect());
-        for (told, truth) in told.iter().zip(&truth) {
-            let both = told.variance.iter().zip(truth);
-            let apart = both.map(|(v, own)| (v / own).ln());
-            let (sum, squares) = apart.fold((0.0, 0.0), |(a, b), x| (a + x, b + x * x));
+        let estimates = of_rest(functions.collect());
+        for (estimate, truth) in estimates.iter().zip(&truth) {
+            let pairs = estimate.variance.iter().zip(truth);
+            let log_ratios = pairs.map(|(v, expected)| (v / expected).ln());
+            let (sum, squares) = log_ratios.fold((0.0, 0.0), |(a, b), x| (a + x, b + x * x));
             assert!(sum.abs() < 0.1 * 4000.0, "{}", sum / 4000.0);
             let deviation = (squares / 4000.0).sqrt();
             assert!(deviation < 0.3, "{deviation}");
