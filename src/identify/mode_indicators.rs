@@ -1,6 +1,6 @@
-//! Mode indicator functions: where modes are, seen from the FRFs alone.
+//! Mode indicator functions, which show modes from the FRFs alone.
 //!
-//! With the receptances `R(ω)` as a matrix of responses × references (a pair that was not measured
+//! With the receptances `R(ω)` as a matrix of responses × references (an FRF that was not measured
 //! is 0):
 //!
 //! | indicator | definition | at a mode |
@@ -25,10 +25,10 @@ use crate::identify::data::prepare::{Chosen, chosen};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::IdentifyOptions;
 
-/// Smallest diagonal entry of the triangle of a line, over its largest value, with which its
+/// Minimum diagonal entry of the triangle of a line, over its largest value, with which its
 /// references are independent: the root of the roundoff, below which the squares of the smaller
 /// singular values are rounding.
-const DEPENDENT: f64 = 1e-8;
+const MIN_DIAGONAL_RATIO: f64 = 1e-8;
 
 /// Mode indicator functions on the lines of a band.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,14 +49,14 @@ pub struct Indicators {
 /// The mode indicator functions of a set, in the band and for the references of the options.
 ///
 /// # Errors
-/// [`IdentifyError`] when set, band and references do not go together, or singular values do not
+/// [`IdentifyError`] when set, band and references do not match, or singular values do not
 /// converge.
 pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators, IdentifyError> {
     let Chosen { set, band, .. } = chosen(set, options)?;
     let set = set.as_ref();
     let data = Receptances::new(set, band)?;
     let matrix = Matrix::new(set);
-    let mut own = Indicators {
+    let mut indicators = Indicators {
         frequency_hz: Vec::with_capacity(data.lines()),
         sum_of_frfs: Vec::with_capacity(data.lines()),
         nmif: Vec::with_capacity(data.lines()),
@@ -65,14 +65,14 @@ pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators,
     };
     for (k, omega) in data.omega.iter().enumerate() {
         let line: Vec<Complex64> = data.values.iter().map(|values| values[k]).collect();
-        own.frequency_hz.push(omega / std::f64::consts::TAU);
+        indicators.frequency_hz.push(omega / std::f64::consts::TAU);
         let magnitudes = line.iter().map(|r| r.norm());
-        own.sum_of_frfs.push(omega * magnitudes.sum::<f64>());
-        own.nmif.push(nmif(&line));
-        own.cmif.push(matrix.cmif(&line, *omega)?);
-        own.mvmif.push(matrix.mvmif(&line));
+        indicators.sum_of_frfs.push(omega * magnitudes.sum::<f64>());
+        indicators.nmif.push(nmif(&line));
+        indicators.cmif.push(matrix.cmif(&line, *omega)?);
+        indicators.mvmif.push(matrix.mvmif(&line));
     }
-    Ok(own)
+    Ok(indicators)
 }
 
 /// Complex mode indicator functions at some lines of a set's axis, none of them at 0 Hz, as in
@@ -104,24 +104,24 @@ fn nmif(line: &[Complex64]) -> Option<f64> {
     (power > 0.0).then(|| 1.0 - real / power)
 }
 
-/// Where each function stands in the matrix of responses × references.
+/// Position of each FRF in the matrix of responses × references.
 struct Matrix {
     responses: usize,
     references: usize,
-    places: Vec<(usize, usize)>,
+    positions: Vec<(usize, usize)>,
 }
 
 impl Matrix {
     fn new(set: &FrfSet) -> Self {
         let (responses, references) = (set.responses(), set.references());
-        let place = |all: &[Dof], own: &Dof| all.binary_search(own).unwrap_or(0);
+        let index = |all: &[Dof], dof: &Dof| all.binary_search(dof).unwrap_or(0);
         let functions = set.functions().iter();
-        let places = functions.map(|f| {
-            let row = place(&responses, &f.response);
-            (row, place(&references, &f.reference))
+        let positions = functions.map(|f| {
+            let row = index(&responses, &f.response);
+            (row, index(&references, &f.reference))
         });
         Self {
-            places: places.collect(),
+            positions: positions.collect(),
             responses: responses.len(),
             references: references.len(),
         }
@@ -130,15 +130,14 @@ impl Matrix {
     fn cmif(&self, line: &[Complex64], omega: f64) -> Result<Vec<f64>, IdentifyError> {
         let mut matrix =
             linalg::complex_matrix(self.responses, self.references, |_, _| Complex64::ZERO);
-        for (place, value) in self.places.iter().zip(line) {
-            matrix[*place] += omega * value;
+        for (position, value) in self.positions.iter().zip(line) {
+            matrix[*position] += omega * value;
         }
         Ok(linalg::singular_values(&matrix)?)
     }
 
     fn mvmif(&self, line: &[Complex64]) -> Option<Vec<f64>> {
-        // Scaled to the largest value, so that the square root of what is below stays above
-        // rounding.
+        // Scaled to the largest value, so that the square root of the smallest exceeds rounding.
         let largest = line.iter().map(|r| r.norm()).fold(0.0, f64::max);
         if largest <= 0.0 {
             return None;
@@ -147,13 +146,13 @@ impl Matrix {
         // belong to Re H.
         let (rows, columns) = (self.responses.max(self.references), self.references);
         let mut stacked = linalg::complex_matrix(2 * rows, columns, |_, _| Complex64::ZERO);
-        for (&(row, column), value) in self.places.iter().zip(line) {
+        for (&(row, column), value) in self.positions.iter().zip(line) {
             stacked[(row, column)] += value.re / largest;
             stacked[(rows + row, column)] += value.im / largest;
         }
         let ThinQr { q, r } = linalg::thin_qr(&stacked).ok()?;
         let diagonal = (0..columns).map(|j| r[(j, j)].norm());
-        if diagonal.fold(f64::INFINITY, f64::min) < DEPENDENT {
+        if diagonal.fold(f64::INFINITY, f64::min) < MIN_DIAGONAL_RATIO {
             return None;
         }
         let real = linalg::complex_matrix(rows, columns, |i, j| q[(i, j)]);
@@ -187,28 +186,28 @@ mod tests {
 
     fn of(modes: Vec<(f64, f64, Vec<f64>)>, references: usize) -> (Indicators, FrequencyAxis) {
         let set = set_of(modes, references);
-        let own = indicators(&set, &IdentifyOptions::default()).unwrap();
-        (own, *set.axis())
+        let result = indicators(&set, &IdentifyOptions::default()).unwrap();
+        (result, *set.axis())
     }
 
     #[test]
     fn single_lines_have_the_values_of_the_whole_band() {
         let modes = vec![(60.0, 0.01, vec![1.0, 0.5, -0.7])];
         let set = set_of(modes.clone(), 2);
-        let (own, axis) = of(modes, 2);
+        let (indicators, axis) = of(modes, 2);
         let lines = [600, 1300];
         for (line, values) in lines.iter().zip(cmif_at(&set, &lines).unwrap()) {
-            let whole = &own.cmif[at(&own, axis.hz(*line))];
+            let whole = &indicators.cmif[at(&indicators, axis.hz(*line))];
             for (a, b) in values.iter().zip(whole) {
                 assert!((a - b).abs() <= 1e-12 * whole[0], "{a} {b}");
             }
         }
     }
 
-    fn at(own: &Indicators, hz: f64) -> usize {
-        let off = |k: &usize| (own.frequency_hz[*k] - hz).abs();
-        (0..own.frequency_hz.len())
-            .min_by(|a, b| off(a).total_cmp(&off(b)))
+    fn at(indicators: &Indicators, hz: f64) -> usize {
+        let distance = |k: &usize| (indicators.frequency_hz[*k] - hz).abs();
+        (0..indicators.frequency_hz.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
             .unwrap()
     }
 
@@ -218,37 +217,40 @@ mod tests {
             (60.0, 0.01, vec![1.0, 0.5, -0.7]),
             (130.0, 0.01, vec![0.8, -0.9, 0.6]),
         ];
-        let (own, _) = of(modes, 1);
-        let between = at(&own, 90.0);
+        let (indicators, _) = of(modes, 1);
+        let between = at(&indicators, 90.0);
         for hz in [60.0, 130.0] {
-            let k = at(&own, hz);
-            assert!(own.nmif[k].unwrap() > 0.9 && own.nmif[between].unwrap() < 0.1);
-            assert!(own.sum_of_frfs[k] > 5.0 * own.sum_of_frfs[between]);
-            assert!(own.cmif[k].len() == 1 && own.cmif[k][0] > 5.0 * own.cmif[between][0]);
-            let least = own.mvmif[k].as_ref().unwrap()[0];
-            assert!(least < 0.1 && own.mvmif[between].as_ref().unwrap()[0] > 0.9);
+            let k = at(&indicators, hz);
+            assert!(indicators.nmif[k].unwrap() > 0.9 && indicators.nmif[between].unwrap() < 0.1);
+            assert!(indicators.sum_of_frfs[k] > 5.0 * indicators.sum_of_frfs[between]);
+            assert!(
+                indicators.cmif[k].len() == 1
+                    && indicators.cmif[k][0] > 5.0 * indicators.cmif[between][0]
+            );
+            let first = indicators.mvmif[k].as_ref().unwrap()[0];
+            assert!(first < 0.1 && indicators.mvmif[between].as_ref().unwrap()[0] > 0.9);
         }
     }
 
     #[test]
-    fn a_repeated_root_shows_in_two_values_at_once() {
+    fn a_repeated_root_shows_in_two_values_of_cmif_and_mvmif() {
         let modes = vec![
             (60.0, 0.01, vec![1.0, 0.5, -0.7]),
             (60.0, 0.01, vec![0.3, -0.9, 0.6]),
             (130.0, 0.01, vec![0.8, -0.9, 0.6]),
         ];
-        let (own, _) = of(modes, 2);
-        let (double, single) = (at(&own, 60.0), at(&own, 130.0));
-        let ratio = |k: usize| own.cmif[k][1] / own.cmif[k][0];
+        let (indicators, _) = of(modes, 2);
+        let (double, single) = (at(&indicators, 60.0), at(&indicators, 130.0));
+        let ratio = |k: usize| indicators.cmif[k][1] / indicators.cmif[k][0];
         assert!(ratio(double) > 0.1 && ratio(single) < 0.05);
-        let second = |k: usize| own.mvmif[k].as_ref().unwrap()[1];
+        let second = |k: usize| indicators.mvmif[k].as_ref().unwrap()[1];
         assert!(second(double) < 0.1 && second(single) > 0.5);
         // A matrix of rank one, ψLᵀ, has the singular value |ψ||L|, and Σ|ψ|Σ|L| is its sum of
         // magnitudes; the second value bounds what the other modes change of that.
-        let ratio = own.cmif[single][0] / own.sum_of_frfs[single];
+        let ratio = indicators.cmif[single][0] / indicators.sum_of_frfs[single];
         let norm = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
         let expected = norm(&[0.8, -0.9, 0.6]) * norm(&[0.8, -0.9]) / (2.3 * 1.7);
-        let others = own.cmif[single][1] / own.cmif[single][0];
+        let others = indicators.cmif[single][1] / indicators.cmif[single][0];
         assert!(
             (ratio / expected - 1.0).abs() < others,
             "{ratio} {expected}"
@@ -264,7 +266,7 @@ mod tests {
         let matrix = Matrix {
             responses: 2,
             references: 1,
-            places: vec![(0, 0), (1, 0)],
+            positions: vec![(0, 0), (1, 0)],
         };
         let cmif = matrix.cmif(&line, 2.0).unwrap();
         assert!((cmif[0] - 2.0 * 29.0f64.sqrt()).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! How many roots the data support, with known truth.
+//! Order selection with known truth.
 
 use crate::axis::{Band, FrequencyAxis};
 
@@ -34,8 +34,8 @@ fn supported(structure: &Structure, how: &Measurement, band: Band) -> Support {
         band: Some(band),
         ..IdentifyOptions::default()
     };
-    let own = identification(&set, &options).expect("the set of this test has modes to count");
-    support(&set, band, &own).expect("the set of this test has modes to count")
+    let result = identification(&set, &options).expect("the set of this test has modes to count");
+    support(&set, band, &result).expect("the set of this test has modes to count")
 }
 
 fn at(snr_db: f64) -> Measurement {
@@ -47,17 +47,21 @@ fn at(snr_db: f64) -> Measurement {
 }
 
 #[test]
-fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
+fn the_selected_order_is_the_number_of_modes_above_the_noise() {
     let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
     for variance_given in [true, false] {
         let how = Measurement {
             variance_given,
             ..at(50.0)
         };
-        let own = supported(&structure(), &how, band);
-        assert_eq!((own.identified, own.by_bic()), (4, 4), "{own:?}");
-        assert_eq!(own.by_prediction(), Some(4), "{own:?}");
-        let four = &own.tried[4];
+        let support = supported(&structure(), &how, band);
+        assert_eq!(
+            (support.identified, support.by_bic()),
+            (4, 4),
+            "{support:?}"
+        );
+        assert_eq!(support.by_prediction(), Some(4), "{support:?}");
+        let four = &support.tried[4];
         assert!(four.identified && (four.rest - 1.0).abs() < 0.1, "{four:?}");
         assert!(
             (four
@@ -69,7 +73,7 @@ fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
                 < 0.1,
             "{four:?}"
         );
-        // The weakest comes last, and no BIC rises on the way to it.
+        // The weakest comes last, and BIC falls at every step up to it.
         assert!(
             (four
                 .pole
@@ -80,7 +84,7 @@ fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
                 < 0.2
         );
         assert!(
-            own.tried[..=4]
+            support.tried[..=4]
                 .windows(2)
                 .all(|two| two[1].bic < two[0].bic)
         );
@@ -88,33 +92,42 @@ fn all_modes_that_stand_above_the_noise_are_supported_and_no_more() {
 }
 
 #[test]
-fn a_mode_in_the_noise_is_not_supported() {
+fn a_mode_below_the_noise_is_not_selected() {
     let band = Band::new(40.0, 160.0).expect("the set of this test has modes to count");
-    let own = supported(&structure(), &at(15.0), band);
-    assert_eq!(own.by_bic(), 3, "{own:?}");
+    let support = supported(&structure(), &at(15.0), band);
+    assert_eq!(support.by_bic(), 3, "{support:?}");
 }
 
 #[test]
-fn modes_outside_the_band_count_as_none() {
+fn modes_outside_the_band_are_not_counted() {
     let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
-    let own = supported(&structure(), &at(60.0), band);
-    assert_eq!((own.identified, own.by_bic()), (2, 2), "{own:?}");
-    assert!((own.tried[2].rest - 1.0).abs() < 0.15, "{own:?}");
+    let support = supported(&structure(), &at(60.0), band);
+    assert_eq!(
+        (support.identified, support.by_bic()),
+        (2, 2),
+        "{support:?}"
+    );
+    assert!((support.tried[2].rest - 1.0).abs() < 0.15, "{support:?}");
 }
 
-/// Leaving a value out costs the share of unknowns in the values; too few roots foretell nothing.
+/// The score of a held-out value rises by the ratio of unknowns to values; too few poles predict
+/// poorly.
 #[test]
-fn what_is_left_out_is_foretold_by_the_right_number_of_roots() {
+fn held_out_lines_are_predicted_best_by_the_true_number_of_poles() {
     let band = Band::new(75.0, 110.0).expect("the set of this test has modes to count");
-    let own = supported(&structure(), &at(40.0), band);
-    let (two, none) = (&own.tried[2], &own.tried[0]);
-    assert_eq!((own.stretch, own.by_prediction()), (1, Some(2)), "{own:?}");
-    let raised = two
+    let support = supported(&structure(), &at(40.0), band);
+    let (two, none) = (&support.tried[2], &support.tried[0]);
+    assert_eq!(
+        (support.stretch, support.by_prediction()),
+        (1, Some(2)),
+        "{support:?}"
+    );
+    let increase = two
         .predicted
         .expect("the set of this test has modes to count")
         .mean
         / two.rest;
-    assert!(raised > 1.0 && raised < 1.2, "{raised}");
+    assert!(increase > 1.0 && increase < 1.2, "{increase}");
     assert!(
         none.predicted
             .expect("the set of this test has modes to count")

@@ -1,5 +1,5 @@
-//! The stages of an identification one by one, for benchmarks: the library reads no clock, so that
-//! what reads one has to call them.
+//! Stages of an identification one by one, for benchmarks: the library reads no clock, so that a
+//! benchmark calls each stage and times it.
 
 use num_complex::Complex64;
 
@@ -14,7 +14,7 @@ use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
 use crate::identify::run_variation::Moved;
 
-/// Receptances of a band, of all references or of one that stands for all.
+/// Receptances of a band, with all references or as if of a single one.
 pub struct Lines {
     data: Receptances,
     sides: Sides,
@@ -27,10 +27,10 @@ pub struct Transformed(Transforms);
 pub struct Equations(Lscf);
 
 impl Lines {
-    /// Of a complete set on a band.
+    /// Receptances of a complete set on a band.
     ///
     /// # Errors
-    /// [`IdentifyError`] when set and band do not go together.
+    /// [`IdentifyError`] when set and band do not match.
     pub fn new(set: &FrfSet, band: Band, one_reference: bool) -> Result<Self, IdentifyError> {
         let sides = Sides::new(set.functions());
         Ok(Self {
@@ -65,7 +65,7 @@ impl Transformed {
 }
 
 impl Equations {
-    /// Stable poles λ, rad/s, of some orders: eigenvalues.
+    /// Stable poles λ, rad/s, of several model orders: eigenvalues.
     ///
     /// # Errors
     /// [`IdentifyError::Linalg`].
@@ -76,10 +76,10 @@ impl Equations {
     }
 }
 
-/// Fits the residues of known poles, rad/s, with their noise.
+/// Fits the residues of given poles, rad/s, with their noise.
 ///
 /// # Errors
-/// [`IdentifyError`] when set and band do not go together.
+/// [`IdentifyError`] when set and band do not match.
 pub fn residues(set: &FrfSet, band: Band, poles: &[Complex64]) -> Result<(), IdentifyError> {
     at_poles((set, band), poles, Moved::default()).map(drop)
 }

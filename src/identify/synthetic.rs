@@ -22,17 +22,16 @@ pub(super) fn white_noise(len: usize, variance: f64, seed: u64) -> Vec<Complex64
     (0..len).map(|_| Complex64::new(draw(), draw())).collect()
 }
 
-/// The spectrum of noise that a window `e^(−at)` leaves of white noise; aT at the end of the
-/// record.
+/// Spectrum of white noise under a window `e^(−at)`; `at_end` is aT at the end of the record.
 pub(super) fn windowed_noise(lines: usize, at_end: f64, seed: u64) -> Vec<Complex64> {
     let plan = ComplexPlan::inverse(lines);
-    let fall = |t: usize| (-at_end * t as f64 / lines as f64).exp();
+    let window = |t: usize| (-at_end * t as f64 / lines as f64).exp();
     let white = white_noise(lines, 1.0, seed).into_iter().enumerate();
-    let mut own: Vec<Complex64> = white.map(|(t, v)| v * fall(t)).collect();
-    plan.run(&mut own, &mut plan.scratch());
+    let mut samples: Vec<Complex64> = white.map(|(t, v)| v * window(t)).collect();
+    plan.run(&mut samples, &mut plan.scratch());
     // The plan's sign is that of an inverse; a spectrum has the other one.
-    own.reverse();
-    own
+    samples.reverse();
+    samples
 }
 
 /// A structure of unit modal masses: natural frequency in Hz, damping ratio, values along the
@@ -42,7 +41,7 @@ pub(super) struct Structure {
     pub modes: Vec<(f64, f64, Vec<f64>)>,
 }
 
-/// How it is measured.
+/// Measurement of a structure: FRFs, kind and noise.
 #[derive(Clone, Debug)]
 pub(super) struct Measurement {
     pub axis: FrequencyAxis,
@@ -56,7 +55,7 @@ pub(super) struct Measurement {
 }
 
 impl Measurement {
-    /// Accelerances of `n` sensors `1:+Z` to `n:+Z` for a hit at `1:+Z`.
+    /// Accelerances of `n` sensors `1:+Z` to `n:+Z` for an excitation at `1:+Z`.
     pub fn of_sensors(n: usize, axis: FrequencyAxis) -> Self {
         let dof = |p: usize| format!("{p}:+Z").parse().unwrap();
         Self {
@@ -130,14 +129,14 @@ impl Structure {
     }
 }
 
-/// A component between 0.3 and 1, either sign: no sensor near a node.
+/// A shape component between 0.3 and 1, of either sign: no sensor is near a node.
 fn component(random: &mut ChaCha8Rng) -> f64 {
     let size: f64 = random.random_range(0.3..1.0);
     if random.random_bool(0.5) { size } else { -size }
 }
 
-/// Three to six modes of 0.2 to 3 % damping, ten half-power widths of the wider apart or more, at
-/// five to twelve sensors; 5.5 to 12 lines across the narrowest resonance.
+/// Three to six modes of 0.2 to 3 % damping, separated by at least ten half-power bandwidths of the
+/// wider one, at five to twelve sensors; 5.5 to 12 lines across the narrowest resonance.
 pub(super) fn separated_modes(seed: u64) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let sensors = random.random_range(5..=12);
@@ -167,13 +166,13 @@ pub(super) fn separated_modes(seed: u64) -> (Structure, Measurement) {
     (Structure { modes }, how)
 }
 
-/// Half-power width 2ζf of a mode, Hz.
+/// Half-power bandwidth 2ζf of a mode, Hz.
 pub(super) fn width_hz(mode: &(f64, f64, Vec<f64>)) -> f64 {
     2.0 * mode.0 * mode.1
 }
 
-/// How two close modes differ: the second shape is the first plus `difference` times a random one
-/// (any shape without it), times `ratio`.
+/// Difference of two close modes: the second shape is the first plus `difference` times a random
+/// one (any shape without it), times `ratio`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     pub spacing_widths: f64,
@@ -182,13 +181,13 @@ pub(super) struct Pair {
     pub lines_per_width: (f64, f64),
 }
 
-/// A close pair from 200 Hz on and a far third mode.
+/// A close pair from 200 Hz and a distant third mode.
 pub(super) fn close_pair(seed: u64, pair: Pair) -> (Structure, Measurement) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let sensors = random.random_range(5..=12);
     let zeta = 10f64.powf(random.random_range(-2.7..-1.52));
     let mut shape = || -> Vec<f64> { (0..sensors).map(|_| component(&mut random)).collect() };
-    let (first, other, far) = (shape(), shape(), shape());
+    let (first, other, distant) = (shape(), shape(), shape());
     let second = first.iter().zip(&other).enumerate().map(|(i, (a, b))| {
         let value = match pair.difference {
             Some(_) if i == 0 => *a,
@@ -201,10 +200,10 @@ pub(super) fn close_pair(seed: u64, pair: Pair) -> (Structure, Measurement) {
     let modes = vec![
         (200.0, zeta, first.clone()),
         (200.0 + pair.spacing_widths * width, zeta, second.collect()),
-        (360.0 + 20.0 * width, zeta, far),
+        (360.0 + 20.0 * width, zeta, distant),
     ];
-    let (fewest, most) = pair.lines_per_width;
-    let step_hz = width / random.random_range(fewest..most);
+    let (minimum, maximum) = pair.lines_per_width;
+    let step_hz = width / random.random_range(minimum..maximum);
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz,
