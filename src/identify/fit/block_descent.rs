@@ -1,12 +1,12 @@
-//! Maximum likelihood refinement of all roots of a band: blocks of roots in their windows, swept
-//! until nothing moves.
+//! Maximum likelihood refinement of all poles of a band: block descent, with sweeps over blocks of
+//! overlapping poles until every pole has converged.
 //!
-//! A root is fitted on the lines within [`REACH`] half-power widths: with constant and slope left
-//! free this costs a tenth of its information against a band without end (9.9 % for a pole alone in
-//! the middle; more where the data end within the window). Roots that overlap share a block. All
-//! others in the window have their shapes fitted with it, and poles too where their skirts matter;
-//! what lies outside is subtracted as it is known. Blocks are independent within a sweep, so that
-//! they run in parallel.
+//! A pole is fitted on the lines within [`FIT_BAND_BANDWIDTHS`] half-power bandwidths: with free
+//! constant and slope this costs a tenth of its information against an infinite band (9.9 % for an
+//! isolated pole in the middle; more where the data end within the lines). Poles that overlap share
+//! a block. The shapes of all others on its lines are fitted with it, and their poles too where
+//! their skirts matter; the contribution of poles farther away is subtracted. Blocks are independent
+//! within a sweep, so that they run in parallel.
 
 use std::ops::Range;
 
@@ -22,85 +22,87 @@ use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::Window;
 use crate::identify::fit::gauss_newton::{Block, Fitted, Surroundings, Unknown, fit};
 
-/// Half of a window, half-power widths.
-const REACH: f64 = 20.0;
-/// Fewest lines on either side of a root.
-const SIDE_LINES: usize = 24;
-/// Half-power widths that a root may lie beyond the lines, at most.
-const AT_MOST_BEYOND: f64 = 1.0;
-/// Roots within so many sums of their half-power widths decide together.
-const TOGETHER: f64 = 1.0;
-/// Poles of members within so many sums of half-power widths of a core root move with it.
-const MOVING: f64 = 4.0;
-/// Groups of roots share a block when one window is so little longer than theirs.
-const SAME_WINDOW: f64 = 1.5;
-/// Steps of each block in a sweep.
-const STEPS: usize = 3;
-/// Most sweeps.
-const SWEEPS: usize = 40;
-/// A step below this part of its standard deviation does not count either.
-const STILL_BY_BOUND: f64 = 1e-2;
-/// The same while it is still open which roots stay.
-const COARSE: f64 = 0.1;
-/// Largest step that still counts, in decay rates and of participation factors: far below any
-/// bound, near rounding for data without noise.
-const STILL: f64 = 1e-10;
+/// Half length of the lines of a block, half-power bandwidths.
+const FIT_BAND_BANDWIDTHS: f64 = 20.0;
+/// Minimum number of lines on either side of a pole.
+const MIN_SIDE_LINES: usize = 24;
+/// Maximum distance of a pole from the lines, half-power bandwidths.
+const MAX_BEYOND_BANDWIDTHS: f64 = 1.0;
+/// Maximum separation of poles that one block fits, sums of their half-power bandwidths.
+const MAX_BLOCK_SEPARATION: f64 = 1.0;
+/// Maximum separation of a core pole from a member whose pole is free, sums of their half-power
+/// bandwidths.
+const MAX_FREE_SEPARATION: f64 = 4.0;
+/// Maximum length of the lines of a merged block, over the longer one of its groups.
+const MAX_MERGED_LENGTH_RATIO: f64 = 1.5;
+/// Maximum number of steps of each block in a sweep.
+const MAX_STEPS: usize = 3;
+/// Maximum number of sweeps.
+const MAX_SWEEPS: usize = 40;
+/// Step over its standard deviation below which a pole has converged.
+const CONVERGED_STEP_STDS: f64 = 1e-2;
+/// The same while poles may still be removed.
+const COARSE_STEP_STDS: f64 = 0.1;
+/// Step, in decay rates and of participation factors, below which a pole has always converged: far
+/// below any standard deviation, near rounding for data without noise.
+const CONVERGED_STEP_DECAY_RATES: f64 = 1e-10;
 
-/// How far a refinement goes.
+/// Convergence level of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::identify) enum Stop {
-    /// Residues alone: the poles stay where they are.
+    /// Residues alone: the poles are fixed.
     Residues,
-    /// Far enough to decide which roots stay.
+    /// Sufficient to decide which poles are kept.
     Coarse,
-    /// Far enough to judge what is left over.
+    /// Sufficient to assess the residual.
     Judging,
-    /// To the end.
+    /// Full convergence.
     Fine,
 }
 
-/// Moves all roots to the maximum of the likelihood and returns them in ascending frequency.
-/// `limits` is where they may lie, rad/s; what leaves them, or becomes unstable, is gone.
+/// Refines all poles to the maximum of the likelihood and returns them in ascending frequency.
+/// Poles that leave the range `limits`, rad/s, or become unstable are removed.
 ///
-/// A block is fitted while one of its members moves; when none does, all are fitted once more, for
-/// what far roots changed. Windows are kept for the next refinement.
+/// A block is fitted while one of its members iterates; after all have converged, every block is
+/// fitted once more, with the final values of distant poles. Compressed bands are kept for the next
+/// refinement.
 pub(in crate::identify) fn refine(
     (data, sides): (&Receptances, &Sides),
     windows: &mut Vec<Window>,
     mut roots: Vec<Root>,
     (limits, stop): ((f64, f64), Stop),
 ) -> Vec<Root> {
-    let mut whole = false;
+    let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
     let far = data.far();
     let mut beyond: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
     let mut lost = false;
     windows.retain(|window| window.is_of(data));
-    for round in 1..=SWEEPS {
-        // Of the last look at a block its variances stay.
-        whole |= round == SWEEPS;
+    for round in 1..=MAX_SWEEPS {
+        // The last fit of a block determines its variances.
+        is_final |= round == MAX_SWEEPS;
         let fresh = roots
             .iter()
             .any(|root| matches!(root.progress, Progress::Fresh(_)));
-        // Windows that followed every step would let the roots follow the windows.
+        // Blocks keep their lines while poles iterate, so that both cannot drift together.
         let mut tasks = plan.take().unwrap_or_else(|| {
             roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
             tasks(windows, blocks((data, windows), &roots, fresh))
         });
-        let moving = |root: &usize| roots[*root].progress != Progress::Settled;
+        let iterates = |root: &usize| roots[*root].progress != Progress::Settled;
         let mut active: Vec<&mut Task> = tasks
             .iter_mut()
-            .filter(|task| whole || task.block.members.iter().any(moving))
+            .filter(|task| is_final || task.block.members.iter().any(iterates))
             .collect();
         let steps = if fresh || stop == Stop::Residues {
             0
         } else {
-            STEPS
+            MAX_STEPS
         };
-        // What is far changes little from sweep to sweep, and the last look at all blocks has it
-        // anew.
-        if lost || !fresh && (whole || sweep == next) {
+        // Out-of-band terms change little from sweep to sweep, and are computed again before the
+        // last fit of all blocks.
+        if lost || !fresh && (is_final || sweep == next) {
             beyond = Some(far.of_rest(&roots));
             next = 2 * sweep + 1;
         }
@@ -112,7 +114,7 @@ pub(in crate::identify) fn refine(
             roots: &roots,
             residues: &residues(&roots, data.functions()),
             far: beyond.as_ref(),
-            last: whole && matches!(stop, Stop::Fine | Stop::Residues),
+            last: is_final && matches!(stop, Stop::Fine | Stop::Residues),
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()
@@ -122,11 +124,11 @@ pub(in crate::identify) fn refine(
             take(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        let shown = |root: &Root| stop == Stop::Residues || shows(data, root);
-        roots.retain(|root| stays(root, limits) && shown(root));
+        let is_shown = |root: &Root| stop == Stop::Residues || shows(data, root);
+        roots.retain(|root| stays(root, limits) && is_shown(root));
         if roots.len() < before {
-            // The residues of the others, and what is far, were fitted beside what is gone, which
-            // may have been large and wide.
+            // The residues of the others and the out-of-band terms were fitted together with the
+            // removed pole, which may have been large and wide.
             roots.iter_mut().for_each(Root::refresh);
             lost = true;
         }
@@ -135,11 +137,11 @@ pub(in crate::identify) fn refine(
         } else {
             plan = Some(tasks);
         }
-        let settled = roots.iter().all(|root| root.progress == Progress::Settled);
-        if settled && whole {
+        let converged = roots.iter().all(|root| root.progress == Progress::Settled);
+        if converged && is_final {
             break;
         }
-        whole = settled;
+        is_final = converged;
     }
     let kept = plan.into_iter().flatten();
     windows.extend(kept.filter_map(|task| task.window));
@@ -151,24 +153,24 @@ pub(in crate::identify) fn refine(
     roots
 }
 
-/// A block with its window, where it has one.
+/// A block with its compressed band, where there is one.
 struct Task {
     block: Block,
     window: Option<Window>,
 }
 
-/// Blocks with the windows that have their lines; the others are given up.
+/// Assigns compressed bands to the blocks with the same lines; the others are discarded.
 fn tasks(windows: &mut Vec<Window>, blocks: Vec<Block>) -> Vec<Task> {
     let mut kept = std::mem::take(windows);
     let task = |block: Block| {
-        let own = kept.iter().position(|own| *own.lines() == block.lines);
-        let window = own.map(|place| kept.swap_remove(place));
+        let index = kept.iter().position(|band| *band.lines() == block.lines);
+        let window = index.map(|index| kept.swap_remove(index));
         Task { block, window }
     };
     blocks.into_iter().map(task).collect()
 }
 
-/// What was left out or put in changes what all others must explain.
+/// Marks converged poles as iterating: a removed or added pole changes the residual of all others.
 pub(in crate::identify) fn unsettle(roots: &mut [Root]) {
     for root in roots {
         if root.progress == Progress::Settled {
@@ -182,49 +184,49 @@ fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
 }
 
-/// Whether a root lies among the lines or so near to them that they show its resonance. What is
-/// farther away the background follows, and the residue of such a root would be a difference of
-/// large numbers, of which every window has the skirt.
+/// Whether a pole lies among the lines or so near that its resonance is visible on them. Farther
+/// poles belong to the out-of-band terms: their residues would be differences of large numbers.
 fn shows(data: &Receptances, root: &Root) -> bool {
-    data.beyond(root.lambda.im) < AT_MOST_BEYOND * root.width()
+    data.beyond(root.lambda.im) < MAX_BEYOND_BANDWIDTHS * root.width()
 }
 
-/// Takes over the roots that a block decides.
+/// Updates the core poles of a block from its fit.
 fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
-    let missed = fitted.misfit.max(1.0).sqrt();
-    let by_bound = match stop {
-        Stop::Coarse | Stop::Residues => COARSE * missed,
-        Stop::Judging => STILL_BY_BOUND * missed,
-        Stop::Fine => STILL_BY_BOUND,
+    let misfit_factor = fitted.misfit.max(1.0).sqrt();
+    let max_step_stds = match stop {
+        Stop::Coarse | Stop::Residues => COARSE_STEP_STDS * misfit_factor,
+        Stop::Judging => CONVERGED_STEP_STDS * misfit_factor,
+        Stop::Fine => CONVERGED_STEP_STDS,
     };
     let deviations = deviations(fitted);
-    for &place in &block.core {
-        let root = &mut roots[block.members[place]];
+    for &member in &block.core {
+        let root = &mut roots[block.members[member]];
         let before = root.clone();
-        *root = fitted.members[place].clone();
+        *root = fitted.members[member].clone();
         let decay = root.decay().abs();
-        let strengths = fitted.strengths[place].clone();
-        // A fit of the residues alone says nothing new of the pole.
+        let strengths = fitted.strengths[member].clone();
+        // A fit of the residues alone does not change the standard deviation of the pole.
         let mut bound = before.quality.pole_bound / decay;
-        let mut still = true;
+        let mut converged = true;
         let mut offset = Complex64::ZERO;
         for (unknown, step) in fitted.unknowns.iter().zip(&fitted.next) {
-            if *unknown == Unknown::Pole(place) {
+            if *unknown == Unknown::Pole(member) {
                 offset = decay * step;
             }
         }
         for (unknown, deviation) in fitted.unknowns.iter().zip(&deviations) {
-            let moved = match *unknown {
-                Unknown::Pole(j) if j == place => {
+            let change = match *unknown {
+                Unknown::Pole(j) if j == member => {
                     bound = *deviation;
                     (root.lambda - before.lambda).norm() / decay
                 }
-                Unknown::Factor(j, part, input) if j == place => {
+                Unknown::Factor(j, part, input) if j == member => {
                     (root.parts[part][input] - before.parts[part][input]).norm()
                 }
                 _ => continue,
             };
-            still &= moved <= STILL || moved <= by_bound * deviation;
+            converged &=
+                change <= CONVERGED_STEP_DECAY_RATES || change <= max_step_stds * deviation;
         }
         root.quality = Quality {
             pole_bound: bound * decay,
@@ -240,37 +242,37 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
         root.progress = match before.progress {
             Progress::Fresh(count) if count > 1 => Progress::Fresh(count - 1),
             Progress::Fresh(_) => Progress::Moving,
-            _ if still => Progress::Settled,
+            _ if converged => Progress::Settled,
             _ => Progress::Moving,
         };
     }
 }
 
-/// Cramér-Rao deviation of real and imaginary part of each unknown, poles in decay rates; infinite
-/// where it is not known.
+/// Cramér-Rao standard deviation of real and imaginary part of each unknown, poles in decay rates;
+/// infinite where it is undetermined.
 fn deviations(step: &Fitted) -> Vec<f64> {
     let inverse = (!step.unknowns.is_empty())
         .then(|| linalg::inverse_hermitian_raised(&step.information))
         .flatten();
-    let deviation = |place: usize| match &inverse {
-        Some(inverse) if inverse[(place, place)].re > 0.0 => {
-            (0.5 * inverse[(place, place)].re).sqrt()
+    let deviation = |index: usize| match &inverse {
+        Some(inverse) if inverse[(index, index)].re > 0.0 => {
+            (0.5 * inverse[(index, index)].re).sqrt()
         }
         _ => f64::INFINITY,
     };
     (0..step.unknowns.len()).map(deviation).collect()
 }
 
-/// The blocks of roots in ascending frequency.
+/// The blocks of poles in ascending frequency.
 fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bool) -> Vec<Block> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (number, root) in roots.iter().enumerate() {
-        let near = |other: &usize| apart(root, &roots[*other]) < TOGETHER;
-        // Wide roots may overlap one that is not their neighbour.
-        let (mut own, rest): (Vec<_>, Vec<_>) =
+        let near = |other: &usize| apart(root, &roots[*other]) < MAX_BLOCK_SEPARATION;
+        // Wide poles may overlap one that is not their neighbour.
+        let (mut overlapping, others): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.iter().any(near));
-        groups = rest;
-        let mut merged: Vec<usize> = own.drain(..).flatten().collect();
+        groups = others;
+        let mut merged: Vec<usize> = overlapping.drain(..).flatten().collect();
         merged.push(number);
         groups.push(merged);
     }
@@ -283,7 +285,7 @@ fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bo
         .collect()
 }
 
-/// Groups whose windows are nearly the same decide together: that is less work than each alone.
+/// Merges groups on nearly the same lines: one block is faster than two.
 fn merged(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let lines = |group: &[usize]| window(data, group.iter().map(|j| &roots[*j])).len();
     let mut merged: Vec<Vec<usize>> = Vec::new();
@@ -291,7 +293,7 @@ fn merged(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Ve
         if let Some(last) = merged.last_mut() {
             let longest = lines(last).max(lines(&group));
             let both = [last.as_slice(), &group].concat();
-            if lines(&both) as f64 <= SAME_WINDOW * longest as f64 {
+            if lines(&both) as f64 <= MAX_MERGED_LENGTH_RATIO * longest as f64 {
                 *last = both;
                 continue;
             }
@@ -301,7 +303,7 @@ fn merged(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Ve
     merged
 }
 
-/// Distance of two roots in sums of their half-power widths.
+/// Separation of two poles in sums of their half-power bandwidths.
 pub(in crate::identify) fn apart(a: &Root, b: &Root) -> f64 {
     (a.lambda.im - b.lambda.im).abs() / (a.width() + b.width())
 }
@@ -321,16 +323,16 @@ fn block(
     let members: Vec<usize> = (0..roots.len())
         .filter(|j| core.contains(j) || inside(&roots[*j]))
         .collect();
-    let moving = |j: usize| {
+    let is_free = |j: usize| {
         core.iter()
-            .any(|own| apart(&roots[*own], &roots[j]) < MOVING)
+            .any(|root| apart(&roots[*root], &roots[j]) < MAX_FREE_SEPARATION)
     };
-    let places = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+    let indices = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..members.len())
-            .filter(|place| wanted(members[*place]))
+            .filter(|index| wanted(members[*index]))
             .collect()
     };
-    let (core, free) = (places(&|j| core.contains(&j)), places(&moving));
+    let (core, free) = (indices(&|j| core.contains(&j)), indices(&is_free));
     let lines = enough(data, lines, members.len());
     let kept = windows
         .iter()
@@ -343,15 +345,15 @@ fn block(
     }
 }
 
-/// Lines within reach of some roots.
+/// Lines within the fit bands of some poles.
 pub(in crate::identify) fn window<'a>(
     data: &Receptances,
     roots: impl Iterator<Item = &'a Root>,
 ) -> Range<usize> {
     let (mut start, mut end) = (data.lines(), 0);
     for root in roots {
-        let side = (REACH * root.width() / data.step).ceil() as usize;
-        let side = side.max(SIDE_LINES).min(data.lines());
+        let side = (FIT_BAND_BANDWIDTHS * root.width() / data.step).ceil() as usize;
+        let side = side.max(MIN_SIDE_LINES).min(data.lines());
         let top = ((root.lambda.im - data.omega[0]) / data.step).round();
         let top = (top.max(0.0) as usize).min(data.lines() - 1);
         start = start.min(top.saturating_sub(side));
@@ -360,7 +362,7 @@ pub(in crate::identify) fn window<'a>(
     start..end
 }
 
-/// More lines where the members have as many unknowns as there are lines.
+/// Extends the lines of a block so that its members have fewer unknowns than lines.
 fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usize> {
     let wanted = 4 * members + 40;
     let missing = wanted.saturating_sub(lines.len()).div_ceil(2);

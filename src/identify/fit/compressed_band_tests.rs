@@ -1,4 +1,4 @@
-//! A compressed window against the lines themselves.
+//! A compressed band against the lines themselves.
 
 use num_complex::Complex64;
 
@@ -13,10 +13,10 @@ use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
 
-/// More than those whose whole energy is looked at.
+/// More than the FRFs whose whole energy is summed.
 const SENSORS: usize = 60;
 
-/// Two modes that the even sensors hold and the odd ones hardly.
+/// Two modes with large components at the even sensors and small ones at the odd.
 fn measured() -> (Receptances, Sides, [Complex64; 2]) {
     measured_at(50.0)
 }
@@ -59,7 +59,7 @@ fn members(poles: &[Complex64]) -> Vec<Root> {
     poles.iter().map(root).collect()
 }
 
-/// The values of a window without anything known, and their energy.
+/// Coordinates of all values of a compressed band, with nothing subtracted, and their energy.
 fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (Near, f64) {
     let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
     let residues: ComplexMatrix = zero(2, SENSORS);
@@ -77,8 +77,8 @@ fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (Near, f64) {
     (near, energy)
 }
 
-/// What background, courses and as many of their powers explain of the values, from the lines
-/// themselves; and the energy of the values.
+/// Energy of the values that out-of-band terms and powers of the line shapes explain, computed from
+/// the lines themselves; and the energy of the values.
 fn by_lines(
     data: &Receptances,
     window: &Window,
@@ -91,10 +91,10 @@ fn by_lines(
     let columns = linalg::complex_matrix(omega.len(), first + powers * poles.len(), |k, column| {
         let value = match column.checked_sub(first) {
             None => background.value(column, omega, k),
-            Some(place) => {
-                let lambda = poles[place / powers];
-                let course = lambda.re.abs() / (Complex64::new(0.0, omega[k]) - lambda);
-                course.powu((place % powers) as u32 + 1)
+            Some(index) => {
+                let lambda = poles[index / powers];
+                let line_shape = lambda.re.abs() / (Complex64::new(0.0, omega[k]) - lambda);
+                line_shape.powu((index % powers) as u32 + 1)
             }
         };
         value / profile.course[k]
@@ -107,10 +107,10 @@ fn by_lines(
 }
 
 #[test]
-fn coordinates_tell_what_the_lines_do_for_poles_nearby_and_for_poles_that_moved_away() {
+fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_poles() {
     let (data, sides, truth) = measured();
     let mut window = Window::new(&data, &(60..341), truth.to_vec());
-    // Within reach, half a decay rate off one after the other, and back.
+    // Within range, half a decay rate off one after the other, and back.
     let offsets = [[0.0, 2e-5], [0.5, 2e-5], [0.5, -0.4], [0.0, 0.0]];
     for offsets in offsets {
         let moved = |j: usize| truth[j] + offsets[j] * truth[j].re.abs() * Complex64::new(0.6, 0.8);
@@ -120,25 +120,25 @@ fn coordinates_tell_what_the_lines_do_for_poles_nearby_and_for_poles_that_moved_
         }
         assert!(window.serves(&poles));
         let (near, energy) = all(&window, (&data, &sides));
-        // With the derivatives of both, and with courses alone.
+        // With the derivatives of both, and with line shapes alone.
         let mut whole = 0.0;
         for (moving, powers) in [(&[0, 1][..], 2), (&[], 1)] {
             let (_, explained) = window.compressed(&near, (&members(&poles), moving));
             let (expected, all) = by_lines(&data, &window, (&poles, powers));
-            // Ten digits of the whole: what is left over is a hundred thousandth of it.
-            let apart = (explained - expected).abs();
-            assert!(apart < 1e-10 * all, "{explained} {expected}");
+            // Ten digits of the whole: the residual is 1e-5 of it.
+            let difference = (explained - expected).abs();
+            assert!(difference < 1e-10 * all, "{explained} {expected}");
             whole = all;
         }
-        // What no coordinate holds is noise, told from 30 functions of 281 lines: to 1 %, four
+        // The part outside the basis is noise, estimated from 30 FRFs of 281 lines: to 1 %, four
         // times.
-        let unheld = (energy - near.energy) / (whole - near.energy);
-        assert!((unheld - 1.0).abs() < 0.04, "{unheld}");
+        let outside_basis = (energy - near.energy) / (whole - near.energy);
+        assert!((outside_basis - 1.0).abs() < 0.04, "{outside_basis}");
     }
 }
 
 #[test]
-fn poles_that_a_window_serves_leave_away_far_less_than_noise() {
+fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
     let (data, sides, truth) = measured_at(90.0);
     let lines = 60..341;
     let window = |offset: f64| {
@@ -147,32 +147,32 @@ fn poles_that_a_window_serves_leave_away_far_less_than_noise() {
     };
     let offsets = (1..2000).map(|step| f64::from(step) * 1e-5);
     let served = offsets.take_while(|offset| window(*offset).serves(&truth));
-    let reach = served.last().unwrap();
-    // The third power of it is a thousandth of the noise beside the strongest response; levels are
-    // those of 281 lines.
+    let range = served.last().unwrap();
+    // The third power of it is a thousandth of the noise relative to the strongest response; levels
+    // are those of 281 lines.
     let strongest = (0..SENSORS).flat_map(|f| {
         let values = data.values[f][lines.clone()].iter();
-        let own = values.zip(&data.variance[f][lines.clone()]);
-        own.map(|(h, v)| h.norm_sqr() / v).collect::<Vec<_>>()
+        let pairs = values.zip(&data.variance[f][lines.clone()]);
+        pairs.map(|(h, v)| h.norm_sqr() / v).collect::<Vec<_>>()
     });
     let expected = (1e-3 / strongest.fold(0.0, f64::max).sqrt()).cbrt();
-    assert!((reach / expected - 1.0).abs() < 0.15, "{reach} {expected}");
-    let window = window(reach);
+    assert!((range / expected - 1.0).abs() < 0.15, "{range} {expected}");
+    let window = window(range);
     let (near, _) = all(&window, (&data, &sides));
     let (_, explained) = window.compressed(&near, (&members(&truth), &[]));
     let (expected, _) = by_lines(&data, &window, (&truth, 1));
-    // A thousandth of the noise, beside noise, in each of the functions.
-    let apart = (explained - expected).abs();
-    assert!(apart < 2e-3 * SENSORS as f64, "{explained} {expected}");
+    // A thousandth of the noise, added to noise, in each of the FRFs.
+    let difference = (explained - expected).abs();
+    assert!(difference < 2e-3 * SENSORS as f64, "{explained} {expected}");
 }
 
 #[test]
-fn a_window_is_that_of_its_noise_and_of_its_lines() {
+fn a_compressed_band_is_valid_for_its_noise_and_its_lines_only() {
     let (mut data, _, truth) = measured();
     let window = Window::new(&data, &(60..341), truth.to_vec());
     assert!(window.is_of(&data));
     assert!(window.covers(&(62..340), data.lines()) && !window.covers(&(100..340), data.lines()));
-    // A window that ends with the data has another background.
+    // A band that ends with the data has other out-of-band terms.
     let edge = Window::new(&data, &(0..341), truth.to_vec());
     assert!(!edge.covers(&(1..341), data.lines()) && edge.covers(&(0..340), data.lines()));
     data.set_outside(crate::identify::data::out_of_band_basis::Outside::Courses(

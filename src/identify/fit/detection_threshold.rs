@@ -1,39 +1,48 @@
-//! Whether a root is above what noise makes.
+//! Detection threshold: the strength of a pole that noise alone exceeds with a given false-alarm
+//! probability.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::model_pole::Root;
 
-/// Least probability whose complement differs from 1.
-const LEAST_CHANCE: f64 = 1e-14;
+/// Minimum probability whose complement differs from 1.
+const MIN_PROBABILITY: f64 = 1e-14;
 
-/// Significance of a root with the limit that it must exceed to be above what noise makes for some
-/// participation factors, but for the chance of a false alarm at one pole.
+/// Significance of a pole with the threshold that noise exceeds at one pole with the false-alarm
+/// probability `false_alarm`, for some participation factors.
 ///
-/// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)` but
-/// for a probability p (Davidson and Szarek 2001); with one input its square is a chi-squared of
-/// two degrees of freedom per output.
-pub(in crate::identify) fn significance(root: &Root, sides: &Sides, chance: f64) -> (f64, f64) {
+/// Whitened noise over outputs × inputs has a largest singular value below `√o + √i + √(−ln p)`
+/// except with a probability p (Davidson and Szarek 2001); with one input its square is chi-squared
+/// with two degrees of freedom per output.
+pub(in crate::identify) fn significance(
+    root: &Root,
+    sides: &Sides,
+    false_alarm: f64,
+) -> (f64, f64) {
     let outputs = sides.outputs.len();
     let quality = &root.quality;
-    let whole = (quality.significance(), limit(root, sides, chance));
-    // What one output shows says nothing of how many modes there are.
-    let alone = (
+    let whole = (quality.significance(), limit(root, sides, false_alarm));
+    // A single output does not determine the number of modes.
+    let one_output = (
         quality.largest,
-        quality.by_lines * upper_quantile(2.0, chance / outputs as f64),
+        quality.by_lines * upper_quantile(2.0, false_alarm / outputs as f64),
     );
-    let better = alone.0 / alone.1 > whole.0 / whole.1;
-    if better && root.multiplicity() == 1 {
-        alone
+    let output_is_better = one_output.0 / one_output.1 > whole.0 / whole.1;
+    if output_is_better && root.multiplicity() == 1 {
+        one_output
     } else {
         whole
     }
 }
 
-/// Number of independent modes of a root that are above the noise.
-pub(in crate::identify) fn modes_above_noise(root: &Root, sides: &Sides, chance: f64) -> usize {
-    let limit = limit(root, sides, chance);
+/// Number of independent modes of a pole above the noise.
+pub(in crate::identify) fn modes_above_noise(
+    root: &Root,
+    sides: &Sides,
+    false_alarm: f64,
+) -> usize {
+    let limit = limit(root, sides, false_alarm);
     root.quality
         .strengths
         .iter()
@@ -41,29 +50,29 @@ pub(in crate::identify) fn modes_above_noise(root: &Root, sides: &Sides, chance:
         .count()
 }
 
-fn limit(root: &Root, sides: &Sides, chance: f64) -> f64 {
-    let alone = match sides.inputs {
-        1 => upper_quantile(2.0 * sides.outputs.len() as f64, chance),
-        _ => 2.0 * norm_of_noise(sides, chance).powi(2),
+fn limit(root: &Root, sides: &Sides, false_alarm: f64) -> f64 {
+    let white = match sides.inputs {
+        1 => upper_quantile(2.0 * sides.outputs.len() as f64, false_alarm),
+        _ => 2.0 * norm_of_noise(sides, false_alarm).powi(2),
     };
-    root.quality.by_lines * alone
+    root.quality.by_lines * white
 }
 
-/// What the largest singular value of outputs × inputs of noise of unit variance exceeds with less
-/// than this probability.
-pub(in crate::identify) fn norm_of_noise(sides: &Sides, chance: f64) -> f64 {
+/// Value that the largest singular value of outputs × inputs of noise of unit variance exceeds with
+/// at most this probability.
+pub(in crate::identify) fn norm_of_noise(sides: &Sides, false_alarm: f64) -> f64 {
     let (outputs, inputs) = (sides.outputs.len() as f64, sides.inputs as f64);
-    outputs.sqrt() + inputs.sqrt() + (-chance.ln()).sqrt()
+    outputs.sqrt() + inputs.sqrt() + (-false_alarm.ln()).sqrt()
 }
 
-/// The same for noise of a deviation by output and input: the largest norms of a row and of a
-/// column of deviations, and the largest deviation, take the places of `√i`, `√o` and 1 (Bandeira
-/// and van Handel 2016, without their term of the logarithm of the size, which is small where
-/// deviations are nearly even).
+/// The same for noise with a standard deviation by output and input: the largest norms of a row and
+/// of a column of standard deviations, and the largest one, replace `√i`, `√o` and 1 (Bandeira and
+/// van Handel 2016, without their term of the logarithm of the size, which is small where standard
+/// deviations are nearly equal).
 pub(in crate::identify) fn norm_of_uneven_noise(
     (outputs, inputs): (usize, usize),
     deviation: impl Fn(usize, usize) -> f64,
-    chance: f64,
+    false_alarm: f64,
 ) -> f64 {
     let square = |o: usize, i: usize| deviation(o, i).powi(2);
     let row = |o: usize| (0..inputs).map(|i| square(o, i)).sum::<f64>();
@@ -72,12 +81,14 @@ pub(in crate::identify) fn norm_of_uneven_noise(
     let largest = largest.map(|(o, i)| square(o, i)).fold(0.0, f64::max);
     let rows = (0..outputs).map(row).fold(0.0, f64::max);
     let columns = (0..inputs).map(column).fold(0.0, f64::max);
-    rows.sqrt() + columns.sqrt() + (-chance.ln() * largest).sqrt()
+    rows.sqrt() + columns.sqrt() + (-false_alarm.ln() * largest).sqrt()
 }
 
-/// What a chi-squared of so many degrees of freedom exceeds with this probability.
-pub(in crate::identify) fn upper_quantile(freedom: f64, chance: f64) -> f64 {
+/// Value that chi-squared with `freedom` degrees of freedom exceeds with this probability.
+pub(in crate::identify) fn upper_quantile(freedom: f64, false_alarm: f64) -> f64 {
     let distribution = ChiSquared::new(freedom);
-    let chance = chance.max(LEAST_CHANCE);
-    distribution.map_or(f64::INFINITY, |own| own.inverse_cdf(1.0 - chance))
+    let false_alarm = false_alarm.max(MIN_PROBABILITY);
+    distribution.map_or(f64::INFINITY, |chi_squared| {
+        chi_squared.inverse_cdf(1.0 - false_alarm)
+    })
 }

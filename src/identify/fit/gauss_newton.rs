@@ -1,19 +1,18 @@
-//! One step of the maximum likelihood fit of the modes in a window of lines: variable projection.
+//! One step of the maximum likelihood fit of the poles on a range of lines: variable projection.
 //!
-//! In the window the receptance of function f (output o, input i) is `Σ_j ψ_oj L_ji/(iω − λ_j) +
-//! c_f + d_f x + (known terms)`, with known terms for the conjugates and for the modes outside. The
-//! noise is circular with variance `s_f² u_k²` (a level per function, a course over the lines that
-//! all functions share). What is linear is projected out: constant and slope of every function,
-//! which stand for all that is farther away, with one QR that all functions share, then the shapes
-//! ψ. What remains depends on λ and L alone, to which Gauss-Newton is applied with the Jacobian of
-//! Kaufman (1975). The model is analytic in all unknowns, so that the steps are complex least
-//! squares.
+//! On these lines the receptance f (output o, input i) is `Σ_j ψ_oj L_ji/(iω − λ_j) + c_f + d_f x +
+//! (known terms)`, with known terms for the conjugates and for the poles outside. The noise is
+//! circular with variance `s_f² u_k²` (a level per FRF, a profile over the lines common to all
+//! FRFs). Linear unknowns are projected out: constant and slope of every FRF, which represent all
+//! modes farther away, with one QR common to all FRFs, then the shapes ψ. The remaining problem
+//! depends on λ and L alone; Gauss-Newton is applied to it with the Jacobian of Kaufman (1975). The
+//! model is analytic in all unknowns, so that the steps are complex least squares.
 //!
-//! The data of all functions are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j =
-//! σ_j/(iω − λ_j)` ([`window`](crate::identify::fit::compressed_band)): as many numbers as there are columns, and nothing
-//! that a step needs is lost.
+//! The data of all FRFs are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j =
+//! σ_j/(iω − λ_j)` ([`compressed_band`](crate::identify::fit::compressed_band)): as many numbers as
+//! there are columns, without loss for a step.
 //!
-//! At the end the matrix of the normal equations is the Fisher information of (λ, L) with all
+//! At convergence the matrix of the normal equations is the Fisher information of (λ, L) with all
 //! linear unknowns profiled out: its inverse holds the Cramér-Rao bounds, twice the variance of
 //! real and imaginary part.
 //!
@@ -38,29 +37,29 @@ use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, pa
 
 pub(in crate::identify) use crate::identify::fit::variable_projection::Unknown;
 
-/// Largest step of a pole, in decay rates, and of a participation factor.
-const LONGEST_STEP: f64 = 0.5;
-/// Damping of the normal equations relative to their diagonal (Marquardt 1963): at first, least and
-/// most. The least keeps poles that the data cannot tell apart where they are.
+/// Maximum step of a pole, in decay rates, and of a participation factor.
+const MAX_STEP_DECAY_RATES: f64 = 0.5;
+/// Damping of the normal equations relative to their diagonal (Marquardt 1963): initial, minimum
+/// and maximum. The minimum fixes poles that the data cannot separate.
 const FIRST_DAMPING: f64 = 1e-3;
-const LEAST_DAMPING: f64 = 1e-10;
-const MOST_DAMPING: f64 = 1e6;
-/// After a step this short, in decay rates, the next would be its square: what the other blocks
-/// changed comes first.
-const SMALL: f64 = 1e-2;
-/// Rounding of the cost, relative to the energy of the data.
-const ROUNDING: f64 = 1e-14;
+const MIN_DAMPING: f64 = 1e-10;
+const MAX_DAMPING: f64 = 1e6;
+/// Step, in decay rates, below which the next would be its square: the block then waits for the
+/// changes by other blocks.
+const QUADRATIC_STEP_DECAY_RATES: f64 = 1e-2;
+/// Rounding error of the cost, relative to the energy of the data.
+const ROUND_OFF_COST: f64 = 1e-14;
 
-/// Modes that are fitted together.
+/// Poles that are fitted together.
 #[derive(Clone, Debug)]
 pub(in crate::identify) struct Block {
-    /// Lines of the window.
+    /// Lines of the fit.
     pub lines: Range<usize>,
-    /// Numbers of the roots in the window, ascending.
+    /// Numbers of the poles on these lines, ascending.
     pub members: Vec<usize>,
-    /// Places in `members` of those whose poles move.
+    /// Indices in `members` of the poles that are free.
     pub free: Vec<usize>,
-    /// Places in `members` of those that this block decides.
+    /// Indices in `members` of the poles that this block updates.
     pub core: Vec<usize>,
 }
 
@@ -72,30 +71,30 @@ pub(in crate::identify) struct Fitted {
     pub unknowns: Vec<Unknown>,
     /// Fisher information of the unknowns.
     pub information: ComplexMatrix,
-    /// Mean square of what is left over, over that of the noise.
+    /// Reduced chi-square: mean square of the residual over that of the noise.
     pub misfit: f64,
-    /// How strong the modes of each member are.
+    /// Strength of the modes of each member.
     pub strengths: Vec<Strengths>,
-    /// The Gauss-Newton step that was not taken, by unknown, poles in decay rates; where no steps
-    /// were to be taken.
+    /// The next Gauss-Newton step, by unknown, poles in decay rates; only for a fit of the residues
+    /// alone.
     pub next: Vec<Complex64>,
 }
 
-/// What a block is fitted in.
+/// Data and poles around a block.
 pub(in crate::identify) struct Surroundings<'a> {
     pub data: &'a Receptances,
     pub sides: &'a Sides,
-    /// All roots, and their residues.
+    /// All poles, and their residues.
     pub roots: &'a [Root],
     pub residues: &'a ComplexMatrix,
-    /// Coordinates of the background of all lines, where it is taken out first.
+    /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
     pub far: Option<&'a ComplexMatrix>,
-    /// Whether nothing is expected to move any more and the deviations of the shapes are wanted.
+    /// Whether all poles have converged and the shapes need standard deviations.
     pub last: bool,
 }
 
-/// Fits a block with so many steps at most; none finds the residues alone. The window is left as
-/// the last step needed it.
+/// Fits a block with at most `steps` steps; with none, the residues alone. The compressed band is
+/// returned as the last step needed it.
 pub(in crate::identify) fn fit(
     around: &Surroundings,
     block: &Block,
@@ -111,18 +110,18 @@ pub(in crate::identify) fn fit(
     let mut here = problem.linearised(&members, &unknowns);
     let mut damping = FIRST_DAMPING;
     let mut taken = 0;
-    while taken < steps && damping < MOST_DAMPING {
-        let (trial, longest) = moved(&members, &unknowns, &here, damping);
+    while taken < steps && damping < MAX_DAMPING {
+        let (trial, largest) = moved(&members, &unknowns, &here, damping);
         if !trial.iter().all(|root| in_reach(root.lambda)) {
             damping *= 10.0;
             continue;
         }
-        let there = problem.linearised(&trial, &unknowns);
-        if there.cost <= here.cost + ROUNDING * problem.near.energy {
-            (members, here) = (trial, there);
+        let at_trial = problem.linearised(&trial, &unknowns);
+        if at_trial.cost <= here.cost + ROUND_OFF_COST * problem.near.energy {
+            (members, here) = (trial, at_trial);
             taken += 1;
-            damping = (0.1 * damping).max(LEAST_DAMPING);
-            if longest < SMALL {
+            damping = (0.1 * damping).max(MIN_DAMPING);
+            if largest < QUADRATIC_STEP_DECAY_RATES {
                 break;
             }
         } else {
@@ -140,8 +139,8 @@ pub(in crate::identify) fn fit(
         root.residue_variances = variances;
     }
     let next = if steps == 0 && !unknowns.is_empty() {
-        let step = damped_solution(&here.information, &here.gradient, LEAST_DAMPING);
-        (0..unknowns.len()).map(|place| step[(place, 0)]).collect()
+        let step = damped_solution(&here.information, &here.gradient, MIN_DAMPING);
+        (0..unknowns.len()).map(|index| step[(index, 0)]).collect()
     } else {
         Vec::new()
     };
@@ -156,7 +155,7 @@ pub(in crate::identify) fn fit(
     }
 }
 
-/// The members after one damped step, and its longest part.
+/// The members after one damped step, and the largest step of an unknown.
 fn moved(
     members: &[Root],
     unknowns: &[Unknown],
@@ -165,27 +164,26 @@ fn moved(
 ) -> (Vec<Root>, f64) {
     let delta = damped_solution(&here.information, &here.gradient, damping);
     let mut moved = members.to_vec();
-    let mut longest: f64 = 0.0;
-    for (place, unknown) in unknowns.iter().enumerate() {
-        let own = delta[(place, 0)];
-        let own = own * (LONGEST_STEP / own.norm().max(LONGEST_STEP));
-        longest = longest.max(own.norm());
+    let mut largest: f64 = 0.0;
+    for (index, unknown) in unknowns.iter().enumerate() {
+        let step = delta[(index, 0)];
+        let step = step * (MAX_STEP_DECAY_RATES / step.norm().max(MAX_STEP_DECAY_RATES));
+        largest = largest.max(step.norm());
         match *unknown {
-            Unknown::Pole(j) => moved[j].lambda += members[j].decay().abs() * own,
-            Unknown::Factor(j, part, input) => moved[j].parts[part][input] += own,
+            Unknown::Pole(j) => moved[j].lambda += members[j].decay().abs() * step,
+            Unknown::Factor(j, part, input) => moved[j].parts[part][input] += step,
         }
     }
-    (moved, longest)
+    (moved, largest)
 }
 
-/// The problem of a block in its window.
+/// The problem of a block in its compressed band.
 struct Windowed<'a> {
     around: &'a Surroundings<'a>,
     window: Window,
-    /// Courses of all roots and their conjugates that the members do not stand for, lines × twice
-    /// the roots.
+    /// Line shapes of all other poles and of all conjugates, lines × twice the number of poles.
     known: ComplexMatrix,
-    /// The values without them, and their energy.
+    /// Coordinates of the values minus these, and the energy of the values minus these.
     near: Near,
     energy: f64,
     patterns: Vec<Pattern>,
@@ -199,11 +197,11 @@ impl<'a> Windowed<'a> {
             .map(|j| around.roots[*j].lambda)
             .collect();
         let window = match window.take() {
-            Some(mut own) => {
-                if !own.serves(&poles) {
-                    own.follow(around.data, poles);
+            Some(mut band) => {
+                if !band.serves(&poles) {
+                    band.follow(around.data, poles);
                 }
-                own
+                band
             }
             None => Window::new(around.data, &block.lines, poles),
         };
@@ -219,7 +217,7 @@ impl<'a> Windowed<'a> {
         }
     }
 
-    /// Complex values less complex unknowns, 1 at least.
+    /// Number of complex values minus complex unknowns, at least 1.
     fn freedom(&self, members: &[Root], unknowns: &[Unknown]) -> f64 {
         let shapes: usize = members.iter().map(Root::multiplicity).sum();
         let functions = self.around.data.functions();
@@ -231,8 +229,7 @@ impl<'a> Windowed<'a> {
             .max(1) as f64
     }
 
-    /// Adds to the variances of the residues of the core what the errors of the unknowns make of
-    /// them.
+    /// Adds the effect of the errors of the unknowns to the variances of the residues of the core.
     fn widen(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
         if here.information.nrows() == 0 {
             return;
@@ -251,7 +248,7 @@ impl<'a> Windowed<'a> {
         }
     }
 
-    /// At some poles; the window follows where they leave what it serves.
+    /// Linearises the problem at some poles; the compressed band adds expansion points where needed.
     fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
@@ -267,7 +264,7 @@ impl<'a> Windowed<'a> {
             .collect();
         let (data, explained) = self.window.compressed(&self.near, (members, &moving));
         let columns = columns(members);
-        let of_pattern = |pattern: &Pattern| {
+        let linearise = |pattern: &Pattern| {
             let problem = Problem {
                 data: &data,
                 members,
@@ -277,18 +274,18 @@ impl<'a> Windowed<'a> {
             };
             problem.linearised()
         };
-        let parts: Vec<Linearised> = self.patterns.par_iter().map(of_pattern).collect();
+        let terms: Vec<Linearised> = self.patterns.par_iter().map(linearise).collect();
         let functions = self.around.data.functions();
         let mut sums = Linearised::none(members, unknowns.len(), functions);
         sums.cost = self.energy - explained;
-        for part in parts {
-            sums.add(part);
+        for term in terms {
+            sums.add(term);
         }
         sums
     }
 }
 
-/// Member and part of each column of shapes.
+/// Member and rank-one term of each column of shapes.
 fn columns(members: &[Root]) -> Vec<(usize, usize)> {
     (0..members.len())
         .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
@@ -307,7 +304,7 @@ fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
     unknowns
 }
 
-/// Courses of the other roots and of all conjugates; 0 for the members: lines × twice the roots.
+/// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the poles.
 fn known_courses(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
     let omega = &data.omega[block.lines.clone()];
     let mut known = courses(data.line_shape, omega, roots);
@@ -332,8 +329,8 @@ fn damped_solution(
     let mut ridge = damping;
     loop {
         let scaled = linalg::complex_matrix(count, count, |i, j| {
-            let own = information[(i, j)] * (scale[i] * scale[j]);
-            if i == j { own + ridge } else { own }
+            let element = information[(i, j)] * (scale[i] * scale[j]);
+            if i == j { element + ridge } else { element }
         });
         if let Ok(lower) = linalg::cholesky(&scaled) {
             let half = linalg::solve_lower(&lower, &right);

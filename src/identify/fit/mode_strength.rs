@@ -1,16 +1,16 @@
-//! How strong the modes of a root are, over the noise of all outputs.
+//! Strength of the modes of a pole, over the noise of all outputs.
 //!
-//! Output o gives the modes of a root their shape values ψ_o with covariance V_o. That a
-//! combination a of the modes is not there costs the likelihood `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice
-//! which is the strength of a. Combinations that are independent of each other are the eigenvectors
-//! of `Σ w ψψᴴ` against `Σ w V`; the weights `w = det(V)^(−1/m)` give outputs of different noise
-//! the same say, whatever basis the modes are in.
+//! Output o has the shape values ψ_o of the modes of a pole, with covariance V_o. Removing a
+//! combination a of the modes reduces the log-likelihood by `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice which is
+//! the strength of a. Independent combinations are the eigenvectors of the pencil `Σ w ψψᴴ`, `Σ w
+//! V`; the weights `w = det(V)^(−1/m)` give outputs of different noise the same weight, whatever the
+//! basis of the modes.
 
 use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-/// Shapes of the modes of a root, by outputs of one covariance.
+/// Shapes of the modes of a pole, by outputs of one covariance.
 pub(in crate::identify) struct Strength {
     modes: usize,
     /// Covariance, and shapes of the modes by output.
@@ -20,19 +20,19 @@ pub(in crate::identify) struct Strength {
     largest: f64,
 }
 
-/// The independent combinations of the modes of a root, the weakest first.
+/// The independent combinations of the modes of a pole, the weakest first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::identify) struct Strengths {
-    /// Strength of each; none where they are not known.
+    /// Strength of each; none where they are not estimated.
     pub values: Vec<f64>,
-    /// What each is made of: factors of the modes.
+    /// Factors of the modes in each combination.
     pub combinations: Vec<Vec<Complex64>>,
-    /// What the strongest output alone says of all modes.
+    /// Strength of all modes at the strongest output.
     pub largest: f64,
 }
 
 impl Strength {
-    /// Of a root of so many modes, before any output has been added.
+    /// Of a pole of `modes` modes, before any output is added.
     pub fn none(modes: usize) -> Self {
         Self {
             modes,
@@ -58,7 +58,7 @@ impl Strength {
         self.outputs.push((covariance, shapes));
     }
 
-    /// Takes in further outputs.
+    /// Adds the outputs of another sum.
     pub fn take_in(&mut self, other: Self) {
         self.outputs.extend(other.outputs);
         self.sum += other.sum;
@@ -67,18 +67,18 @@ impl Strength {
 
     /// The strengths with their combinations.
     pub fn values(&self) -> Strengths {
-        let alone = Strengths {
+        let single = Strengths {
             values: vec![self.sum],
             combinations: vec![vec![Complex64::ONE]],
             largest: self.largest,
         };
-        let of_several = || self.of_several().unwrap_or_default();
+        let several = || self.of_several().unwrap_or_default();
         if self.modes == 1 {
-            alone
+            single
         } else {
             Strengths {
                 largest: self.largest,
-                ..of_several()
+                ..several()
             }
         }
     }
@@ -93,18 +93,23 @@ impl Strength {
             power += (shapes * shapes.adjoint()) * weight;
             noise += covariance * (weight * shapes.ncols() as f64);
         }
-        // Columns of L⁻ᴴ U are the combinations a, those of L U what is left without all others.
+        // Columns of L⁻ᴴ U are the combinations a, those of L U their independent components.
         let lower = linalg::cholesky(&noise).ok()?;
         let half = linalg::solve_lower(&lower, &power);
         let whitened = linalg::solve_lower(&lower, &half.adjoint().to_owned());
         let svd = linalg::singular_vectors(&whitened).ok()?;
         let tests = linalg::solve_lower_adjoint(&lower, &svd.left);
-        let made_of = &lower * &svd.left;
+        let components = &lower * &svd.left;
         let column = |matrix: &ComplexMatrix, k: usize| -> Vec<Complex64> {
             (0..self.modes).map(|i| matrix[(i, k)]).collect()
         };
         let mut order: Vec<(f64, Vec<Complex64>)> = (0..self.modes)
-            .map(|k| (self.of_combination(&column(&tests, k)), column(&made_of, k)))
+            .map(|k| {
+                (
+                    self.of_combination(&column(&tests, k)),
+                    column(&components, k),
+                )
+            })
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (values, combinations) = order.into_iter().unzip();
@@ -153,10 +158,10 @@ mod tests {
     }
 
     #[test]
-    fn outputs_that_are_hardly_known_take_nothing_from_those_that_are() {
+    fn outputs_of_high_noise_do_not_reduce_the_strength_of_the_others() {
         let mut strength = Strength::none(2);
         strength.add(scaled_identity(1.0), shapes());
-        // Both modes alike, a hundredth of the noise.
+        // Equal components of both modes, a hundredth of the noise.
         let noisy = linalg::complex_matrix(2, 10, |_, _| Complex64::from(100.0));
         strength.add(scaled_identity(1e8), noisy);
         let strengths = strength.values();

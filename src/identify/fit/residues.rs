@@ -1,12 +1,11 @@
-//! Residues of known poles, by linear least squares around each mode.
+//! Residues of given poles, by linear least squares around each mode.
 //!
-//! Around mode `j` the receptance of one function is `A_j/(iω − λ_j) + Σ_near A_i/(iω − λ_i) +
-//! c_0 + c_1 (ω − ω_j)` plus what the farther poles and all conjugates put there. Constant and
-//! slope are the local form of the mass line and the stiffness line, the modes below and above the
-//! band; the coefficients are complex, so that nothing is assumed of the modes. Near poles, whose
-//! skirts the two terms cannot follow, are solved for together; farther ones and the conjugates are
-//! subtracted with the residues of the round before (Jacobi). All functions share one matrix, so
-//! that one QR serves them all.
+//! Around mode `j` the receptance of one FRF is `A_j/(iω − λ_j) + Σ_near A_i/(iω − λ_i) + c_0 + c_1
+//! (ω − ω_j)` plus the contributions of farther poles and of all conjugates. Constant and slope are
+//! the local form of the mass line and the stiffness line, the modes below and above the band; the
+//! coefficients are complex, so that the modes may be complex. Near poles, whose skirts the two
+//! terms cannot represent, are fitted jointly; farther ones and the conjugates are subtracted with
+//! the residues of the previous iteration (Jacobi). All FRFs have one matrix and one QR in common.
 
 use std::ops::Range;
 
@@ -17,19 +16,19 @@ use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::band_frfs::Receptances;
 
-/// Rounds of the subtraction; each gains the coupling of separate modes, a factor of ten or more.
-const ROUNDS: usize = 6;
-/// Poles closer than this many mean half-power widths are solved for together.
-const NEAR: f64 = 6.0;
+/// Iterations of the subtraction; each gains the coupling of separate modes, a factor of ten or more.
+const ITERATIONS: usize = 6;
+/// Maximum distance of poles that are fitted jointly, mean half-power bandwidths.
+const JOINT_FIT_BANDWIDTHS: f64 = 6.0;
 
-/// Residues, m/(N s), by mode, then by function, for poles λ (rad/s) with the lines around each.
+/// Residues, m/(N s), by mode, then by FRF, for poles λ (rad/s) with the lines around each.
 pub(in crate::identify) fn residues(
     data: &Receptances,
     poles: &[Complex64],
     windows: &[Range<usize>],
 ) -> Vec<Vec<Complex64>> {
     let mut residues = vec![vec![Complex64::ZERO; data.functions()]; poles.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..ITERATIONS {
         residues = (0..poles.len())
             .into_par_iter()
             .map(|j| around_one_mode(data, poles, &residues, (j, windows[j].clone())))
@@ -45,18 +44,18 @@ fn around_one_mode(
     (mode, lines): (usize, Range<usize>),
 ) -> Vec<Complex64> {
     let together = near(poles, mode, lines.len());
-    let rest = remainder(data, poles, before, (&together, lines.clone()));
+    let remaining = remainder(data, poles, before, (&together, lines.clone()));
     let first = lines.start;
     let omega = |i: usize| data.omega[first + i];
-    let (center, reach) = (poles[mode].im, omega(lines.len() - 1) - omega(0));
+    let (center, span) = (poles[mode].im, omega(lines.len() - 1) - omega(0));
     let columns = linalg::complex_matrix(lines.len(), together.len() + 2, |i, c| {
         match together.get(c) {
             Some(j) => poles[*j].re.abs() / (Complex64::new(0.0, omega(i)) - poles[*j]),
             None if c == together.len() => Complex64::ONE,
-            None => Complex64::from((omega(i) - center) / reach),
+            None => Complex64::from((omega(i) - center) / span),
         }
     });
-    let right = linalg::complex_matrix(lines.len(), data.functions(), |i, f| rest[f][i]);
+    let right = linalg::complex_matrix(lines.len(), data.functions(), |i, f| remaining[f][i]);
     let solution = linalg::least_squares(&columns, &right)
         .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()));
     (0..data.functions())
@@ -64,35 +63,35 @@ fn around_one_mode(
         .collect()
 }
 
-/// Residues of one mode by function where every function has a frequency of its own near that of
-/// `λ`, for functions that were measured one after the other while the frequency drifted
-/// (temperature, a moved sensor): the column `1/(iω − λ)²` tells the shift (Gauss-Newton), then the
-/// residue is solved for at the shifted pole. The decay rate stays common: the height of a
-/// resonance is known far better than its width.
+/// Residues of one mode by FRF with an individual frequency near that of `λ` for every FRF, for
+/// FRFs that were measured one after the other while the frequency drifted (temperature, a moved
+/// sensor): the column `1/(iω − λ)²` estimates the shift (Gauss-Newton), then the residue is fitted
+/// at the shifted pole. The decay rate is common: the height of a resonance is determined far better
+/// than its width.
 pub(in crate::identify) fn with_own_frequencies(
     data: &Receptances,
     lambda: Complex64,
-    (rest, lines): (&[Vec<Complex64>], Range<usize>),
+    (residuals, lines): (&[Vec<Complex64>], Range<usize>),
 ) -> Vec<Complex64> {
     let omega = &data.omega[lines];
-    let of_one = |values: &Vec<Complex64>| {
+    let fit_frf = |values: &Vec<Complex64>| {
         let values = std::slice::from_ref(values);
-        let mut own = lambda;
-        for _ in 0..ROUNDS {
-            let solution = one_pole(omega, values, own, 4);
+        let mut shifted = lambda;
+        for _ in 0..ITERATIONS {
+            let solution = one_pole(omega, values, shifted, 4);
             let shift = (solution[(3, 0)] / solution[(0, 0)]).im * lambda.re.abs();
             if shift.is_finite() {
-                let shift = (own.im + shift - lambda.im).clamp(lambda.re, -lambda.re);
-                own.im = lambda.im + shift;
+                let shift = (shifted.im + shift - lambda.im).clamp(lambda.re, -lambda.re);
+                shifted.im = lambda.im + shift;
             }
         }
-        one_pole(omega, values, own, 3)[(0, 0)] * lambda.re.abs()
+        one_pole(omega, values, shifted, 3)[(0, 0)] * lambda.re.abs()
     };
-    rest.iter().map(of_one).collect()
+    residuals.iter().map(fit_frf).collect()
 }
 
 /// Coefficients of `|σ|/(iω − λ)`, constant, slope and, as the fourth of `count`, `σ²/(iω − λ)²`; a
-/// column for every function.
+/// column for every FRF.
 pub(in crate::identify) fn one_pole(
     omega: &[f64],
     values: &[Vec<Complex64>],
@@ -111,24 +110,24 @@ pub(in crate::identify) fn pole_columns(
     lambda: Complex64,
     count: usize,
 ) -> ComplexMatrix {
-    let reach = omega[omega.len() - 1] - omega[0];
+    let span = omega[omega.len() - 1] - omega[0];
     linalg::complex_matrix(omega.len(), count, |i, c| {
         let pole = lambda.re.abs() / (Complex64::new(0.0, omega[i]) - lambda);
         match c {
             0 => pole,
             1 => Complex64::ONE,
-            2 => Complex64::from((omega[i] - lambda.im) / reach),
+            2 => Complex64::from((omega[i] - lambda.im) / span),
             _ => pole * pole,
         }
     })
 }
 
-/// The mode itself, then the modes near it, nearest first, as many as the lines can carry.
+/// The mode itself, then the modes near it, nearest first, as many as the lines allow.
 fn near(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
     let distance = |i: &usize| (poles[*i].im - poles[mode].im).abs();
     let width = |i: &usize| (poles[*i].re + poles[mode].re).abs();
     let mut near: Vec<usize> = (0..poles.len())
-        .filter(|i| *i == mode || distance(i) < NEAR * width(i))
+        .filter(|i| *i == mode || distance(i) < JOINT_FIT_BANDWIDTHS * width(i))
         .collect();
     near.sort_by(|a, b| {
         distance(a)
@@ -139,25 +138,25 @@ fn near(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
     near
 }
 
-/// The values of all functions on some lines without the conjugate terms of any mode and without
-/// the terms of all modes but the kept ones.
+/// The values of all FRFs on some lines minus the conjugate terms of all modes and the terms of all
+/// modes except the kept ones.
 pub(in crate::identify) fn remainder(
     data: &Receptances,
     poles: &[Complex64],
     residues: &[Vec<Complex64>],
     (kept, lines): (&[usize], Range<usize>),
 ) -> Vec<Vec<Complex64>> {
-    let mut rest: Vec<Vec<Complex64>> = data
+    let mut remaining: Vec<Vec<Complex64>> = data
         .values
         .iter()
         .map(|v| v[lines.clone()].to_vec())
         .collect();
-    for (j, (lambda, own)) in poles.iter().zip(residues).enumerate() {
+    for (j, (lambda, mode_residues)) in poles.iter().zip(residues).enumerate() {
         let keep = kept.contains(&j);
         for (i, line) in lines.clone().enumerate() {
             let s = Complex64::new(0.0, data.omega[line]);
             let (term, mirrored) = ((s - lambda).inv(), (s - lambda.conj()).inv());
-            for (values, residue) in rest.iter_mut().zip(own) {
+            for (values, residue) in remaining.iter_mut().zip(mode_residues) {
                 values[i] -= residue.conj() * mirrored;
                 if !keep {
                     values[i] -= residue * term;
@@ -165,5 +164,5 @@ pub(in crate::identify) fn remainder(
             }
         }
     }
-    rest
+    remaining
 }

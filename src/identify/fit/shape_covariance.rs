@@ -1,12 +1,12 @@
-//! What the errors of poles and participation factors add to those of a shape.
+//! Covariance of mode shapes by the errors of poles and participation factors.
 //!
-//! The shapes ψ are fitted at poles and participation factors u that have errors themselves, of the
+//! The shapes ψ are fitted at poles and participation factors u that have errors, with the
 //! covariance `C = E[δu δuᴴ]`, the inverse of the Fisher information with the shapes projected out.
-//! ψ follows them by `dψ/du_k = −R⁻¹QᴴD_k` (D the derivatives of the model, QR its columns), so
-//! that the residues of a mode get `Σ_kl s_k C_kl s_l*` beside the variance that they have at known
-//! u. What all residues of the mode share is a change of its scale, no part of the shape, and is
-//! taken out of `s_k` first, with the inverse variances as weights. A mode by itself that all
-//! outputs see through the same ratio of noise has nothing left.
+//! ψ depends on them by `dψ/du_k = −R⁻¹QᴴD_k` (D the derivatives of the model, QR its columns), so
+//! that `Σ_kl s_k C_kl s_l*` adds to the variance that the residues of a mode have for exact u. A
+//! change common to all residues of the mode is a change of its scale, not of the shape, and is
+//! subtracted from `s_k` first, with the inverse variances as weights. An isolated mode with the
+//! same ratio of noise at all outputs has no other change.
 
 use num_complex::Complex64;
 
@@ -15,25 +15,25 @@ use crate::linalg::ComplexMatrix;
 use crate::identify::data::model_pole::Root;
 use crate::identify::fit::variable_projection::{Pattern, Turn};
 
-/// Shapes of a block and how they follow its unknowns.
+/// Shapes of a block and their derivatives by its unknowns.
 pub(in crate::identify) struct Turning<'a> {
-    /// Member and part of each column of shapes.
+    /// Member and rank-one term of each column of shapes.
     pub columns: &'a [(usize, usize)],
     pub patterns: &'a [Pattern],
     /// One for each pattern.
     pub turns: &'a [Turn],
-    /// Of the unknowns.
+    /// Covariance of the unknowns.
     pub covariance: &'a ComplexMatrix,
 }
 
 impl Turning<'_> {
-    /// Adds to the variances of a member's residues what the unknowns make of them; nothing where
-    /// several modes share the root.
+    /// Adds the effect of the errors of the unknowns to the variances of the residues of a member;
+    /// none for a repeated pole.
     pub fn widen(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
         if root.multiplicity() > 1 {
             return;
         }
-        let Some(column) = self.columns.iter().position(|own| own.0 == j) else {
+        let Some(column) = self.columns.iter().position(|(member, _)| *member == j) else {
             return;
         };
         let mut added = vec![0.0; root.residues.len()];
@@ -54,8 +54,7 @@ impl Turning<'_> {
         }
     }
 
-    /// Derivatives of the residues by each unknown, as far as they come by the shape: functions ×
-    /// unknowns.
+    /// Derivatives of the residues by each unknown through the shape: FRFs × unknowns.
     fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
         let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
         for (pattern, turn) in self.patterns.iter().zip(self.turns) {
@@ -80,7 +79,7 @@ impl Turning<'_> {
     }
 }
 
-/// Leaves of a change of residues what is beside one that all have in common.
+/// Subtracts from a change of residues the component proportional to the residues.
 fn without_scale(slope: &mut [Complex64], residues: &[Complex64], variances: &[f64]) {
     let (mut product, mut square) = (Complex64::ZERO, 0.0);
     for ((s, a), v) in slope.iter().zip(residues).zip(variances) {
