@@ -5,8 +5,8 @@
 //!
 //! | indicator | definition | at a mode |
 //! |---|---|---|
-//! | sum of FRFs | `Σ ω |R|` over all functions: magnitudes of mobilities | a peak |
-//! | NMIF | `1 − Σ |Re R| |R| / Σ |R|²` over all functions | near 1 |
+//! | sum of FRFs | `Σ ω |R|` over all FRFs: magnitudes of mobilities | a peak |
+//! | NMIF | `1 − Σ |Re R| |R| / Σ |R|²` over all FRFs | near 1 |
 //! | CMIF | singular values of `ω R`, descending, one per reference or response, whichever is fewer | the first peaks; several peak at a repeated root |
 //! | MvMIF | eigenvalues of `Re RᵀRe R` against `Re RᵀRe R + Im RᵀIm R`, ascending, one per reference | the first falls towards 0; several fall at a repeated root |
 //!
@@ -35,9 +35,9 @@ const MIN_DIAGONAL_RATIO: f64 = 1e-8;
 pub struct Indicators {
     /// Frequency of each line, Hz.
     pub frequency_hz: Vec<f64>,
-    /// Sum of the magnitudes of all functions as mobilities, m/(N s).
+    /// Sum of the magnitudes of all FRFs as mobilities, m/(N s).
     pub sum_of_frfs: Vec<f64>,
-    /// Normal mode indicator function, 0 to 1; `None` where all functions are 0.
+    /// Normal mode indicator function, 0 to 1; `None` where all FRFs are 0.
     pub nmif: Vec<Option<f64>>,
     /// Complex mode indicator functions, m/(N s): the values of each line, descending.
     pub cmif: Vec<Vec<f64>>,

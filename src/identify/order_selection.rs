@@ -13,14 +13,14 @@
 //!
 //! raised for line correlation. An FRF contains the pole where the gain exceeds its cost, so that
 //! one pole changes `BIC = −2 ln L + k ln N` by `2 ln N − Σ_f max(0, g_f − 2 ln N)`, with `N`
-//! independent real numbers of the data (Schwarz 1978, Annals of Statistics 6). Held-out lines T are
-//! predicted with errors `(1 − H)⁻¹ e` of covariance `C = (1 − H)⁻¹`, with the residual `e` and the
-//! hat matrix `H` on them (Allen 1974, Technometrics 16). Of T only n lines S in the middle are
+//! independent real numbers of the data (Schwarz 1978, Annals of Statistics 6). Held-out lines T
+//! are predicted with errors `(1 − H)⁻¹ e` of covariance `C = (1 − H)⁻¹`, with the residual `e` and
+//! the hat matrix `H` on them (Allen 1974, Technometrics 16). Of T only n lines S in the middle are
 //! scored, as lines correlated with the fitted ones predict themselves (hv-block: Racine 2000,
 //! Journal of Econometrics 99), by their predictive density: `−ln p = n ln π + x_SᴴC_SS⁻¹x_S + ln
 //! det C_SS` with `x = Ce` (Geisser and Eddy 1979, Journal of the American Statistical Association
-//! 74). Too few poles leave a large e, too many predict with large covariances. The poles keep their
-//! values from the fit to all lines.
+//! 74). Too few poles leave a large e, too many predict with large covariances. The poles keep
+//! their values from the fit to all lines.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -111,8 +111,8 @@ impl Support {
         minimum.map_or(0, |(count, _)| count)
     }
 
-    /// Minimum number of poles whose prediction of held-out lines is as good as the best, within one
-    /// standard error (Breiman, Friedman, Olshen and Stone 1984, Classification and Regression
+    /// Minimum number of poles whose prediction of held-out lines is as good as the best, within
+    /// one standard error (Breiman, Friedman, Olshen and Stone 1984, Classification and Regression
     /// Trees, 3.4.3); `None` where too few lines can be predicted.
     pub fn by_prediction(&self) -> Option<usize> {
         let scores = self.tried.iter().filter_map(|step| step.predicted);
@@ -150,29 +150,29 @@ pub fn support(
 ) -> Result<Support, IdentifyError> {
     let mut data = Receptances::new(set, band)?;
     let identified = identified_poles(identification, set.added_damping_rad_s);
-    let others = others(identification, (set.added_damping_rad_s, band), &identified);
+    let others = other_stable_poles(identification, (set.added_damping_rad_s, band), &identified);
     // The residual of the identified poles gives the noise level and its line correlation.
     let mut first = Fitted::new(&data);
     for lambda in &identified {
-        first.take(Candidate::of(*lambda, &first));
+        first.add_pole(Candidate::of(*lambda, &first));
     }
     let mut rest = first.over_noise();
     data.tell_noise(&mut rest);
     data.lines_share_noise(&mut rest);
     let mut fitted = Fitted::new(&data);
-    let mut tried = vec![fitted.tried(None)];
+    let mut tried = vec![fitted.order_step(None)];
     let mut scores = vec![fitted.scores()];
     for (identified, all) in [(true, &identified), (false, &others)] {
         let mut candidates: Vec<Candidate> = all
             .iter()
             .map(|pole| Candidate::of(*pole, &fitted))
             .collect();
-        while let Some((candidate, gains)) = fitted.best(&mut candidates) {
+        while let Some((candidate, gains)) = fitted.take_best_candidate(&mut candidates) {
             let lambda = candidate.lambda;
-            fitted.take(candidate);
-            fitted.count(&gains);
+            fitted.add_pole(candidate);
+            fitted.apply_gains(&gains);
             let lambda = lambda + set.added_damping_rad_s;
-            tried.push(fitted.tried(Some((Pole { lambda }, identified, &gains))));
+            tried.push(fitted.order_step(Some((Pole { lambda }, identified, &gains))));
             scores.push(fitted.scores());
         }
     }
@@ -226,7 +226,7 @@ fn identified_poles(identification: &Identification, added_damping_rad_s: f64) -
 
 /// Stable poles that became no mode, with the damping of the data, from the highest orders down,
 /// each at least a decay rate from the others and from the identified poles.
-fn others(
+fn other_stable_poles(
     identification: &Identification,
     (added_damping_rad_s, band): (f64, Band),
     identified: &[Complex64],
@@ -381,7 +381,7 @@ impl<'a> Fitted<'a> {
     }
 
     /// Adds a pole, unless its profile is a combination of those already fitted.
-    fn take(&mut self, mut candidate: Candidate) {
+    fn add_pole(&mut self, mut candidate: Candidate) {
         candidate.orthogonalise(&self.basis);
         if candidate.length > MIN_PROFILE_LENGTH {
             self.add(&candidate.values, self.noise_factor(candidate.lambda));
@@ -389,7 +389,10 @@ impl<'a> Fitted<'a> {
     }
 
     /// Removes the candidate that lowers BIC most from the list; returns it with its gains by FRF.
-    fn best(&self, candidates: &mut Vec<Candidate>) -> Option<(Candidate, Vec<f64>)> {
+    fn take_best_candidate(
+        &self,
+        candidates: &mut Vec<Candidate>,
+    ) -> Option<(Candidate, Vec<f64>)> {
         for candidate in candidates.iter_mut() {
             candidate.orthogonalise(&self.basis);
         }
@@ -426,11 +429,11 @@ impl<'a> Fitted<'a> {
         net.sum::<f64>() - 2.0 * self.ln_count
     }
 
-    fn count(&mut self, gains: &[f64]) {
+    fn apply_gains(&mut self, gains: &[f64]) {
         self.bic -= self.bic_decrease(gains);
     }
 
-    fn tried(&self, last: Option<(Pole, bool, &[f64])>) -> Tried {
+    fn order_step(&self, last: Option<(Pole, bool, &[f64])>) -> Tried {
         let free = (self.rest.nrows() as f64 - self.used_freedom).max(1.0);
         let energy = self.over_noise().energy();
         let contains_pole = |gain: &&f64| **gain > 2.0 * self.ln_count;

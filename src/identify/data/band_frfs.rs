@@ -19,13 +19,13 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::identify::data::out_of_band_basis::Outside;
 use crate::identify::data::residual::Far;
 use crate::identify::error::IdentifyError;
-use crate::identify::noise::force_noise::Shared;
+use crate::identify::noise::force_noise::ForceNoise;
 use crate::identify::noise::input_variance::{self, Noise};
 use crate::identify::noise::line_correlation::Correlation;
-use crate::identify::noise::variance_model::Smooth;
+use crate::identify::noise::variance_model::SmoothedVariance;
 
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::noise::model::ToldFrom;
+use crate::identify::noise::model::VarianceSource;
 
 /// Guard lines on each side of a band, over the number of its lines.
 const GUARD_LINES_RATIO: f64 = 0.05;
@@ -73,9 +73,9 @@ pub(in crate::identify) struct Receptances {
     /// Variance E|H − E H|² of every value, (m/N)², positive.
     pub variance: Vec<Vec<f64>>,
     /// Fraction of every variance that is force noise, as far as it is estimated.
-    pub by_force: Vec<Vec<f64>>,
+    pub force_fraction: Vec<Vec<f64>>,
     /// Variances of each FRF as supplied with the data, where they were.
-    pub stated: Vec<Option<Smooth>>,
+    pub stated: Vec<Option<SmoothedVariance>>,
     /// Model of the modes outside the lines.
     outside: Outside,
     /// Basis of the out-of-band terms, valid until the model or the variances change.
@@ -85,18 +85,18 @@ pub(in crate::identify) struct Receptances {
     /// Line correlation of the noise, as far as it is estimated.
     pub correlation: Correlation,
     /// Force noise common to the FRFs of one reference, as far as it is estimated.
-    pub shared: Shared,
+    pub shared: ForceNoise,
     /// Statistic that estimates the noise where the data have no variances.
-    pub told_from: ToldFrom,
+    pub variance_source: VarianceSource,
     /// Minimum variance of each FRF, in its measured quantity.
-    floors: Vec<f64>,
+    min_variances: Vec<f64>,
     /// Magnitude of measured values over receptances, one vector per FRF: noise is white in the
     /// measured quantity.
     pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
 impl Receptances {
-    /// The functions of a set on the lines of a band, the line at 0 Hz left out.
+    /// The FRFs of a set on the lines of a band, except the line at 0 Hz.
     ///
     /// # Errors
     /// [`IdentifyError::NoFunctions`], [`IdentifyError::BandOutside`],
@@ -118,26 +118,26 @@ impl Receptances {
     }
 
     fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
-        let lines = without_blanks(set, lines);
+        let lines = trim_empty_ends(set, lines);
         for i in 0..set.len() {
             check_finite(set, i, lines.clone())?;
         }
         let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
         let step = std::f64::consts::TAU * set.axis().step_hz;
         let scales = Scales::new(set, &omega);
-        let noise = input_variance::of_set(set, &lines);
-        let by_force = noise
+        let noise = input_variance::noise_of_set(set, &lines);
+        let force_fraction = noise
             .iter()
-            .map(|frf_noise| frf_noise.by_force.clone())
+            .map(|frf_noise| frf_noise.force_fraction.clone())
             .collect();
         let window = Correlation::of_window(set.added_damping_rad_s, (step, lines.len()));
-        let shared = Shared::of_variances(set.functions(), &noise, &window);
+        let shared = ForceNoise::from_variances(set.functions(), &noise, &window);
         let of_receptance = |(i, noise): (usize, Noise)| {
             let (_, scale) = scales.of(set, i);
             let variance = noise.variance.iter().zip(scale.iter());
-            let receptance_noise = Smooth {
+            let receptance_noise = SmoothedVariance {
                 variance: variance.map(|(v, s)| v / (s * s)).collect(),
-                by_force: noise.by_force,
+                force_fraction: noise.force_fraction,
             };
             let variance = receptance_noise.variance.clone();
             (variance, noise.measured.then_some(receptance_noise))
@@ -156,42 +156,42 @@ impl Receptances {
         let mut data = Self {
             step,
             line_shape: LineShape::EXACT,
-            leakage: LineShape::suspected(set),
+            leakage: LineShape::possible_leakage(set),
             values: Values(values),
             variance,
-            by_force,
+            force_fraction,
             stated,
             outside: Outside::Anywhere,
             far: OnceLock::new(),
             version: 0,
             correlation: window,
             shared,
-            told_from: ToldFrom::Differences,
-            floors: Vec::new(),
+            variance_source: VarianceSource::SecondDifferences,
+            min_variances: Vec::new(),
             measured_scale: (0..set.len())
                 .map(|i| Arc::clone(&scales.of(set, i).1))
                 .collect(),
             omega,
         };
-        data.floors = data.floors();
-        data.raise_variances();
+        data.min_variances = data.min_variances();
+        data.raise_to_dynamic_range();
         Ok(data)
     }
 
     /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker
     /// FRF (in a direction that symmetry keeps at rest) is no response, whatever its variance. The
     /// minimum is constant over the lines in the measured quantity, as noise is.
-    pub fn raise_variances(&mut self) {
-        let (floors, scales) = (&self.floors, &self.measured_scale);
+    pub fn raise_to_dynamic_range(&mut self) {
+        let (min_variances, scales) = (&self.min_variances, &self.measured_scale);
         let raise = |(f, variance): (usize, &mut Vec<f64>)| {
             for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
-                *v = v.max(floors[f] / (s * s));
+                *v = v.max(min_variances[f] / (s * s));
             }
         };
         self.variance.par_iter_mut().enumerate().for_each(raise);
     }
 
-    fn floors(&self) -> Vec<f64> {
+    fn min_variances(&self) -> Vec<f64> {
         let mut strongest = vec![0.0f64; self.lines()];
         for values in self.values.iter() {
             for (largest, h) in strongest.iter_mut().zip(values) {
@@ -212,7 +212,7 @@ impl Receptances {
     }
 
     /// Discards values that depend on noise or out-of-band model, which have changed.
-    pub fn renew(&mut self) {
+    pub fn invalidate(&mut self) {
         self.far = OnceLock::new();
         self.version += 1;
     }
@@ -229,7 +229,7 @@ impl Receptances {
 
     /// Replaces the model of the modes outside the lines and returns the previous one.
     pub fn set_outside(&mut self, outside: Outside) -> Outside {
-        self.renew();
+        self.invalidate();
         std::mem::replace(&mut self.outside, outside)
     }
 
@@ -238,7 +238,7 @@ impl Receptances {
         self.far.get_or_init(|| Far::new(self, &self.outside))
     }
 
-    /// Number of functions.
+    /// Number of FRFs.
     pub fn functions(&self) -> usize {
         self.values.0.ncols()
     }
@@ -260,7 +260,7 @@ impl Receptances {
         if let Some(correlation) = line_shape.noise_correlation() {
             self.correlation = correlation;
         }
-        self.renew();
+        self.invalidate();
     }
 
     /// Adds a correction to an FRF, a function of frequency in rad/s.
@@ -269,10 +269,10 @@ impl Receptances {
         for (value, omega) in values.iter_mut().zip(&self.omega) {
             *value += by(*omega);
         }
-        self.renew();
+        self.invalidate();
     }
 
-    /// Standard deviation of the noise of a function at one line, m/N.
+    /// Standard deviation of the noise of an FRF at one line, m/N.
     pub fn deviation(&self, function: usize, line: usize) -> f64 {
         self.variance[function][line].sqrt()
     }
@@ -288,7 +288,7 @@ impl Receptances {
         (first - omega).max(omega - last).max(0.0)
     }
 
-    /// Mean variance of a function over some lines, (m/N)².
+    /// Mean variance of an FRF over some lines, (m/N)².
     pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
         let count = lines.len().max(1) as f64;
         self.variance[function][lines].iter().sum::<f64>() / count
@@ -307,17 +307,17 @@ impl Scales {
             let scale = factors.iter().map(|factor| factor.norm().recip()).collect();
             (factors, Arc::new(scale))
         };
-        let orders = set.functions().iter().map(order_of);
+        let orders = set.functions().iter().map(derivative_order);
         let orders: BTreeSet<i32> = orders.collect();
         Self(orders.into_iter().map(|n| (n, of_order(n))).collect())
     }
 
     fn of(&self, set: &FrfSet, function: usize) -> &(Vec<Complex64>, Arc<Vec<f64>>) {
-        &self.0[&order_of(&set.functions()[function])]
+        &self.0[&derivative_order(&set.functions()[function])]
     }
 }
 
-fn order_of(function: &Function) -> i32 {
+fn derivative_order(function: &Function) -> i32 {
     function.kind.derivative_order()
 }
 
@@ -329,7 +329,7 @@ pub(in crate::identify) fn whole_band(set: &FrfSet) -> Option<Band> {
 }
 
 /// The error of a set whose axis holds no band.
-pub(in crate::identify) fn no_band(set: &FrfSet) -> IdentifyError {
+pub(in crate::identify) fn no_band_error(set: &FrfSet) -> IdentifyError {
     IdentifyError::TooFewLines {
         got: set.axis().len,
         expected: MIN_BAND_LINES,
@@ -348,7 +348,7 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
             expected: "a finite number, 0 or more",
         });
     }
-    let whole = whole_band(set).ok_or_else(|| no_band(set))?;
+    let whole = whole_band(set).ok_or_else(|| no_band_error(set))?;
     let slack = 0.5 * set.axis().step_hz;
     let lower_reaches =
         band.lo_hz >= whole.lo_hz - slack || (band.lo_hz >= 0.0 && set.axis().start_hz <= 0.0);
@@ -372,7 +372,8 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
     Ok(lines)
 }
 
-/// Lines of a band with [`GUARD_LINES_RATIO`] of them more on each side, as far as the set has them.
+/// Lines of a band with [`GUARD_LINES_RATIO`] of them more on each side, as far as the set has
+/// them.
 fn add_guard_lines(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
     let guard = (GUARD_LINES_RATIO * lines.len() as f64).ceil() as usize;
     let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
@@ -382,14 +383,14 @@ fn add_guard_lines(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Ra
 }
 
 /// Lines of a band with its guard lines; empty where the band is invalid.
-pub(in crate::identify) fn looked_at(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
+pub(in crate::identify) fn guarded_lines(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
     checked_lines(set, band).map_or(0..0, |lines| add_guard_lines(set, &lines))
 }
 
 /// Lines without those at either end where all FRFs are exactly 0, as a filter of the analyser
 /// leaves them, or not finite: no resonance is identifiable there. All lines where too few would
 /// remain.
-fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
+fn trim_empty_ends(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
     let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
     let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
     let start = lines.clone().find(|k| !blank(*k));
@@ -402,14 +403,17 @@ fn without_blanks(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Rang
 
 /// Numbers of the FRFs with a value that is not finite in a band, with the frequency of the first
 /// such value, Hz.
-pub(in crate::identify) fn damaged(set: &FrfSet, band: Band) -> BTreeMap<usize, f64> {
+pub(in crate::identify) fn frfs_with_invalid_values(
+    set: &FrfSet,
+    band: Band,
+) -> BTreeMap<usize, f64> {
     let lines = checked_lines(set, band).unwrap_or_default();
-    let lines = without_blanks(set, lines);
-    let damaged = |i: usize| match check_finite(set, i, lines.clone()) {
+    let lines = trim_empty_ends(set, lines);
+    let invalid_value = |i: usize| match check_finite(set, i, lines.clone()) {
         Err(IdentifyError::NotFinite { hz, .. }) => Some((i, hz)),
         _ => None,
     };
-    (0..set.len()).filter_map(damaged).collect()
+    (0..set.len()).filter_map(invalid_value).collect()
 }
 
 fn check_finite(

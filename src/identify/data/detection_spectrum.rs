@@ -13,7 +13,7 @@ use crate::identify::data::band_frfs::Receptances;
 pub(in crate::identify) struct Indicator {
     /// `S_k` at every line.
     pub power: Vec<f64>,
-    /// `w_f` of every function.
+    /// `w_f` of every FRF.
     pub weights: Vec<f64>,
 }
 

@@ -71,8 +71,8 @@ impl LineShape {
     }
 
     /// Under each window for steady signals, Hann first, of a set that may come from steady
-    /// excitation and states no window; none of any other. A function with a window for hits makes
-    /// the set a hammer test.
+    /// excitation and states no window; none of any other. An FRF with a window for impacts
+    /// makes the set a hammer test.
     pub fn unstated(set: &FrfSet) -> Vec<Self> {
         let is_hammer_test = set.record_duration_s.is_some()
             || set.added_damping_rad_s > 0.0
@@ -89,7 +89,7 @@ impl LineShape {
     }
 
     /// That of the stated window for steady signals, a Hann window where none is stated.
-    pub fn suspected(set: &FrfSet) -> Option<Self> {
+    pub fn possible_leakage(set: &FrfSet) -> Option<Self> {
         let stated = Some(Self::of(set)).filter(Self::is_smoothed);
         stated.or_else(|| Self::unstated(set).first().copied())
     }
@@ -156,7 +156,7 @@ impl LineShape {
         self.0.is_some()
     }
 
-    /// `(scale/(iω − λ))ⁿ`, n = 1, 2, 3, or what smoothing makes of it: `scaleⁿ/(n − 1)!` times the
+    /// `(scale/(iω − λ))ⁿ`, n = 1, 2, 3, or smoothed: `scaleⁿ/(n − 1)!` times the
     /// derivative of order n − 1 by λ of the smoothed pole.
     pub fn power(&self, scale: f64, (omega, lambda): (f64, Complex64), n: usize) -> Complex64 {
         let s = Complex64::new(0.0, omega) - lambda;
@@ -345,7 +345,7 @@ mod tests {
         }
     }
 
-    /// A set without functions whose lines are half a hertz apart: records of 2 s.
+    /// A set without FRFs whose lines are half a hertz apart: records of 2 s.
     fn set_under(window: Option<Window>) -> FrfSet {
         let axis = FrequencyAxis {
             start_hz: 0.0,

@@ -23,7 +23,7 @@ pub(in crate::identify) struct Root {
     pub parts: Vec<Vec<Complex64>>,
     /// Input that is 1 for each mode.
     pub pivots: Vec<usize>,
-    /// Residue of each function, m/(N s).
+    /// Residue of each FRF, m/(N s).
     pub residues: Vec<Complex64>,
     /// `E|δA|²` of each in white noise, except for a factor common to all, m²/(N s)²; empty for a
     /// pole that was not fitted yet.
@@ -73,7 +73,7 @@ pub(in crate::identify) fn resonates(lambda: Complex64) -> bool {
 }
 
 /// Whether a step of a fit may move a pole there.
-pub(in crate::identify) fn in_reach(lambda: Complex64) -> bool {
+pub(in crate::identify) fn is_allowed_pole(lambda: Complex64) -> bool {
     lambda.re < 0.0 && -lambda.re < MAX_STEP_DAMPING_RATIO * lambda.norm()
 }
 

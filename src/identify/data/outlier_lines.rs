@@ -45,7 +45,7 @@ const INTERPOLATION_LINES: usize = 3;
 ///
 /// A missing line is 0 or not finite in every FRF. Up to three adjacent ones are interpolated by
 /// the polynomial through three lines on either side, if no FRF has a variance.
-pub(in crate::identify) fn filled(
+pub(in crate::identify) fn interpolate_missing_lines(
     set: &FrfSet,
     lines: Range<usize>,
 ) -> Option<(FrfSet, Vec<Finding>)> {
@@ -53,11 +53,11 @@ pub(in crate::identify) fn filled(
         return None;
     }
     let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
-    let blank = |k: &usize| (0..set.len()).all(|i| empty(set.values(i)[*k]));
-    let blank: Vec<usize> = lines.clone().filter(blank).collect();
+    let missing = |k: &usize| (0..set.len()).all(|i| empty(set.values(i)[*k]));
+    let missing: Vec<usize> = lines.clone().filter(missing).collect();
     let mut filled: Option<FrfSet> = None;
     let mut findings = Vec::new();
-    for run in blank.chunk_by(|a, b| a + 1 == *b) {
+    for run in missing.chunk_by(|a, b| a + 1 == *b) {
         let run = run[0]..run[run.len() - 1] + 1;
         let inside = run.start >= lines.start + INTERPOLATION_LINES
             && run.end + INTERPOLATION_LINES <= lines.end;
@@ -65,7 +65,7 @@ pub(in crate::identify) fn filled(
             (run.start - INTERPOLATION_LINES..run.start)
                 .chain(run.end..run.end + INTERPOLATION_LINES)
         };
-        if !inside || run.len() > MAX_OUTLIER_LINES || neighbours().any(|k| blank.contains(&k)) {
+        if !inside || run.len() > MAX_OUTLIER_LINES || neighbours().any(|k| missing.contains(&k)) {
             continue;
         }
         let interpolated = filled.get_or_insert_with(|| set.clone());
@@ -90,7 +90,7 @@ fn lagrange(k: usize, j: usize, nodes: impl Iterator<Item = usize>) -> f64 {
 }
 
 /// The set with its outlier lines replaced, with a finding for each; `None` where there are none.
-pub(in crate::identify) fn without_spikes(
+pub(in crate::identify) fn replace_outlier_lines(
     set: &FrfSet,
     lines: Range<usize>,
 ) -> Option<(FrfSet, Vec<Finding>)> {
@@ -113,8 +113,8 @@ pub(in crate::identify) fn without_spikes(
                     run.start >= lines.start + NEIGHBOUR_LINES
                         && run.end + NEIGHBOUR_LINES <= lines.end
                 })
-                .filter(|run| !found.iter().any(|(other, _)| overlap(run, other)))
-                .find_map(|run| Some((run.clone(), stencil.spike(set, &functions, run)?)));
+                .filter(|run| !found.iter().any(|(other, _)| lines_overlap(run, other)))
+                .find_map(|run| Some((run.clone(), stencil.outlier(set, &functions, run)?)));
             found.extend(outlier);
         }
     }
@@ -138,7 +138,7 @@ pub(in crate::identify) fn without_spikes(
 /// FRFs with their smooth curve on the lines of an outlier.
 type SmoothCurves = Vec<(usize, Vec<Complex64>)>;
 
-fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
+fn lines_overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
     one.start < other.end && other.start < one.end
 }
 
@@ -225,7 +225,12 @@ impl Stencil {
 
     /// The smooth curves of the FRFs that have an outlier on these lines; `None` where the lines
     /// are no outlier.
-    fn spike(&self, set: &FrfSet, functions: &[usize], run: Range<usize>) -> Option<SmoothCurves> {
+    fn outlier(
+        &self,
+        set: &FrfSet,
+        functions: &[usize],
+        run: Range<usize>,
+    ) -> Option<SmoothCurves> {
         let freedom = (self.columns.len() - COEFFICIENTS) as f64;
         let residue_gain: f64 = self.residue.iter().map(|gain| gain * gain).sum();
         let (mut height, mut skirts, mut scatter) = (0.0f64, 0.0f64, 0.0f64);
@@ -361,7 +366,7 @@ mod tests {
     }
 
     /// With outliers of these heights from a line on, at varying phases.
-    fn spiked(mut set: FrfSet, from: usize, heights: &[f64]) -> FrfSet {
+    fn with_outlier(mut set: FrfSet, from: usize, heights: &[f64]) -> FrfSet {
         for i in 0..set.len() {
             for (j, height) in heights.iter().enumerate() {
                 let phase = (i * 7 + j * 3) as f64;
@@ -381,9 +386,9 @@ mod tests {
             (vec![0.2, 0.4], 60),
             (vec![0.3, 0.5, 0.2], 80),
         ] {
-            let with = spiked(clean.clone(), from, &heights);
+            let with = with_outlier(clean.clone(), from, &heights);
             let (without, findings) =
-                without_spikes(&with, 1..LINES).expect("a spike far above the noise");
+                replace_outlier_lines(&with, 1..LINES).expect("a outlier far above the noise");
             assert_eq!(findings.len(), 1, "{heights:?}");
             let middle = 0.5 * (from + heights.len() / 2) as f64;
             assert_eq!(findings[0].value, Some(middle));
@@ -402,9 +407,12 @@ mod tests {
     fn values_that_are_not_finite_are_not_replaced_as_outliers() {
         for bad in [f64::NAN, f64::INFINITY, 1e200] {
             for from in [48, 50, 52] {
-                let mut with = spiked(set(2.0, RESONANCE_LINE, 1e-3, false), 50, &[1.0]);
+                let mut with = with_outlier(set(2.0, RESONANCE_LINE, 1e-3, false), 50, &[1.0]);
                 with.values_mut(1)[from] = bad.into();
-                assert!(without_spikes(&with, 1..LINES).is_none(), "{bad} {from}");
+                assert!(
+                    replace_outlier_lines(&with, 1..LINES).is_none(),
+                    "{bad} {from}"
+                );
             }
         }
     }
@@ -414,7 +422,8 @@ mod tests {
         let clean = set(2.0, RESONANCE_LINE, 1e-3, false);
         let mut with = clean.clone();
         with.values_mut(2)[50] += 1.0;
-        let (without, _) = without_spikes(&with, 1..LINES).expect("one function has a spike");
+        let (without, _) =
+            replace_outlier_lines(&with, 1..LINES).expect("one function has a outlier");
         for i in [0, 1, 3, 4] {
             assert_eq!(without.values(i), clean.values(i));
         }
@@ -428,7 +437,8 @@ mod tests {
                 // The residue of the narrowest is only this far above the noise.
                 let largest_noise = if half_width < 0.1 { 1e-3 } else { 1e-2 };
                 for noise in [0.0, 1e-6, 1e-3, largest_noise] {
-                    let replaced = without_spikes(&set(half_width, at, noise, false), 1..LINES);
+                    let replaced =
+                        replace_outlier_lines(&set(half_width, at, noise, false), 1..LINES);
                     assert!(replaced.is_none(), "{half_width} {at} {noise}");
                 }
             }
@@ -444,7 +454,8 @@ mod tests {
                 for i in 0..FUNCTIONS {
                     with.values_mut(i)[run.clone()].fill(value.into());
                 }
-                let (whole, findings) = filled(&with, 1..LINES).expect("lines without a value");
+                let (whole, findings) =
+                    interpolate_missing_lines(&with, 1..LINES).expect("lines without a value");
                 let middle = 0.5 * (run.start + run.len() / 2) as f64;
                 let reported: Vec<_> = findings.iter().map(|f| (f.code, f.value)).collect();
                 assert_eq!(reported, [(Code::LineFilled, Some(middle))]);
@@ -457,7 +468,7 @@ mod tests {
                 }
                 with.values_mut(3)[run.start] = Complex64::ONE;
                 with.values_mut(3)[run.end - 1] = Complex64::ONE;
-                let partly_missing = filled(&with, 1..LINES);
+                let partly_missing = interpolate_missing_lines(&with, 1..LINES);
                 assert_eq!(partly_missing.is_some(), run.len() == 3, "{run:?}");
             }
         }
@@ -466,8 +477,10 @@ mod tests {
             wide.values_mut(i)[60..64].fill(Complex64::ZERO);
             wide.values_mut(i)[LINES - 2..].fill(Complex64::ZERO);
         }
-        assert!(filled(&wide, 1..LINES).is_none());
-        assert!(filled(&set(8.0, RESONANCE_LINE, 0.1, true), 1..LINES).is_none());
+        assert!(interpolate_missing_lines(&wide, 1..LINES).is_none());
+        assert!(
+            interpolate_missing_lines(&set(8.0, RESONANCE_LINE, 0.1, true), 1..LINES).is_none()
+        );
     }
 
     #[test]
@@ -483,7 +496,7 @@ mod tests {
                         let values = both.values_mut(i).iter_mut();
                         values.zip(other).for_each(|(value, other)| *value -= other);
                     }
-                    let replaced = without_spikes(&both, 1..LINES);
+                    let replaced = replace_outlier_lines(&both, 1..LINES);
                     assert!(replaced.is_none(), "{half_width} {separation} {at}");
                 }
             }
@@ -492,14 +505,14 @@ mod tests {
 
     #[test]
     fn outliers_remain_where_the_data_have_variances() {
-        let with = spiked(set(2.0, RESONANCE_LINE, 1e-3, true), 40, &[1.0]);
-        assert!(without_spikes(&with, 1..LINES).is_none());
+        let with = with_outlier(set(2.0, RESONANCE_LINE, 1e-3, true), 40, &[1.0]);
+        assert!(replace_outlier_lines(&with, 1..LINES).is_none());
     }
 
     #[test]
     fn outliers_outside_the_searched_lines_are_not_reported() {
-        let with = spiked(set(2.0, RESONANCE_LINE, 1e-3, false), 40, &[1.0]);
-        assert!(without_spikes(&with, 60..LINES).is_none());
-        assert!(without_spikes(&with, 0..0).is_none());
+        let with = with_outlier(set(2.0, RESONANCE_LINE, 1e-3, false), 40, &[1.0]);
+        assert!(replace_outlier_lines(&with, 60..LINES).is_none());
+        assert!(replace_outlier_lines(&with, 0..0).is_none());
     }
 }

@@ -114,10 +114,10 @@ pub(in crate::identify) fn search(
         let Some(peak) = maximum_at(&indicator.power, line) else {
             continue;
         };
-        match defect(data, indicator, &peak) {
+        match rejection_reason(data, indicator, &peak) {
             _ if deviation(data, &peak) <= limit => {}
             None | Some(Drop::NotHighest(_))
-                if !above_its_valley(data, indicator, &peak, limit) => {}
+                if !exceeds_its_valley(data, indicator, &peak, limit) => {}
             None => found.peaks.push(peak),
             Some(drop) => found.dropped.push((peak, drop)),
         }
@@ -136,7 +136,7 @@ pub(in crate::identify) fn drop_humps(
     let peaks = std::mem::take(&mut found.peaks);
     let before = peaks.len();
     for (mode, peak) in peaks.into_iter().enumerate() {
-        let turn = turn_of_a_resonance(data, indicator, &peak);
+        let turn = relative_phase_change(data, indicator, &peak);
         if fitted(mode) || turn >= LEAST_TURN {
             found.peaks.push(peak);
         } else {
@@ -149,7 +149,7 @@ pub(in crate::identify) fn drop_humps(
 
 /// Clockwise angle between the half-power points that exist, or between one and the maximum, over
 /// that of a resonance: 45 degrees on either side.
-fn turn_of_a_resonance(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+fn relative_phase_change(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let foot = |flank: Flank| match flank {
         Flank::Half(line) => (line, 1.0),
         _ => (peak.line, 0.0),
@@ -201,7 +201,7 @@ fn flank(power: &[f64], top: f64, outwards: impl Iterator<Item = usize>) -> Flan
 }
 
 /// Weight of the left foot in the straight line between the feet, at the maximum.
-fn left_share(peak: &Peak) -> f64 {
+fn left_weight(peak: &Peak) -> f64 {
     let (left, right) = (peak.left.foot(), peak.right.foot());
     (right - peak.line) as f64 / (right - left) as f64
 }
@@ -210,7 +210,7 @@ fn left_share(peak: &Peak) -> f64 {
 /// FRFs; for noise on a straight line chi-squared with two degrees of freedom for every FRF.
 fn deviation(data: &Receptances, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
-    let weight_of_left = left_share(peak);
+    let weight_of_left = left_weight(peak);
     let term = |(h, v): (&[Complex64], &Vec<f64>)| {
         let between = weight_of_left * h[left] + (1.0 - weight_of_left) * h[right];
         let variance = v[top]
@@ -232,7 +232,7 @@ fn valley(peak: &Peak) -> Option<usize> {
 }
 
 /// Whether the dip before a higher line exceeds the noise; true without a higher line.
-fn above_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
+fn exceeds_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
     valley(peak).is_none() || dip(data, indicator, peak) > limit
 }
 
@@ -253,16 +253,16 @@ fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     difference * difference / variance
 }
 
-fn defect(data: &Receptances, indicator: &Indicator, peak: &Peak) -> Option<Drop> {
-    if !highest_in_its_band(peak) {
+fn rejection_reason(data: &Receptances, indicator: &Indicator, peak: &Peak) -> Option<Drop> {
+    if !is_highest_in_its_band(peak) {
         let lowest = valley(peak).map_or(peak.power, |line| indicator.power[line]);
         return Some(Drop::NotHighest(peak.power / lowest));
     }
-    let turn = clockwise(data, indicator, peak);
+    let turn = clockwise_area(data, indicator, peak);
     (turn <= 0.0).then_some(Drop::Unstable(turn))
 }
 
-fn highest_in_its_band(peak: &Peak) -> bool {
+fn is_highest_in_its_band(peak: &Peak) -> bool {
     let distance = |flank: Flank| flank.distance(peak.line);
     match (peak.left, peak.right) {
         (Flank::Half(_), Flank::Half(_) | Flank::Edge(_)) | (Flank::Edge(_), Flank::Half(_)) => {
@@ -277,7 +277,7 @@ fn highest_in_its_band(peak: &Peak) -> bool {
 /// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of the
 /// products of their sides at the maximum; positive for positive damping, whatever constant is
 /// added to the resonance.
-fn clockwise(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+fn clockwise_area(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
     for (h, weight) in data.values.iter().zip(&indicator.weights) {
@@ -304,9 +304,9 @@ pub(in crate::identify) fn first_pole(
     let (mut first, mut end) = (0, data.lines());
     for other in maxima.map(|other| other.line) {
         if other < peak.line {
-            first = first.max(lowest(&indicator.power, other..peak.line));
+            first = first.max(lowest_line(&indicator.power, other..peak.line));
         } else if other > peak.line {
-            end = end.min(lowest(&indicator.power, peak.line + 1..other + 1) + 1);
+            end = end.min(lowest_line(&indicator.power, peak.line + 1..other + 1) + 1);
         }
     }
     let (omega, power) = (&data.omega[first..end], &indicator.power[first..end]);
@@ -317,7 +317,7 @@ pub(in crate::identify) fn first_pole(
     )
 }
 
-fn lowest(power: &[f64], lines: std::ops::Range<usize>) -> usize {
+fn lowest_line(power: &[f64], lines: std::ops::Range<usize>) -> usize {
     let start = lines.start;
     lines
         .min_by(|a, b| power[*a].total_cmp(&power[*b]))

@@ -7,8 +7,10 @@ use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::{FrfSet, Function};
 
-use crate::identify::data::band_frfs::{damaged, looked_at, no_band, whole_band};
-use crate::identify::data::outlier_lines::{filled, without_spikes};
+use crate::identify::data::band_frfs::{
+    frfs_with_invalid_values, guarded_lines, no_band_error, whole_band,
+};
+use crate::identify::data::outlier_lines::{interpolate_missing_lines, replace_outlier_lines};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::IdentifyOptions;
 
@@ -49,27 +51,27 @@ pub(in crate::identify) fn chosen<'a>(
     }
     let band = options.band.or(set.valid_band);
     let band = band.or_else(|| whole_band(&set));
-    let band = band.ok_or_else(|| no_band(&set))?;
-    let (band, mut findings) = cut(&set, band);
-    findings.extend(ends_without_numbers(&set, band));
-    if let Some((filled, blanks)) = filled(&set, looked_at(&set, band)) {
+    let band = band.ok_or_else(|| no_band_error(&set))?;
+    let (band, mut findings) = cut_to_axis(&set, band);
+    findings.extend(findings_on_missing_ends(&set, band));
+    if let Some((filled, missing)) = interpolate_missing_lines(&set, guarded_lines(&set, band)) {
         set = Cow::Owned(filled);
-        findings.extend(blanks);
+        findings.extend(missing);
     }
     if options.partial {
-        let damaged = damaged(&set, band);
+        let damaged = frfs_with_invalid_values(&set, band);
         let sound = (0..set.len()).filter(|i| !damaged.contains_key(i));
         let sound: Vec<usize> = sound.collect();
         // Where every FRF is damaged, the identification fails with an error that names the value.
         if !damaged.is_empty() && !sound.is_empty() {
-            let left_out = |(i, hz): (&usize, &f64)| left_out(&set.functions()[*i], *hz);
-            findings.extend(damaged.iter().map(left_out));
+            let finding = |(i, hz): (&usize, &f64)| invalid_frf_finding(&set.functions()[*i], *hz);
+            findings.extend(damaged.iter().map(finding));
             set = Cow::Owned(set.part(&sound));
         }
     }
     // A weak outlier next to a strong one is detected once that is replaced.
     for _ in 0..MAX_OUTLIER_PASSES {
-        let Some((without, spikes)) = without_spikes(&set, looked_at(&set, band)) else {
+        let Some((without, spikes)) = replace_outlier_lines(&set, guarded_lines(&set, band)) else {
             break;
         };
         set = Cow::Owned(without);
@@ -84,7 +86,7 @@ pub(in crate::identify) fn chosen<'a>(
 
 /// The part of a band inside the lines, with findings where half a step or more is cut off; a band
 /// outside the lines, or an invalid one, is returned unchanged.
-fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
+fn cut_to_axis(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let inside = |whole: &Band| {
         let lo_hz = band.lo_hz.max(whole.lo_hz);
         Band::new(lo_hz, band.hi_hz.min(whole.hi_hz)).ok()
@@ -114,7 +116,7 @@ fn cut(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
 }
 
 /// The findings of a band at whose ends no FRF has a finite value: those lines are removed.
-fn ends_without_numbers(set: &FrfSet, band: Band) -> Vec<Finding> {
+fn findings_on_missing_ends(set: &FrfSet, band: Band) -> Vec<Finding> {
     let lines = set.axis().lines(&band);
     let none = |k: &usize| (0..set.len()).all(|i| !set.values(i)[*k].is_finite());
     let hz = |k: usize| set.axis().hz(k);
@@ -137,7 +139,7 @@ fn ends_without_numbers(set: &FrfSet, band: Band) -> Vec<Finding> {
         .collect()
 }
 
-fn left_out(function: &Function, hz: f64) -> Finding {
+fn invalid_frf_finding(function: &Function, hz: f64) -> Finding {
     let place = Place::Function {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),

@@ -140,7 +140,7 @@ impl Far {
 
     /// Coordinates of the residual of the poles, over the noise, without constant and slope:
     /// columns × FRFs.
-    fn beyond(&self, roots: &[Root]) -> ComplexMatrix {
+    fn whitened_coordinates(&self, roots: &[Root]) -> ComplexMatrix {
         let coordinates = self.of_rest(roots);
         let columns = coordinates.nrows() - EVERYWHERE;
         linalg::complex_matrix(columns, coordinates.ncols(), |c, f| {
@@ -149,14 +149,14 @@ impl Far {
     }
 
     /// Out-of-band terms of the residual of the poles beyond constant and slope, the strongest
-    /// first: as many as reduce the residual to noise, of which `line_ratio` lines have the information
-    /// of one, and at most `max_terms`.
+    /// first: as many as reduce the residual to noise, of which `line_ratio` lines have the
+    /// information of one, and at most `max_terms`.
     ///
     /// The coordinates over the noise, a matrix of columns × FRFs, are noise of unit variance plus
     /// one rank-one term per mode; after r terms (columns − r)(FRFs − r) numbers remain (reduced
     /// rank: Anderson 1951, Annals of Mathematical Statistics 22).
     pub fn strongest(&self, roots: &[Root], line_ratio: f64, max_terms: usize) -> Vec<Course> {
-        let beyond = self.beyond(roots);
+        let beyond = self.whitened_coordinates(roots);
         let Ok(svd) = linalg::singular_vectors(&beyond) else {
             return Vec::new();
         };
@@ -186,7 +186,7 @@ impl Far {
     /// Energy of the residual of the poles that the out-of-band terms explain beyond constant and
     /// slope, over the noise, with its number of complex values.
     pub fn explained(&self, roots: &[Root]) -> (f64, usize) {
-        let beyond = self.beyond(roots);
+        let beyond = self.whitened_coordinates(roots);
         (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())
     }
 }

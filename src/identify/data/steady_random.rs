@@ -21,7 +21,7 @@ use crate::identify::synthetic::Structure;
 
 /// Measurement of a structure under steady random force.
 #[derive(Clone, Debug)]
-pub(in crate::identify) struct Steady {
+pub(in crate::identify) struct SteadyRandomTest {
     pub rate_hz: f64,
     /// Samples of a record.
     pub record: usize,
@@ -33,7 +33,7 @@ pub(in crate::identify) struct Steady {
     pub seed: u64,
 }
 
-impl Steady {
+impl SteadyRandomTest {
     fn weights(&self) -> Vec<f64> {
         let cosines = cosines(self.window).unwrap_or([1.0, 0.0, 0.0, 0.0, 0.0]);
         let turn = |n: usize| std::f64::consts::TAU * n as f64 / self.record as f64;

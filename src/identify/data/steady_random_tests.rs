@@ -3,7 +3,7 @@
 use crate::axis::{Band, FrequencyAxis};
 use crate::finding::{Code, Finding, Place};
 use crate::frf::{FrfSet, Window};
-use crate::identify::data::steady_random::Steady;
+use crate::identify::data::steady_random::SteadyRandomTest;
 use crate::identify::estimator::{IdentifyOptions, MethodOptions};
 use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Structure};
@@ -45,7 +45,7 @@ fn measured(seed: u64, coherence_given: bool) -> FrfSet {
 }
 
 fn measured_under((window, record): (Window, usize), seed: u64, coherence_given: bool) -> FrfSet {
-    let how = Steady {
+    let how = SteadyRandomTest {
         rate_hz: 32.0,
         record,
         averages: 30,
@@ -365,7 +365,7 @@ fn windows_for_impacts_give_no_leakage_bias() {
     set.window = Some(Window::Exponential);
     assert!(!is_reported(&set));
     set.window = None;
-    // Some functions state no window, others one for hits.
+    // Some FRFs state no window, others one for impacts.
     set.mixed_windows = vec![Window::HannBroad];
     assert!(is_reported(&set));
     set.mixed_windows = vec![Window::Force];

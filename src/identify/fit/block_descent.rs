@@ -5,8 +5,8 @@
 //! constant and slope this costs a tenth of its information against an infinite band (9.9 % for an
 //! isolated pole in the middle; more where the data end within the lines). Poles that overlap share
 //! a block. The shapes of all others on its lines are fitted with it, and their poles too where
-//! their skirts matter; the contribution of poles farther away is subtracted. Blocks are independent
-//! within a sweep, so that they run in parallel.
+//! their skirts matter; the contribution of poles farther away is subtracted. Blocks are
+//! independent within a sweep, so that they run in parallel.
 
 use std::ops::Range;
 
@@ -121,11 +121,11 @@ pub(in crate::identify) fn refine(
             .map(|task| fit(&around, &task.block, (&mut task.window, steps)))
             .collect();
         for (task, fitted) in active.iter().zip(&fitted) {
-            take(&mut roots, (&task.block, fitted), stop);
+            update_poles(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        let is_shown = |root: &Root| stop == Stop::Residues || shows(data, root);
-        roots.retain(|root| stays(root, limits) && is_shown(root));
+        let is_shown = |root: &Root| stop == Stop::Residues || is_visible(data, root);
+        roots.retain(|root| is_in_range(root, limits) && is_shown(root));
         if roots.len() < before {
             // The residues of the others and the out-of-band terms were fitted together with the
             // removed pole, which may have been large and wide.
@@ -179,26 +179,26 @@ pub(in crate::identify) fn unsettle(roots: &mut [Root]) {
     }
 }
 
-fn stays(root: &Root, (lo, hi): (f64, f64)) -> bool {
+fn is_in_range(root: &Root, (lo, hi): (f64, f64)) -> bool {
     let lambda = root.lambda;
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
 }
 
 /// Whether a pole lies among the lines or so near that its resonance is visible on them. Farther
 /// poles belong to the out-of-band terms: their residues would be differences of large numbers.
-fn shows(data: &Receptances, root: &Root) -> bool {
+fn is_visible(data: &Receptances, root: &Root) -> bool {
     data.beyond(root.lambda.im) < MAX_BEYOND_BANDWIDTHS * root.width()
 }
 
 /// Updates the core poles of a block from its fit.
-fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
+fn update_poles(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
     let misfit_factor = fitted.misfit.max(1.0).sqrt();
     let max_step_stds = match stop {
         Stop::Coarse | Stop::Residues => COARSE_STEP_STDS * misfit_factor,
         Stop::Judging => CONVERGED_STEP_STDS * misfit_factor,
         Stop::Fine => CONVERGED_STEP_STDS,
     };
-    let deviations = deviations(fitted);
+    let deviations = unknown_stds(fitted);
     for &member in &block.core {
         let root = &mut roots[block.members[member]];
         let before = root.clone();
@@ -250,7 +250,7 @@ fn take(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
 
 /// Cramér-Rao standard deviation of real and imaginary part of each unknown, poles in decay rates;
 /// infinite where it is undetermined.
-fn deviations(step: &Fitted) -> Vec<f64> {
+fn unknown_stds(step: &Fitted) -> Vec<f64> {
     let inverse = (!step.unknowns.is_empty())
         .then(|| linalg::inverse_hermitian_raised(&step.information))
         .flatten();
@@ -278,7 +278,7 @@ fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bo
     }
     groups.iter_mut().for_each(|group| group.sort_unstable());
     groups.sort();
-    let groups = merged(data, roots, groups);
+    let groups = merge_groups(data, roots, groups);
     groups
         .iter()
         .map(|core| block((data, windows), roots, core, linear))
@@ -286,7 +286,7 @@ fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bo
 }
 
 /// Merges groups on nearly the same lines: one block is faster than two.
-fn merged(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+fn merge_groups(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let lines = |group: &[usize]| window(data, group.iter().map(|j| &roots[*j])).len();
     let mut merged: Vec<Vec<usize>> = Vec::new();
     for group in groups {
@@ -333,7 +333,7 @@ fn block(
             .collect()
     };
     let (core, free) = (indices(&|j| core.contains(&j)), indices(&is_free));
-    let lines = enough(data, lines, members.len());
+    let lines = extend_lines(data, lines, members.len());
     let kept = windows
         .iter()
         .find(|window| window.covers(&lines, data.lines()));
@@ -363,7 +363,7 @@ pub(in crate::identify) fn window<'a>(
 }
 
 /// Extends the lines of a block so that its members have fewer unknowns than lines.
-fn enough(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usize> {
+fn extend_lines(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usize> {
     let wanted = 4 * members + 40;
     let missing = wanted.saturating_sub(lines.len()).div_ceil(2);
     let start = lines.start.saturating_sub(missing);

@@ -50,7 +50,7 @@ pub(in crate::identify) struct Window {
     /// Number of columns of the out-of-band terms.
     background: usize,
     /// Expansion point λ_0 of each line shape.
-    about: Vec<Complex64>,
+    expansion_points: Vec<Complex64>,
     /// Maximum |ε|.
     near: f64,
     /// Coordinates of out-of-band terms and powers: an upper triangle.
@@ -66,7 +66,7 @@ pub(in crate::identify) struct Window {
 }
 
 /// Coordinates of the values minus the contribution of other poles and out-of-band terms.
-pub(in crate::identify) struct Near {
+pub(in crate::identify) struct CompressedValues {
     /// Coordinates × FRFs.
     values: ComplexMatrix,
     /// Energy of these, over the noise.
@@ -75,13 +75,13 @@ pub(in crate::identify) struct Near {
 
 impl Window {
     /// Compresses a range of lines, with expansion points for some poles.
-    pub fn new(data: &Receptances, lines: &Range<usize>, about: Vec<Complex64>) -> Self {
+    pub fn new(data: &Receptances, lines: &Range<usize>, expansion_points: Vec<Complex64>) -> Self {
         let profile = Profile::new(data, lines.clone());
         let omega = &data.omega[lines.clone()];
         let background = Background::new(&data.omega, lines, data.outside());
         let first = background.columns();
-        let columns = first + POWERS * about.len();
-        let courses = courses(data.line_shape, omega, &about);
+        let columns = first + POWERS * expansion_points.len();
+        let courses = courses(data.line_shape, omega, &expansion_points);
         let value = |k: usize, column: usize| {
             let value = match column.checked_sub(first) {
                 None => background.value(column, omega, k),
@@ -90,7 +90,7 @@ impl Window {
             value / profile.course[k]
         };
         let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
-        let weights = over(&qr.q, &profile.course);
+        let weights = divide_by_profile(&qr.q, &profile.course);
         let rows = |matrix: &ComplexMatrix| {
             let measured = matrix.subrows(lines.start, lines.len());
             linalg::adjoint_product(&weights, measured)
@@ -102,8 +102,8 @@ impl Window {
             background: first,
             triangle: qr.r,
             version: data.version(),
-            near: near(data, lines, &profile),
-            about,
+            near: max_expansion_distance(data, lines, &profile),
+            expansion_points,
             weights,
             profile,
         }
@@ -138,42 +138,44 @@ impl Window {
 
     /// Whether every pole is within range of an expansion point.
     pub fn serves(&self, poles: &[Complex64]) -> bool {
-        poles.iter().all(|lambda| self.course_of(*lambda).is_some())
+        poles
+            .iter()
+            .all(|lambda| self.expansion_of(*lambda).is_some())
     }
 
-    /// Adds expansion points for the poles that are out of range of the present ones; compresses the
-    /// lines anew where the number of coordinates would grow too much.
+    /// Adds expansion points for the poles that are out of range of the present ones; compresses
+    /// the lines anew where the number of coordinates would grow too much.
     pub fn follow(&mut self, data: &Receptances, poles: Vec<Complex64>) {
         let uncovered = poles
             .iter()
-            .filter(|lambda| self.course_of(**lambda).is_none());
+            .filter(|lambda| self.expansion_of(**lambda).is_none());
         let uncovered: Vec<Complex64> = uncovered.copied().collect();
         let needed = self.background + POWERS * poles.len();
         let grown = self.weights.ncols() + POWERS * uncovered.len();
         if grown as f64 > MAX_GROWTH * needed as f64 || grown > self.lines.len() {
             *self = Self::new(data, &self.lines, poles);
         } else {
-            self.grow(data, uncovered);
+            self.add_expansion_points(data, uncovered);
         }
     }
 
-    fn grow(&mut self, data: &Receptances, more: Vec<Complex64>) {
+    fn add_expansion_points(&mut self, data: &Receptances, more: Vec<Complex64>) {
         let noise_profile = &self.profile.course;
         let columns = courses(data.line_shape, &data.omega[self.lines.clone()], &more);
         // Twice, the second time at full length: for columns nearly in the basis one pass leaves
         // rounding errors.
-        let (above, first) = self.split_off(&over(&columns, noise_profile));
+        let (above, first) = self.split_off(&divide_by_profile(&columns, noise_profile));
         let (correction, second) = self.split_off(&first.q);
         let above = above + correction * &first.r;
         let triangle = second.r * first.r;
         let added = second.q;
-        let weights = over(&added, noise_profile);
+        let weights = divide_by_profile(&added, noise_profile);
         let rows = |matrix: &ComplexMatrix| {
             let range = matrix.subrows(self.lines.start, self.lines.len());
             linalg::adjoint_product(&weights, range)
         };
-        self.values = stacked(&self.values, &rows(data.values.matrix()));
-        self.far = stacked(&self.far, &rows(data.far().columns()));
+        self.values = stack(&self.values, &rows(data.values.matrix()));
+        self.far = stack(&self.far, &rows(data.far().columns()));
         let (high, wide) = (self.triangle.nrows(), self.triangle.ncols());
         self.triangle =
             linalg::complex_matrix(high + added.ncols(), wide + added.ncols(), |i, j| {
@@ -192,7 +194,7 @@ impl Window {
                 weights[(k, c - first)]
             }
         });
-        self.about.extend(more);
+        self.expansion_points.extend(more);
     }
 
     /// Coordinates of columns, and their components outside the present basis.
@@ -210,19 +212,19 @@ impl Window {
     }
 
     /// Number of the expansion point nearest to a pole, and ε.
-    fn course_of(&self, lambda: Complex64) -> Option<(usize, Complex64)> {
+    fn expansion_of(&self, lambda: Complex64) -> Option<(usize, Complex64)> {
         let offset = |point: &Complex64| match lambda - point {
             Complex64::ZERO => Complex64::ZERO,
             difference => difference / point.re.abs(),
         };
-        let offsets = self.about.iter().map(offset).enumerate();
+        let offsets = self.expansion_points.iter().map(offset).enumerate();
         let nearest = offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
         (nearest.1.norm() <= self.near).then_some(nearest)
     }
 
     /// Coordinates of the values minus the other poles and the out-of-band terms of all lines;
     /// `known` has the line shapes of these poles, lines × twice the number of poles.
-    pub fn near(&self, around: &Surroundings, known: &ComplexMatrix) -> Near {
+    pub fn near(&self, around: &Surroundings, known: &ComplexMatrix) -> CompressedValues {
         let courses = linalg::adjoint_product(&self.weights, known.as_ref());
         let mut values = &self.values - courses * around.residues;
         if let Some(coordinates) = around.far {
@@ -232,7 +234,7 @@ impl Window {
             let energy: f64 = values.col(f).iter().map(Complex64::norm_sqr).sum();
             energy / self.profile.level[f].powi(2)
         };
-        Near {
+        CompressedValues {
             energy: (0..values.ncols()).map(energy).sum(),
             values,
         }
@@ -240,7 +242,11 @@ impl Window {
 
     /// Energy over the noise of the values minus the other poles and out-of-band terms. The part
     /// outside the basis is estimated from some FRFs, for all.
-    pub fn energy(&self, around: &Surroundings, (known, near): (&ComplexMatrix, &Near)) -> f64 {
+    pub fn energy(
+        &self,
+        around: &Surroundings,
+        (known, near): (&ComplexMatrix, &CompressedValues),
+    ) -> f64 {
         let functions = around.data.functions();
         let stride = functions.div_ceil(MAX_SAMPLED_FRFS);
         let sampled: Vec<usize> = (0..functions).step_by(stride).collect();
@@ -272,14 +278,14 @@ impl Window {
     /// free poles, and the energy that these can explain.
     pub fn compressed(
         &self,
-        near: &Near,
+        near: &CompressedValues,
         (members, moving): (&[Root], &[usize]),
     ) -> (Compressed, f64) {
         let (count, first) = (members.len(), self.background);
         let expansions: Vec<(usize, Complex64)> = members
             .iter()
             .map(|root| {
-                let expansion = self.course_of(root.lambda);
+                let expansion = self.expansion_of(root.lambda);
                 expansion.expect("the window follows the poles")
             })
             .collect();
@@ -293,7 +299,7 @@ impl Window {
                 moving[index - count]
             };
             let (course, offset) = expansions[j];
-            let scale = members[j].lambda.re / self.about[course].re;
+            let scale = members[j].lambda.re / self.expansion_points[course].re;
             let power = |n: usize| self.triangle[(i, first + POWERS * course + n)];
             if index < count {
                 scale * (power(0) + offset * (power(1) + offset * power(2)))
@@ -337,7 +343,7 @@ impl Window {
 }
 
 /// Maximum distance of poles from their expansion points, decay rates.
-fn near(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
+fn max_expansion_distance(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
     let strongest = |f: usize| {
         let values = data.values[f][lines.clone()].iter().zip(&profile.course);
         let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));
@@ -351,21 +357,21 @@ fn near(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
 }
 
 /// Powers of the line shape of each pole: lines × powers of all.
-fn courses(line_shape: LineShape, omega: &[f64], about: &[Complex64]) -> ComplexMatrix {
-    linalg::complex_matrix(omega.len(), POWERS * about.len(), |k, column| {
-        let lambda = about[column / POWERS];
+fn courses(line_shape: LineShape, omega: &[f64], expansion_points: &[Complex64]) -> ComplexMatrix {
+    linalg::complex_matrix(omega.len(), POWERS * expansion_points.len(), |k, column| {
+        let lambda = expansion_points[column / POWERS];
         line_shape.power(lambda.re.abs(), (omega[k], lambda), column % POWERS + 1)
     })
 }
 
 /// Columns divided by a profile over the lines.
-fn over(columns: &ComplexMatrix, course: &[f64]) -> ComplexMatrix {
+fn divide_by_profile(columns: &ComplexMatrix, course: &[f64]) -> ComplexMatrix {
     linalg::complex_matrix(columns.nrows(), columns.ncols(), |k, c| {
         columns[(k, c)] / course[k]
     })
 }
 
-fn stacked(upper: &ComplexMatrix, lower: &ComplexMatrix) -> ComplexMatrix {
+fn stack(upper: &ComplexMatrix, lower: &ComplexMatrix) -> ComplexMatrix {
     let rows = upper.nrows();
     linalg::complex_matrix(rows + lower.nrows(), upper.ncols(), |i, j| {
         match i.checked_sub(rows) {

@@ -7,7 +7,7 @@ use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::model_pole::Root;
 use crate::identify::data::out_of_band_basis::Background;
-use crate::identify::fit::compressed_band::{Near, Window};
+use crate::identify::fit::compressed_band::{CompressedValues, Window};
 use crate::identify::fit::gauss_newton::Surroundings;
 use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
@@ -60,7 +60,7 @@ fn members(poles: &[Complex64]) -> Vec<Root> {
 }
 
 /// Coordinates of all values of a compressed band, with nothing subtracted, and their energy.
-fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (Near, f64) {
+fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (CompressedValues, f64) {
     let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
     let residues: ComplexMatrix = zero(2, SENSORS);
     let around = Surroundings {

@@ -28,11 +28,11 @@ use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, in_reach};
+use crate::identify::data::model_pole::{Root, is_allowed_pole};
 use crate::identify::data::residual::courses;
-use crate::identify::fit::compressed_band::{Near, Window};
+use crate::identify::fit::compressed_band::{CompressedValues, Window};
 use crate::identify::fit::mode_strength::{Strength, Strengths};
-use crate::identify::fit::shape_covariance::Turning;
+use crate::identify::fit::shape_covariance::ShapeCovariance;
 use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
 
 pub(in crate::identify) use crate::identify::fit::variable_projection::Unknown;
@@ -106,13 +106,13 @@ pub(in crate::identify) fn fit(
         .map(|j| around.roots[*j].clone())
         .collect();
     let unknowns = unknowns(&members, &block.free);
-    let mut problem = Windowed::new(around, block, window);
+    let mut problem = BandProblem::new(around, block, window);
     let mut here = problem.linearised(&members, &unknowns);
     let mut damping = FIRST_DAMPING;
     let mut taken = 0;
     while taken < steps && damping < MAX_DAMPING {
-        let (trial, largest) = moved(&members, &unknowns, &here, damping);
-        if !trial.iter().all(|root| in_reach(root.lambda)) {
+        let (trial, largest) = damped_step(&members, &unknowns, &here, damping);
+        if !trial.iter().all(|root| is_allowed_pole(root.lambda)) {
             damping *= 10.0;
             continue;
         }
@@ -133,7 +133,7 @@ pub(in crate::identify) fn fit(
         root.residues = std::mem::take(residues);
     }
     if around.last {
-        problem.widen((&members, &block.core), &mut here);
+        problem.add_pole_uncertainty((&members, &block.core), &mut here);
     }
     for (root, variances) in members.iter_mut().zip(here.residue_variances) {
         root.residue_variances = variances;
@@ -156,7 +156,7 @@ pub(in crate::identify) fn fit(
 }
 
 /// The members after one damped step, and the largest step of an unknown.
-fn moved(
+fn damped_step(
     members: &[Root],
     unknowns: &[Unknown],
     here: &Linearised,
@@ -178,18 +178,18 @@ fn moved(
 }
 
 /// The problem of a block in its compressed band.
-struct Windowed<'a> {
+struct BandProblem<'a> {
     around: &'a Surroundings<'a>,
     window: Window,
     /// Line shapes of all other poles and of all conjugates, lines × twice the number of poles.
     known: ComplexMatrix,
     /// Coordinates of the values minus these, and the energy of the values minus these.
-    near: Near,
+    near: CompressedValues,
     energy: f64,
     patterns: Vec<Pattern>,
 }
 
-impl<'a> Windowed<'a> {
+impl<'a> BandProblem<'a> {
     fn new(around: &'a Surroundings, block: &Block, window: &mut Option<Window>) -> Self {
         let poles: Vec<Complex64> = block
             .members
@@ -205,7 +205,7 @@ impl<'a> Windowed<'a> {
             }
             None => Window::new(around.data, &block.lines, poles),
         };
-        let known = known_courses(around.data, around.roots, block);
+        let known = other_line_shapes(around.data, around.roots, block);
         let near = window.near(around, &known);
         Self {
             energy: window.energy(around, (&known, &near)),
@@ -230,25 +230,26 @@ impl<'a> Windowed<'a> {
     }
 
     /// Adds the effect of the errors of the unknowns to the variances of the residues of the core.
-    fn widen(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
+    fn add_pole_uncertainty(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
         if here.information.nrows() == 0 {
             return;
         }
         let Some(covariance) = linalg::inverse_hermitian_raised(&here.information) else {
             return;
         };
-        let turning = Turning {
+        let shape_covariance = ShapeCovariance {
             columns: &columns(members),
             patterns: &self.patterns,
-            turns: &here.turns,
+            shape_derivatives: &here.shape_derivatives,
             covariance: &covariance,
         };
         for &j in core {
-            turning.widen((j, &members[j]), &mut here.residue_variances[j]);
+            shape_covariance.add_pole_uncertainty((j, &members[j]), &mut here.residue_variances[j]);
         }
     }
 
-    /// Linearises the problem at some poles; the compressed band adds expansion points where needed.
+    /// Linearises the problem at some poles; the compressed band adds expansion points where
+    /// needed.
     fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
@@ -304,8 +305,9 @@ fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
     unknowns
 }
 
-/// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the poles.
-fn known_courses(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
+/// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the
+/// poles.
+fn other_line_shapes(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
     let omega = &data.omega[block.lines.clone()];
     let mut known = courses(data.line_shape, omega, roots);
     for j in &block.members {

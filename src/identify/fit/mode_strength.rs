@@ -1,10 +1,10 @@
 //! Strength of the modes of a pole, over the noise of all outputs.
 //!
 //! Output o has the shape values ψ_o of the modes of a pole, with covariance V_o. Removing a
-//! combination a of the modes reduces the log-likelihood by `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice which is
-//! the strength of a. Independent combinations are the eigenvectors of the pencil `Σ w ψψᴴ`, `Σ w
-//! V`; the weights `w = det(V)^(−1/m)` give outputs of different noise the same weight, whatever the
-//! basis of the modes.
+//! combination a of the modes reduces the log-likelihood by `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice which
+//! is the strength of a. Independent combinations are the eigenvectors of the pencil `Σ w ψψᴴ`, `Σ
+//! w V`; the weights `w = det(V)^(−1/m)` give outputs of different noise the same weight, whatever
+//! the basis of the modes.
 
 use num_complex::Complex64;
 
@@ -59,7 +59,7 @@ impl Strength {
     }
 
     /// Adds the outputs of another sum.
-    pub fn take_in(&mut self, other: Self) {
+    pub fn merge(&mut self, other: Self) {
         self.outputs.extend(other.outputs);
         self.sum += other.sum;
         self.largest = self.largest.max(other.largest);
@@ -72,7 +72,7 @@ impl Strength {
             combinations: vec![vec![Complex64::ONE]],
             largest: self.largest,
         };
-        let several = || self.of_several().unwrap_or_default();
+        let several = || self.combined_strengths().unwrap_or_default();
         if self.modes == 1 {
             single
         } else {
@@ -83,11 +83,11 @@ impl Strength {
         }
     }
 
-    fn of_several(&self) -> Option<Strengths> {
+    fn combined_strengths(&self) -> Option<Strengths> {
         let zero = || linalg::complex_matrix(self.modes, self.modes, |_, _| Complex64::ZERO);
         let (mut power, mut noise) = (zero(), zero());
         for (covariance, shapes) in &self.outputs {
-            let Some(weight) = even_weight(covariance) else {
+            let Some(weight) = equal_weight(covariance) else {
                 continue;
             };
             power += (shapes * shapes.adjoint()) * weight;
@@ -106,7 +106,7 @@ impl Strength {
         let mut order: Vec<(f64, Vec<Complex64>)> = (0..self.modes)
             .map(|k| {
                 (
-                    self.of_combination(&column(&tests, k)),
+                    self.combination_strength(&column(&tests, k)),
                     column(&components, k),
                 )
             })
@@ -121,7 +121,7 @@ impl Strength {
     }
 
     /// `Σ 2 |aᴴψ|²/(aᴴVa)`.
-    fn of_combination(&self, a: &[Complex64]) -> f64 {
+    fn combination_strength(&self, a: &[Complex64]) -> f64 {
         let row = linalg::complex_matrix(1, a.len(), |_, i| a[i].conj());
         let of = |(covariance, shapes): &(ComplexMatrix, ComplexMatrix)| {
             let noise = (&row * covariance * row.adjoint())[(0, 0)].re;
@@ -132,7 +132,7 @@ impl Strength {
 }
 
 /// `det(V)^(−1/m)`.
-fn even_weight(covariance: &ComplexMatrix) -> Option<f64> {
+fn equal_weight(covariance: &ComplexMatrix) -> Option<f64> {
     let lower = linalg::cholesky(covariance).ok()?;
     let modes = lower.nrows();
     let log = (0..modes).map(|i| lower[(i, i)].re.ln()).sum::<f64>();

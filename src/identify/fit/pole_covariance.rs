@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with the residues a, the levels l, and g the component of `1/(iω − λ)²` over the profile
-//! orthogonal to out-of-band terms and the poles around. Response noise has the variance `(1 − p) v`
-//! and is independent between FRFs; force noise, `p v`, is an error `e H`, which the FRFs of one
+//! orthogonal to out-of-band terms and the poles around. Response noise has the variance `(1 − p)
+//! v` and is independent between FRFs; force noise, `p v`, is an error `e H`, which the FRFs of one
 //! reference have partly in common. Both have the line correlation `ρ(k − l)`, so that
 //!
 //! ```text
@@ -56,7 +56,7 @@ impl Fit {
             let common_power = residual
                 .as_ref()
                 .map(|residual| power_along(&self.data, residual, root));
-            raised(&self.data, &self.roots, (root, common_power.unwrap_or(0.0)))
+            variance_inflation(&self.data, &self.roots, (root, common_power.unwrap_or(0.0)))
         };
         let factors: Vec<Option<f64>> = self.roots.par_iter().map(factor).collect();
         for (root, factor) in self.roots.iter_mut().zip(factors) {
@@ -70,8 +70,8 @@ impl Fit {
 /// Power of the residual along the residues of a pole, over that of independent errors.
 ///
 /// Under steady random force leakage is an error of the modal response to the force, which all FRFs
-/// contain in the ratio of their residues `a`: for n FRFs `E|Σ_f conj(a_f) r_f/l_f²|²` is then up to
-/// n times `Σ_f |a_f|² v_f/l_f⁴`, and so is the variance of the pole. It is estimated from the
+/// contain in the ratio of their residues `a`: for n FRFs `E|Σ_f conj(a_f) r_f/l_f²|²` is then up
+/// to n times `Σ_f |a_f|² v_f/l_f⁴`, and so is the variance of the pole. It is estimated from the
 /// residual on the lines of the resonance, with the degrees of freedom of the fit subtracted.
 fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
     let side = (RESIDUAL_BANDWIDTHS * root.width() / data.step).ceil() as usize;
@@ -101,7 +101,11 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
 
 /// Variance of a pole over that in noise as the fit weights it, at least `along` times that of
 /// independent errors; `None` where the lines do not separate the pole from the others.
-fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Option<f64> {
+fn variance_inflation(
+    data: &Receptances,
+    roots: &[Root],
+    (root, along): (&Root, f64),
+) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
     let profile = Profile::new(data, lines.clone());
     let fit = FitLines {
@@ -120,14 +124,14 @@ fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Op
     let mut independent = vec![0.0; lines.len()];
     let mut phasor = vec![Complex64::ZERO; lines.len()];
     let mut shared = Vec::new();
-    for (group, fraction) in data.shared.parts_of_groups() {
+    for (group, fraction) in data.shared.common_fractions() {
         let mut along = vec![Complex64::ZERO; lines.len()];
         for f in group {
             let a = root.residues[*f].conj() / over(*f);
             let values = &data.values[*f][lines.clone()];
             let variance = &data.variance[*f][lines.clone()];
-            let by_force = &data.by_force[*f][lines.clone()];
-            for (k, ((h, v), p)) in values.iter().zip(variance).zip(by_force).enumerate() {
+            let force_fraction = &data.force_fraction[*f][lines.clone()];
+            for (k, ((h, v), p)) in values.iter().zip(variance).zip(force_fraction).enumerate() {
                 let p = p.clamp(0.0, 1.0);
                 response[k] += a.norm_sqr() * v * (1.0 - p);
                 independent[k] += a.norm_sqr() * v;
@@ -148,18 +152,18 @@ fn raised(data: &Receptances, roots: &[Root], (root, along): (&Root, f64)) -> Op
         (0..lines.len()).map(|k| weighted(k) * values(k)).collect()
     };
     let plan = ComplexPlan::inverse((2 * lines.len()).next_power_of_two());
-    let by_response = Spectrum::new(&plan, &data.correlation, lines.len());
-    let by_force = Spectrum::new(&plan, data.shared.along(), lines.len());
-    let mut variance = by_response.power(&plan, each(&|k| response[k].sqrt().into()));
+    let response_spectrum = Spectrum::new(&plan, &data.correlation, lines.len());
+    let force_spectrum = Spectrum::new(&plan, data.shared.along(), lines.len());
+    let mut variance = response_spectrum.power(&plan, each(&|k| response[k].sqrt().into()));
     if single.iter().any(|v| *v > 0.0) {
         let phase = |k: usize| phasor[k] / phasor[k].norm().max(f64::MIN_POSITIVE);
-        variance += by_force.power(&plan, each(&|k| phase(k) * single[k].sqrt()));
+        variance += force_spectrum.power(&plan, each(&|k| phase(k) * single[k].sqrt()));
     }
     for along in shared {
-        variance += by_force.power(&plan, each(&|k| along[k]));
+        variance += force_spectrum.power(&plan, each(&|k| along[k]));
     }
     if along > 0.0 {
-        let independent = by_response.power(&plan, each(&|k| independent[k].sqrt().into()));
+        let independent = response_spectrum.power(&plan, each(&|k| independent[k].sqrt().into()));
         variance = variance.max(along * independent);
     }
     let factor = variance / (energy * weights);

@@ -16,7 +16,8 @@ use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::band_frfs::Receptances;
 
-/// Iterations of the subtraction; each gains the coupling of separate modes, a factor of ten or more.
+/// Iterations of the subtraction; each gains the coupling of separate modes, a factor of ten or
+/// more.
 const ITERATIONS: usize = 6;
 /// Maximum distance of poles that are fitted jointly, mean half-power bandwidths.
 const JOINT_FIT_BANDWIDTHS: f64 = 6.0;
@@ -31,19 +32,19 @@ pub(in crate::identify) fn residues(
     for _ in 0..ITERATIONS {
         residues = (0..poles.len())
             .into_par_iter()
-            .map(|j| around_one_mode(data, poles, &residues, (j, windows[j].clone())))
+            .map(|j| residues_of_one_mode(data, poles, &residues, (j, windows[j].clone())))
             .collect();
     }
     residues
 }
 
-fn around_one_mode(
+fn residues_of_one_mode(
     data: &Receptances,
     poles: &[Complex64],
     before: &[Vec<Complex64>],
     (mode, lines): (usize, Range<usize>),
 ) -> Vec<Complex64> {
-    let together = near(poles, mode, lines.len());
+    let together = jointly_fitted_modes(poles, mode, lines.len());
     let remaining = remainder(data, poles, before, (&together, lines.clone()));
     let first = lines.start;
     let omega = |i: usize| data.omega[first + i];
@@ -66,8 +67,8 @@ fn around_one_mode(
 /// Residues of one mode by FRF with an individual frequency near that of `λ` for every FRF, for
 /// FRFs that were measured one after the other while the frequency drifted (temperature, a moved
 /// sensor): the column `1/(iω − λ)²` estimates the shift (Gauss-Newton), then the residue is fitted
-/// at the shifted pole. The decay rate is common: the height of a resonance is determined far better
-/// than its width.
+/// at the shifted pole. The decay rate is common: the height of a resonance is determined far
+/// better than its width.
 pub(in crate::identify) fn with_own_frequencies(
     data: &Receptances,
     lambda: Complex64,
@@ -123,7 +124,7 @@ pub(in crate::identify) fn pole_columns(
 }
 
 /// The mode itself, then the modes near it, nearest first, as many as the lines allow.
-fn near(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
+fn jointly_fitted_modes(poles: &[Complex64], mode: usize, lines: usize) -> Vec<usize> {
     let distance = |i: &usize| (poles[*i].im - poles[mode].im).abs();
     let width = |i: &usize| (poles[*i].re + poles[mode].re).abs();
     let mut near: Vec<usize> = (0..poles.len())

@@ -13,23 +13,23 @@ use num_complex::Complex64;
 use crate::linalg::ComplexMatrix;
 
 use crate::identify::data::model_pole::Root;
-use crate::identify::fit::variable_projection::{Pattern, Turn};
+use crate::identify::fit::variable_projection::{Pattern, ShapeDerivative};
 
 /// Shapes of a block and their derivatives by its unknowns.
-pub(in crate::identify) struct Turning<'a> {
+pub(in crate::identify) struct ShapeCovariance<'a> {
     /// Member and rank-one term of each column of shapes.
     pub columns: &'a [(usize, usize)],
     pub patterns: &'a [Pattern],
     /// One for each pattern.
-    pub turns: &'a [Turn],
+    pub shape_derivatives: &'a [ShapeDerivative],
     /// Covariance of the unknowns.
     pub covariance: &'a ComplexMatrix,
 }
 
-impl Turning<'_> {
+impl ShapeCovariance<'_> {
     /// Adds the effect of the errors of the unknowns to the variances of the residues of a member;
     /// none for a repeated pole.
-    pub fn widen(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
+    pub fn add_pole_uncertainty(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
         if root.multiplicity() > 1 {
             return;
         }
@@ -39,7 +39,7 @@ impl Turning<'_> {
         let mut added = vec![0.0; root.residues.len()];
         let mut slopes = self.slopes(root, column);
         for unknown in 0..slopes.ncols() {
-            without_scale(slopes.col_as_slice_mut(unknown), &root.residues, variances);
+            remove_common_scale(slopes.col_as_slice_mut(unknown), &root.residues, variances);
         }
         let by_covariance = &slopes * self.covariance;
         for unknown in 0..slopes.ncols() {
@@ -57,7 +57,7 @@ impl Turning<'_> {
     /// Derivatives of the residues by each unknown through the shape: FRFs × unknowns.
     fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
         let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
-        for (pattern, turn) in self.patterns.iter().zip(self.turns) {
+        for (pattern, turn) in self.patterns.iter().zip(self.shape_derivatives) {
             let factors: Vec<Complex64> = pattern
                 .inputs
                 .iter()
@@ -80,7 +80,7 @@ impl Turning<'_> {
 }
 
 /// Subtracts from a change of residues the component proportional to the residues.
-fn without_scale(slope: &mut [Complex64], residues: &[Complex64], variances: &[f64]) {
+fn remove_common_scale(slope: &mut [Complex64], residues: &[Complex64], variances: &[f64]) {
     let (mut product, mut square) = (Complex64::ZERO, 0.0);
     for ((s, a), v) in slope.iter().zip(residues).zip(variances) {
         if *v > 0.0 {

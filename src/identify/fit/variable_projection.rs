@@ -1,4 +1,5 @@
-//! The linear problem of a block at given poles: shapes, residual, and its derivatives by the poles.
+//! The linear problem of a block at given poles: shapes, residual, and its derivatives by the
+//! poles.
 //!
 //! Outputs that are measured from the same inputs with the same ratio of noise have one matrix and
 //! one QR in common.
@@ -67,11 +68,11 @@ pub(in crate::identify) struct Linearised {
     /// `E|δA|²` of each residue in white noise, for exact unknowns.
     pub residue_variances: Vec<Vec<f64>>,
     /// Derivatives of the shapes by the unknowns, pattern by pattern.
-    pub turns: Vec<Turn>,
+    pub shape_derivatives: Vec<ShapeDerivative>,
 }
 
 /// Derivatives of the shapes of a pattern by the unknowns.
-pub(in crate::identify) struct Turn {
+pub(in crate::identify) struct ShapeDerivative {
     /// `R⁻¹QᴴD`, shapes × terms, for a shape value of 1 in the term.
     pub moves: ComplexMatrix,
     /// Unknown and shape of each term.
@@ -80,7 +81,7 @@ pub(in crate::identify) struct Turn {
     pub shapes: ComplexMatrix,
 }
 
-impl Turn {
+impl ShapeDerivative {
     /// Of outputs without information.
     fn none() -> Self {
         let nothing = || linalg::complex_matrix(0, 0, |_, _| Complex64::ZERO);
@@ -105,18 +106,18 @@ impl Linearised {
                 .collect(),
             residues: vec![vec![Complex64::ZERO; functions]; members.len()],
             residue_variances: vec![vec![0.0; functions]; members.len()],
-            turns: Vec::new(),
+            shape_derivatives: Vec::new(),
         }
     }
 
     /// Adds the sum over other outputs.
     pub fn add(&mut self, other: Self) {
         self.cost += other.cost;
-        self.turns.extend(other.turns);
+        self.shape_derivatives.extend(other.shape_derivatives);
         self.information += other.information;
         self.gradient += other.gradient;
         for (strength, other) in self.strength.iter_mut().zip(other.strength) {
-            strength.take_in(other);
+            strength.merge(other);
         }
         for (residues, other) in self.residues.iter_mut().zip(other.residues) {
             for (sum, residue) in residues.iter_mut().zip(other) {
@@ -201,11 +202,11 @@ impl Problem<'_> {
         });
         if high < self.columns.len() {
             // More shapes than values: no information.
-            sums.turns.push(Turn::none());
+            sums.shape_derivatives.push(ShapeDerivative::none());
             return sums;
         }
         let Ok(qr) = linalg::thin_qr(&b) else {
-            sums.turns.push(Turn::none());
+            sums.shape_derivatives.push(ShapeDerivative::none());
             return sums;
         };
         let inverse = linalg::inverse_upper(&qr.r);
@@ -220,7 +221,7 @@ impl Problem<'_> {
         let within = self.add_information(&mut sums, &terms, (&qr.q, &shapes, &residual));
         self.add_significance(&mut sums, (&inverse, &shapes));
         self.set_residues(&mut sums, (&inverse, &shapes));
-        sums.turns.push(Turn {
+        sums.shape_derivatives.push(ShapeDerivative {
             moves: &inverse * &within,
             of: terms
                 .iter()
@@ -270,9 +271,9 @@ impl Problem<'_> {
     /// Adds the information of the derivatives orthogonal to the columns of the shapes: `(1 − QQᴴ)
     /// D`, D = `factor × profile` input by input; returns `QᴴD`.
     ///
-    /// Its squares are those of D minus those of QᴴD, each formed from the profiles alone, which are
-    /// far fewer than the derivatives. A difference of squares is exact to 1e-16 of D: poles with a
-    /// smaller component are not separable.
+    /// Its squares are those of D minus those of QᴴD, each formed from the profiles alone, which
+    /// are far fewer than the derivatives. A difference of squares is exact to 1e-16 of D: poles
+    /// with a smaller component are not separable.
     fn add_information(
         &self,
         sums: &mut Linearised,

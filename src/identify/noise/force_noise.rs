@@ -29,7 +29,7 @@ use crate::identify::data::residual::Rest;
 use crate::identify::ml::pole_metrics::lines_around;
 use crate::identify::noise::input_variance::Noise;
 use crate::identify::noise::line_correlation::Correlation;
-use crate::identify::noise::variance_model::{Estimated, Smooth};
+use crate::identify::noise::variance_model::{SmoothedVariance, VarianceSamples};
 
 /// Minimum score for common noise, standard deviations.
 const MIN_SCORE_STDS: f64 = 4.0;
@@ -53,7 +53,7 @@ const COMPARED_BANDWIDTHS: f64 = 2.0;
 
 /// Force noise of the FRFs of each reference.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Shared {
+pub(in crate::identify) struct ForceNoise {
     /// Numbers of the FRFs of each reference.
     groups: Vec<Vec<usize>>,
     /// g of each reference and line; empty where it is 1 everywhere.
@@ -67,10 +67,10 @@ pub(in crate::identify) struct Shared {
     window: Correlation,
 }
 
-impl Shared {
+impl ForceNoise {
     /// Estimate from the variances, before any residual exists, with the line correlation of a
     /// stated window.
-    pub fn of_variances(functions: &[Function], noise: &[Noise], window: &Correlation) -> Self {
+    pub fn from_variances(functions: &[Function], noise: &[Noise], window: &Correlation) -> Self {
         let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
         for (number, function) in functions.iter().enumerate() {
             groups.entry(&function.reference).or_default().push(number);
@@ -94,7 +94,7 @@ impl Shared {
     }
 
     /// Numbers of the FRFs of each reference, with the common fraction of their force noise.
-    pub fn parts_of_groups(&self) -> impl Iterator<Item = (&[usize], f64)> {
+    pub fn common_fractions(&self) -> impl Iterator<Item = (&[usize], f64)> {
         let groups = self.groups.iter().zip(&self.common_fraction);
         groups.map(|(group, fraction)| (&group[..], *fraction))
     }
@@ -106,21 +106,21 @@ impl Shared {
 
     /// Estimate from the residual of a fit on all lines.
     pub fn of_rest(&self, data: &Receptances, rest: &Rest) -> Self {
-        let response = Response { data, rest };
-        let groups: Vec<Vec<Line>> = self
+        let response = ModelResponse { data, rest };
+        let groups: Vec<Vec<ResponseLine>> = self
             .groups
             .iter()
-            .map(|group| by_stretch(&rest.lines, |lines| response.lines(group, lines)))
+            .map(|group| per_segment(&rest.lines, |lines| response.lines(group, lines)))
             .collect();
         let line_ratio = data.correlation.alike();
         let common_fraction: Vec<f64> = (groups.iter().zip(&self.fraction_from_variances))
-            .map(|(lines, minimum)| shared_part(lines, line_ratio).max(*minimum))
+            .map(|(lines, minimum)| common_fraction_of_lines(lines, line_ratio).max(*minimum))
             .collect();
         let variance_ratio = groups
             .iter()
             .zip(&common_fraction)
             .map(|(lines, fraction)| {
-                let ratio = |line: &Line| 1.0 + fraction * (line.excess - 1.0);
+                let ratio = |line: &ResponseLine| 1.0 + fraction * (line.excess - 1.0);
                 lines.iter().map(ratio).collect()
             });
         let variance_ratio: Vec<Vec<f64>> = variance_ratio.collect();
@@ -142,7 +142,7 @@ impl Shared {
         });
         // A fit absorbs much of correlated noise: the correlation of a stated window is more
         // accurate, unless a force window makes the correlation stronger.
-        let estimate = Correlation::of_phases(&phases.collect::<Vec<_>>());
+        let estimate = Correlation::from_phases(&phases.collect::<Vec<_>>());
         let stated = (self.window != Correlation::WHITE).then(|| self.window.clone());
         let candidates = stated.into_iter().chain(estimate);
         let strongest = candidates.max_by(|a, b| a.alike().total_cmp(&b.alike()));
@@ -162,13 +162,14 @@ impl Shared {
             return response_factor;
         }
         let force_factor = self.line_correlation.of_amplitude(root.decay(), data.step);
-        let parts = self.parts(data, root, 1, |k, f| {
+        let parts = self.energy_splits(data, root, 1, |k, f| {
             data.values[f][k] - contribution(data, root, (k, f))
         });
         let across: f64 = parts.iter().map(|part| part.across).sum();
         let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
         let along: f64 = parts.iter().map(|part| part.along / part.excess).sum();
-        ratio(whole, across / response_factor + along / force_factor).unwrap_or(response_factor)
+        ratio_of_at_least_one(whole, across / response_factor + along / force_factor)
+            .unwrap_or(response_factor)
     }
 
     /// Factor of the variance of a pole over that in white noise that is independent between FRFs.
@@ -178,11 +179,12 @@ impl Shared {
             return response_factor;
         }
         let force_factor = self.line_correlation.of_pole(root.decay(), data.step);
-        let parts = self.parts(data, root, 2, |k, f| data.values[f][k]);
+        let parts = self.energy_splits(data, root, 2, |k, f| data.values[f][k]);
         let across: f64 = parts.iter().map(|part| part.across).sum();
         let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
         let along: f64 = parts.iter().map(|part| part.along * part.excess).sum();
-        ratio(response_factor * across + force_factor * along, whole).unwrap_or(response_factor)
+        ratio_of_at_least_one(response_factor * across + force_factor * along, whole)
+            .unwrap_or(response_factor)
     }
 
     /// Energy at one line of a value per FRF, with its component along the response divided by the
@@ -197,9 +199,9 @@ impl Shared {
             let of = |f: &usize| value(*f).norm_sqr();
             return self.groups.iter().flatten().map(of).sum();
         }
-        let response = Response { data, rest };
+        let response = ModelResponse { data, rest };
         let of = |(number, group): (usize, &Vec<usize>)| {
-            let part = split(group, &value, |f| response.over_noise(f, line));
+            let part = split_by_direction(group, &value, |f| response.over_noise(f, line));
             part.across + part.along / self.at(number, line)
         };
         self.groups.iter().enumerate().map(of).sum()
@@ -207,7 +209,7 @@ impl Shared {
 
     /// The same energy of the residual, at each of its lines.
     pub fn held_by_line(&self, data: &Receptances, rest: &Rest) -> Vec<f64> {
-        by_stretch(&rest.lines, |lines| {
+        per_segment(&rest.lines, |lines| {
             if self.variance_ratio.is_empty() {
                 let mut power = vec![0.0; lines.len()];
                 for f in 0..data.functions() {
@@ -229,13 +231,13 @@ impl Shared {
 
     /// `1/(s − λ)` of a pole to a power on its lines, split into components along the response and
     /// across it, by reference and line.
-    fn parts(
+    fn energy_splits(
         &self,
         data: &Receptances,
         root: &Root,
         power: usize,
         response: impl Fn(usize, usize) -> Complex64,
-    ) -> Vec<Part> {
+    ) -> Vec<EnergySplit> {
         let mut parts = Vec::new();
         let lines = lines_around(data, root, COMPARED_BANDWIDTHS);
         let stride = lines.len().div_ceil(MAX_COMPARED_LINES);
@@ -244,12 +246,13 @@ impl Shared {
             let line_shape = data.line_shape.power(root.decay(), at, power);
             for (number, group) in self.groups.iter().enumerate() {
                 let amplitude = |f: usize| root.residues[f] * line_shape / data.deviation(f, k);
-                let part = split(group, amplitude, |f| response(k, f) / data.deviation(f, k));
+                let part =
+                    split_by_direction(group, amplitude, |f| response(k, f) / data.deviation(f, k));
                 let excess = self.at(number, k);
                 // Independent noise has no preferred direction.
                 parts.push(match excess > 1.0 {
-                    true => Part { excess, ..part },
-                    false => Part {
+                    true => EnergySplit { excess, ..part },
+                    false => EnergySplit {
                         along: 0.0,
                         across: part.across + part.along,
                         excess,
@@ -265,8 +268,11 @@ impl Shared {
 /// variances, where the force makes nearly all of them: FRFs of the same impacts have the same
 /// errors, so that `v/|H|²` scatters over the lines, but not from FRF to FRF. Its logarithm from
 /// `ν` degrees of freedom has the variance ψ′(ν/2) where the errors are independent.
-pub(in crate::identify) fn told_by_variances(estimated: &[&Estimated], smooth: &[Smooth]) -> f64 {
-    let stated = |samples: &&Estimated| {
+pub(in crate::identify) fn common_fraction_from_variances(
+    estimated: &[&VarianceSamples],
+    smooth: &[SmoothedVariance],
+) -> f64 {
+    let stated = |samples: &&VarianceSamples| {
         samples
             .degrees_of_freedom
             .filter(|v| *v > 0.0 && v.is_finite())
@@ -278,9 +284,10 @@ pub(in crate::identify) fn told_by_variances(estimated: &[&Estimated], smooth: &
     let lines = estimated.iter().map(|samples| samples.variance.len()).min();
     let (mut squares, mut pairs) = (0.0, 0.0);
     for k in 0..lines.unwrap_or(0) {
-        let by_force = estimated.iter().zip(smooth);
-        let by_force = by_force.filter(|(_, smooth)| smooth.by_force[k] > MIN_FORCE_FRACTION);
-        let logs: Vec<f64> = by_force
+        let force_fraction = estimated.iter().zip(smooth);
+        let force_fraction =
+            force_fraction.filter(|(_, smooth)| smooth.force_fraction[k] > MIN_FORCE_FRACTION);
+        let logs: Vec<f64> = force_fraction
             .map(|(samples, _)| (samples.variance[k] / samples.power[k]).ln())
             .filter(|log| log.is_finite())
             .collect();
@@ -311,7 +318,7 @@ fn trigamma(mut x: f64) -> f64 {
     below + inverse + 0.5 * inverse.powi(2) + inverse.powi(3) / 6.0
 }
 
-fn ratio(above: f64, below: f64) -> Option<f64> {
+fn ratio_of_at_least_one(above: f64, below: f64) -> Option<f64> {
     let ratio = above / below;
     (ratio.is_finite() && ratio > 0.0).then_some(ratio.max(1.0))
 }
@@ -324,17 +331,17 @@ fn contribution(data: &Receptances, root: &Root, (k, f): (usize, usize)) -> Comp
 }
 
 /// Energies at one line of one reference, along the response and across it.
-struct Part {
+struct EnergySplit {
     along: f64,
     across: f64,
     excess: f64,
 }
 
-fn split(
+fn split_by_direction(
     group: &[usize],
     value: impl Fn(usize) -> Complex64,
     response: impl Fn(usize) -> Complex64,
-) -> Part {
+) -> EnergySplit {
     let (mut product, mut square, mut whole) = (Complex64::ZERO, 0.0, 0.0);
     for &f in group {
         let (u, h) = (value(f), response(f));
@@ -347,7 +354,7 @@ fn split(
     } else {
         0.0
     };
-    Part {
+    EnergySplit {
         along,
         across: whole - along,
         excess: 1.0,
@@ -355,31 +362,31 @@ fn split(
 }
 
 /// Response of the model, over the noise of every FRF.
-struct Response<'a> {
+struct ModelResponse<'a> {
     data: &'a Receptances,
     rest: &'a Rest,
 }
 
-impl Response<'_> {
+impl ModelResponse<'_> {
     /// Measured value minus residual: noise common to both would look like force noise.
     fn over_noise(&self, f: usize, k: usize) -> Complex64 {
         self.data.values[f][k] / self.data.deviation(f, k) - self.rest.at(f, k)
     }
 
-    fn lines(&self, group: &[usize], lines: Range<usize>) -> Vec<Line> {
+    fn lines(&self, group: &[usize], lines: Range<usize>) -> Vec<ResponseLine> {
         let mut sums = vec![Sums::default(); lines.len()];
         for &f in group {
             let rest = self.rest.of(f, lines.clone());
             let values = &self.data.values[f][lines.clone()];
             let variance = &self.data.variance[f][lines.clone()];
-            let by_force = &self.data.by_force[f][lines.clone()];
-            let frf_lines = values.iter().zip(variance).zip(rest).zip(by_force);
+            let force_fraction = &self.data.force_fraction[f][lines.clone()];
+            let frf_lines = values.iter().zip(variance).zip(rest).zip(force_fraction);
             for (sum, (((value, variance), rest), fraction)) in sums.iter_mut().zip(frf_lines) {
                 let h = value / variance.sqrt() - rest;
                 sum.product += h.conj() * rest;
                 sum.square += h.norm_sqr();
                 sum.power += rest.norm_sqr();
-                sum.by_force += fraction;
+                sum.force_fraction += fraction;
                 sum.counted += fraction * h.norm_sqr();
             }
         }
@@ -392,7 +399,10 @@ impl Response<'_> {
 const SEGMENT_LINES: usize = 256;
 
 /// Values of every line, with segments of lines in parallel.
-fn by_stretch<T: Send>(lines: &Range<usize>, of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<T> {
+fn per_segment<T: Send>(
+    lines: &Range<usize>,
+    of: impl Fn(Range<usize>) -> Vec<T> + Sync,
+) -> Vec<T> {
     let segment = |number: usize| {
         let start = lines.start + number * SEGMENT_LINES;
         of(start..(start + SEGMENT_LINES).min(lines.end))
@@ -412,20 +422,20 @@ struct Sums {
     /// Power of the residual.
     power: f64,
     /// Force fraction, and its product with the squared response.
-    by_force: f64,
+    force_fraction: f64,
     counted: f64,
 }
 
 impl Sums {
-    fn line(&self, max_power: f64) -> Line {
+    fn line(&self, max_power: f64) -> ResponseLine {
         if self.square > 0.0 {
-            Line {
+            ResponseLine {
                 along: self.product / self.square.sqrt(),
-                excess: 1.0 + (self.by_force - self.counted / self.square).max(0.0),
+                excess: 1.0 + (self.force_fraction - self.counted / self.square).max(0.0),
                 noise: self.power < max_power,
             }
         } else {
-            Line {
+            ResponseLine {
                 along: Complex64::ZERO,
                 excess: 1.0,
                 noise: false,
@@ -435,7 +445,7 @@ impl Sums {
 }
 
 /// Component of the residual along the response at one line.
-struct Line {
+struct ResponseLine {
     along: Complex64,
     /// g for a common fraction of 1.
     excess: f64,
@@ -446,7 +456,7 @@ struct Line {
 /// Fraction c of the force noise that the FRFs have in common: `1 + c (g − 1)` of maximum
 /// likelihood for exponential variables, of which `line_ratio` have the information of one; 0
 /// where the score is not significant. Sensors that were moved share it with some others only.
-fn shared_part(lines: &[Line], line_ratio: f64) -> f64 {
+fn common_fraction_of_lines(lines: &[ResponseLine], line_ratio: f64) -> f64 {
     let score = |fraction: f64| {
         let (mut score, mut information) = (0.0, 0.0);
         for line in lines.iter().filter(|line| line.noise) {

@@ -3,9 +3,9 @@
 use crate::identify::noise::force_noise::*;
 use crate::identify::synthetic::white_noise;
 
-fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
+fn lines(excess: f64, variance: f64, seed: u64) -> Vec<ResponseLine> {
     let along = white_noise(400, variance, seed);
-    let line = |along| Line {
+    let line = |along| ResponseLine {
         along,
         excess,
         noise: true,
@@ -17,11 +17,11 @@ fn lines(excess: f64, variance: f64, seed: u64) -> Vec<Line> {
 fn excess_noise_along_the_response_is_common_force_noise() {
     for seed in 0..20 {
         // 400 squares of one exponential variable each have a mean known to 5 %.
-        assert!(shared_part(&lines(3.0, 3.0, seed), 1.0) > 0.7);
-        assert!((shared_part(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
-        assert!(shared_part(&lines(3.0, 1.0, seed), 1.0) <= 0.0);
+        assert!(common_fraction_of_lines(&lines(3.0, 3.0, seed), 1.0) > 0.7);
+        assert!((common_fraction_of_lines(&lines(5.0, 3.0, seed), 1.0) - 0.5).abs() < 0.2);
+        assert!(common_fraction_of_lines(&lines(3.0, 1.0, seed), 1.0) <= 0.0);
         // FRFs without force noise have none in common.
-        assert!(shared_part(&lines(1.0, 1.0, seed), 1.0) <= 0.0);
+        assert!(common_fraction_of_lines(&lines(1.0, 1.0, seed), 1.0) <= 0.0);
     }
 }
 
@@ -44,8 +44,8 @@ fn variances_of_the_same_impacts_scatter_together() {
                     variances.push((1 + f) as f64 * if same { common } else { independent });
                 }
             }
-            let estimated: Vec<Estimated> = (estimated.into_iter().enumerate())
-                .map(|(f, variance)| Estimated {
+            let estimated: Vec<VarianceSamples> = (estimated.into_iter().enumerate())
+                .map(|(f, variance)| VarianceSamples {
                     power: vec![(1 + f) as f64; variance.len()],
                     variance,
                     degrees_of_freedom: Some(FREEDOM),
@@ -53,12 +53,12 @@ fn variances_of_the_same_impacts_scatter_together() {
                     response_noise: None,
                 })
                 .collect();
-            let smooth = Smooth {
+            let smooth = SmoothedVariance {
                 variance: vec![1.0; 100],
-                by_force: vec![0.95; 100],
+                force_fraction: vec![0.95; 100],
             };
-            let all: Vec<&Estimated> = estimated.iter().collect();
-            told_by_variances(&all, &vec![smooth; 4])
+            let all: Vec<&VarianceSamples> = estimated.iter().collect();
+            common_fraction_from_variances(&all, &vec![smooth; 4])
         };
         assert!(fraction(true) > 0.999);
         assert!(fraction(false) < 0.3);
@@ -76,7 +76,8 @@ fn energies_along_and_across_the_response_add_up() {
         Complex64::new(0.0, -2.0),
         Complex64::ONE,
     ];
-    let energies = |value: &dyn Fn(usize) -> Complex64| split(&[0, 1, 2], value, |f| response[f]);
+    let energies =
+        |value: &dyn Fn(usize) -> Complex64| split_by_direction(&[0, 1, 2], value, |f| response[f]);
     let same = energies(&|f| Complex64::new(0.0, 3.0) * response[f]);
     assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
     let other = energies(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function, variance_from_coherence};
 
-use crate::identify::noise::force_noise::told_by_variances;
-use crate::identify::noise::variance_model::{self, Estimated, Smooth};
+use crate::identify::noise::force_noise::common_fraction_from_variances;
+use crate::identify::noise::variance_model::{self, SmoothedVariance, VarianceSamples};
 
 /// Half width of a running median, lines, and evaluations per half width.
 const MEDIAN_HALF_WIDTH_LINES: usize = 64;
@@ -33,7 +33,7 @@ pub(in crate::identify) struct Noise {
     /// E|H − E H|² at every line, in the squared unit of the FRF.
     pub variance: Vec<f64>,
     /// Fraction proportional to |H|²; 0 where it is not estimated.
-    pub by_force: Vec<f64>,
+    pub force_fraction: Vec<f64>,
     /// Whether the data supply them (variance or coherence).
     pub measured: bool,
     /// Common fraction of the force noise of its reference, as estimated from the variances.
@@ -41,8 +41,8 @@ pub(in crate::identify) struct Noise {
 }
 
 /// Variances of all FRFs of a set on a range of lines.
-pub(in crate::identify) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
-    let estimated: Vec<Option<Estimated>> = (0..set.len())
+pub(in crate::identify) fn noise_of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
+    let estimated: Vec<Option<VarianceSamples>> = (0..set.len())
         .map(|i| estimated(set, i, lines.clone()))
         .collect();
     let mut references: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
@@ -53,29 +53,29 @@ pub(in crate::identify) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noi
     }
     let mut measured = BTreeMap::new();
     for group in references.into_values() {
-        let samples: Vec<&Estimated> = group
+        let samples: Vec<&VarianceSamples> = group
             .iter()
             .filter_map(|i| estimated[*i].as_ref())
             .collect();
         let smooth = variance_model::smooth(&samples);
-        let shared = told_by_variances(&samples, &smooth);
+        let shared = common_fraction_from_variances(&samples, &smooth);
         let smooth = smooth.into_iter().map(|smooth| (smooth, shared));
         measured.extend(group.into_iter().zip(smooth));
     }
     let of_function = |i: usize| {
         let values = &set.values(i)[lines.clone()];
-        let supplied: Option<&(Smooth, f64)> = measured.get(&i);
+        let supplied: Option<&(SmoothedVariance, f64)> = measured.get(&i);
         let mut noise = supplied.map_or_else(
-            || Smooth {
-                variance: Squares::of_second_differences(values).variance(),
-                by_force: vec![0.0; values.len()],
+            || SmoothedVariance {
+                variance: NoiseSquares::of_second_differences(values).variance(),
+                force_fraction: vec![0.0; values.len()],
             },
             |(smooth, _)| smooth.clone(),
         );
-        raise_to_floor(&mut noise.variance, values.iter().map(Complex64::norm_sqr));
+        raise_to_minimum(&mut noise.variance, values.iter().map(Complex64::norm_sqr));
         Noise {
             variance: noise.variance,
-            by_force: noise.by_force,
+            force_fraction: noise.force_fraction,
             measured: supplied.is_some(),
             shared: supplied.map_or(0.0, |(_, shared)| *shared),
         }
@@ -84,7 +84,7 @@ pub(in crate::identify) fn of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noi
 }
 
 /// The variances that the data supply for an FRF.
-fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
+fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<VarianceSamples> {
     let values = &set.values(i)[lines.clone()];
     let Function {
         averages,
@@ -99,7 +99,7 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
         _ => return None,
     };
     let by_averages = averages.filter(|n| *n >= 2).map(|n| 2.0 * f64::from(n - 1));
-    Some(Estimated {
+    Some(VarianceSamples {
         variance,
         power: values.iter().map(Complex64::norm_sqr).collect(),
         degrees_of_freedom: variance_dof.or(by_averages),
@@ -109,7 +109,7 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<Estimated> {
 }
 
 /// Squares whose running median is the variance of the noise.
-pub(in crate::identify) struct Squares {
+pub(in crate::identify) struct NoiseSquares {
     pub values: Vec<f64>,
     half_width: usize,
     /// Lines of white noise whose second differences have the information of one; `None` for the
@@ -117,7 +117,7 @@ pub(in crate::identify) struct Squares {
     pub differences_alike: Option<f64>,
 }
 
-impl Squares {
+impl NoiseSquares {
     /// White noise of variance `v` on a smooth function: the second difference `h₋ − 2h + h₊` has
     /// variance `6v`, and the median of its squared magnitude is `6v ln 2`. Resonances take few
     /// lines and do not move the median.
@@ -160,7 +160,10 @@ impl Squares {
 }
 
 /// Raises variances to the rounding error of the given power at each line.
-pub(in crate::identify) fn raise_to_floor(variance: &mut [f64], power: impl Iterator<Item = f64>) {
+pub(in crate::identify) fn raise_to_minimum(
+    variance: &mut [f64],
+    power: impl Iterator<Item = f64>,
+) {
     let mean_square = power.sum::<f64>() / variance.len() as f64;
     let floor = if mean_square > 0.0 {
         MIN_VARIANCE_OVER_POWER * mean_square
@@ -208,7 +211,7 @@ mod tests {
         let noise = white_noise(4000, 0.25, 7);
         let line = |k: usize| 50.0 / Complex64::new(3.0, k as f64 - 2000.0);
         let values: Vec<Complex64> = (0..4000).map(|k| line(k) + noise[k]).collect();
-        let estimate = Squares::of_second_differences(&values).variance();
+        let estimate = NoiseSquares::of_second_differences(&values).variance();
         let mean = estimate.iter().sum::<f64>() / 4000.0;
         // 129 differences per median, 126 medians that overlap: the mean is known to about 3 %.
         assert!((mean / 0.25 - 1.0).abs() < 0.06, "{mean}");

@@ -109,31 +109,31 @@ impl Correlation {
 
     /// As [`Self::of_rest`], where the residual can only be noise with small second differences:
     /// every FRF has an independent profile, and distant lines of a segment are uncorrelated.
-    pub fn of_own_noise(rest: &Rest) -> Option<Self> {
+    pub fn of_correlated_noise(rest: &Rest) -> Option<Self> {
         let is_independent = |noise: &NoiseSegments| {
             let (enough_segments, longest) =
-                (noise.segments.len() >= LONG_SEGMENTS, noise.longest());
+                (noise.segments.len() >= LONG_SEGMENTS, noise.longest_lag());
             let decays = || {
                 (longest / 2..=longest).all(|lag| noise.product(lag).norm() < MAX_DISTANT_PRODUCT)
             };
-            enough_segments && noise.alike() < MAX_FRF_SIMILARITY && decays()
+            enough_segments && noise.similarity() < MAX_FRF_SIMILARITY && decays()
         };
         let mut noise = [MAX_SEGMENTS, LONG_SEGMENTS].into_iter();
         let noise =
             noise.find_map(|segments| NoiseSegments::new(rest, segments).filter(is_independent))?;
-        Some(noise.correlation()).filter(Self::differences_hold_little)
+        Some(noise.correlation()).filter(Self::has_small_second_differences)
     }
 
     /// Whether the FRFs have independent residuals, in long segments, where noise correlated over
     /// many lines is no longer similar at random.
     pub fn functions_differ(rest: &Rest) -> bool {
         NoiseSegments::new(rest, LONG_SEGMENTS)
-            .is_some_and(|noise| noise.alike() < MAX_LONG_SEGMENT_SIMILARITY)
+            .is_some_and(|noise| noise.similarity() < MAX_LONG_SEGMENT_SIMILARITY)
     }
 
     /// Estimate from the phases of series of values, 0 where there is none; `None` for too few
     /// values.
-    pub fn of_phases(series: &[Vec<Complex64>]) -> Option<Self> {
+    pub fn from_phases(series: &[Vec<Complex64>]) -> Option<Self> {
         let lines = series.iter().map(Vec::len).max().unwrap_or(0);
         let mut lags = Vec::new();
         for lag in 1..lines / SERIES_OVER_LONGEST_LAG {
@@ -217,12 +217,12 @@ impl Correlation {
     }
 
     /// Whether second differences contain little of the noise.
-    pub fn differences_hold_little(&self) -> bool {
-        self.of_second_difference() < SMALL_DIFFERENCE_SQUARE
+    pub fn has_small_second_differences(&self) -> bool {
+        self.second_difference_square() < SMALL_DIFFERENCE_SQUARE
     }
 
     /// Mean square of the second difference of unit noise, 6 for white.
-    pub fn of_second_difference(&self) -> f64 {
+    pub fn second_difference_square(&self) -> f64 {
         (6.0 - 8.0 * self.lag(1).re + 2.0 * self.lag(2).re).max(MIN_DIFFERENCE_SQUARE)
     }
 }
@@ -231,7 +231,7 @@ impl Correlation {
 struct NoiseSegments {
     /// Lines of each segment, all of one length.
     segments: Vec<Range<usize>>,
-    /// By function and line; 0 where there is none.
+    /// By FRF and line; 0 where the residual is 0.
     phases: Vec<Vec<Complex64>>,
     /// Lines of the band.
     lines: usize,
@@ -273,7 +273,7 @@ impl NoiseSegments {
     }
 
     /// Longest lag.
-    fn longest(&self) -> usize {
+    fn longest_lag(&self) -> usize {
         (MAX_LAG_OVER_SEGMENT * self.length() as f64) as usize
     }
 
@@ -281,7 +281,7 @@ impl NoiseSegments {
         let values = (self.segments.len() * self.length() * self.phases.len()) as f64;
         let limit = MIN_LAG_STDS * (MEDIAN_VARIANCE_RATIO / (2.0 * values)).sqrt();
         let mut lags = Vec::new();
-        for lag in 1..=self.longest() {
+        for lag in 1..=self.longest_lag() {
             let product = self.product(lag);
             // Lags after the first insignificant one are noise, and a fit of many columns leaves a
             // little correlation.
@@ -293,11 +293,11 @@ impl NoiseSegments {
         }
         let count = lags.len();
         // The first rejected lag enters the mean: noise in a part of the record has zeros there.
-        let tail_factor = if count < self.longest() {
+        let tail_factor = if count < self.longest_lag() {
             let stop = correlation(self.product(count + 1));
-            beginning(&[lags.as_slice(), &[stop]].concat(), 0)
+            tail_coefficient(&[lags.as_slice(), &[stop]].concat(), 0)
         } else {
-            beginning(&lags, count / 2)
+            tail_coefficient(&lags, count / 2)
         };
         let tail = (count + 1..=self.lines).filter(|_| count > 0);
         lags.extend(tail.map(|m| Complex64::new(0.0, tail_factor / m as f64)));
@@ -318,7 +318,7 @@ impl NoiseSegments {
     }
 
     /// Similarity of neighbouring FRFs: mean square of their mean product of phases over a segment.
-    fn alike(&self) -> f64 {
+    fn similarity(&self) -> f64 {
         let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), segment: &Range<usize>| {
             let product = segment.clone().map(|k| a[k] * b[k].conj());
             (product.sum::<Complex64>() / self.length() as f64).norm_sqr()
@@ -333,7 +333,7 @@ impl NoiseSegments {
 /// `c` of the `ic/m` of noise that begins with the record, for lags too long to be estimated: each
 /// is small, their sum is half of the noise of a mode that decays long before the noise does. Mean
 /// of `m Im ρ` from the lag `from`.
-fn beginning(lags: &[Complex64], from: usize) -> f64 {
+fn tail_coefficient(lags: &[Complex64], from: usize) -> f64 {
     let used = lags.iter().enumerate().skip(from);
     let sum: f64 = used.map(|(n, rho)| (n + 1) as f64 * rho.im).sum();
     sum / (lags.len() - from).max(1) as f64

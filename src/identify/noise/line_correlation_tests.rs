@@ -109,7 +109,7 @@ fn correlated_noise_is_separated_from_missing_modes() {
     let noise_correlation = |rest: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / rest.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * rest[(k, f)]);
-        Correlation::of_own_noise(&Rest::of_all(rest))
+        Correlation::of_correlated_noise(&Rest::of_all(rest))
     };
     let noise = decaying(4096, 4, 40.0);
     assert!(noise_correlation(noise.clone()).is_some());

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::residual::Rest;
-use crate::identify::noise::force_noise::Shared;
+use crate::identify::noise::force_noise::ForceNoise;
 use crate::identify::noise::line_correlation::Correlation;
-use crate::identify::noise::residual_variance::{self, LeftOver, Source};
-use crate::identify::noise::variance_model::Smooth;
+use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
+use crate::identify::noise::variance_model::SmoothedVariance;
 
 /// Minimum number of FRFs whose profiles separate correlated noise from modes.
 const MIN_FRFS: usize = 3;
@@ -17,30 +17,30 @@ const MAX_NOISE_POWER: f64 = 2.0;
 
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::identify) enum ToldFrom {
+pub(in crate::identify) enum VarianceSource {
     /// Second differences: the noise is independent between frequency lines.
-    Differences,
+    SecondDifferences,
     /// Residual level: the noise is correlated between frequency lines.
-    LevelOfNoise,
+    Level,
     /// Residual level including misfit: no small number of modes describes the data.
-    LevelOfMisfit,
+    LevelWithMisfit,
 }
 
 /// Noise model at some stage of an identification.
-pub(in crate::identify) struct KnownNoise {
+pub(in crate::identify) struct NoiseSnapshot {
     variance: Vec<Vec<f64>>,
-    by_force: Vec<Vec<f64>>,
+    force_fraction: Vec<Vec<f64>>,
     correlation: Correlation,
-    shared: Shared,
-    told_from: ToldFrom,
+    shared: ForceNoise,
+    variance_source: VarianceSource,
 }
 
 impl Receptances {
     /// Whether the noise is correlated between frequency lines although the data state no window;
     /// with its decay rate over the record, 1/s, where it decays.
     pub fn unstated_decay(&self) -> Option<Option<f64>> {
-        let shared =
-            self.told_from == ToldFrom::LevelOfNoise && self.correlation.differences_hold_little();
+        let shared = self.variance_source == VarianceSource::Level
+            && self.correlation.has_small_second_differences();
         shared.then(|| self.correlation.decay(self.step))
     }
 
@@ -62,8 +62,8 @@ impl Receptances {
         let stated = self.stated.iter().any(Option::is_some);
         let too_few_frfs = self.functions() < MIN_FRFS;
         let more_than_noise = rest.mean_power() > MAX_NOISE_POWER;
-        let small_differences = self.correlation.differences_hold_little();
-        if self.told_from != ToldFrom::Differences
+        let small_differences = self.correlation.has_small_second_differences();
+        if self.variance_source != VarianceSource::SecondDifferences
             || stated
             || too_few_frfs
             || !more_than_noise && !small_differences
@@ -71,9 +71,9 @@ impl Receptances {
             return false;
         }
         let before = (self.noise(), self.variance.clone());
-        self.told_from = ToldFrom::LevelOfNoise;
+        self.variance_source = VarianceSource::Level;
         self.estimate_noise(rest);
-        if let Some(correlation) = Correlation::of_own_noise(rest) {
+        if let Some(correlation) = Correlation::of_correlated_noise(rest) {
             self.correlation = correlation;
             self.estimate_noise(rest);
             return true;
@@ -87,63 +87,67 @@ impl Receptances {
     /// Counts the whole residual as noise from now on, where the data have no variances.
     pub fn count_misfit_as_noise(&mut self) {
         // The level of correlated noise contains the misfit already.
-        if self.told_from == ToldFrom::Differences {
-            self.told_from = ToldFrom::LevelOfMisfit;
+        if self.variance_source == VarianceSource::SecondDifferences {
+            self.variance_source = VarianceSource::LevelWithMisfit;
         }
     }
 
     fn estimate_noise(&mut self, rest: &mut Rest) {
-        let difference_square = self.correlation.of_second_difference();
+        let difference_square = self.correlation.second_difference_square();
         let line_ratio = self.correlation.alike();
-        let mut now = vec![Smooth::default(); self.functions()];
+        let mut now = vec![SmoothedVariance::default(); self.functions()];
         for group in self.shared.groups() {
-            let residual = |f: &usize| self.left_over(*f, rest, (difference_square, line_ratio));
-            let smoothed = residual_variance::of_rest(group.par_iter().map(residual).collect());
-            let scaled = |(f, smoothed): (&usize, Smooth)| (*f, self.as_receptance(*f, smoothed));
-            let scaled: Vec<(usize, Smooth)> = group.par_iter().zip(smoothed).map(scaled).collect();
+            let residual =
+                |f: &usize| self.residual_of_frf(*f, rest, (difference_square, line_ratio));
+            let smoothed =
+                residual_variance::estimate_variances(group.par_iter().map(residual).collect());
+            let scaled =
+                |(f, smoothed): (&usize, SmoothedVariance)| (*f, self.as_receptance(*f, smoothed));
+            let scaled: Vec<(usize, SmoothedVariance)> =
+                group.par_iter().zip(smoothed).map(scaled).collect();
             for (f, smoothed) in scaled {
                 now[f] = smoothed;
             }
         }
-        let (now, by_force) = now
+        let (now, force_fraction) = now
             .into_iter()
-            .map(|smoothed| (smoothed.variance, smoothed.by_force))
+            .map(|smoothed| (smoothed.variance, smoothed.force_fraction))
             .unzip();
         let before = std::mem::replace(&mut self.variance, now);
-        self.by_force = by_force;
-        self.raise_variances();
+        self.force_fraction = force_fraction;
+        self.raise_to_dynamic_range();
         rest.over(&before, &self.variance);
-        self.renew();
+        self.invalidate();
     }
 
     /// Copy of the noise model.
-    pub fn noise(&self) -> KnownNoise {
-        KnownNoise {
+    pub fn noise(&self) -> NoiseSnapshot {
+        NoiseSnapshot {
             variance: self.variance.clone(),
-            by_force: self.by_force.clone(),
+            force_fraction: self.force_fraction.clone(),
             correlation: self.correlation.clone(),
             shared: self.shared.clone(),
-            told_from: self.told_from,
+            variance_source: self.variance_source,
         }
     }
 
     /// Restores a noise model.
-    pub fn set_noise(&mut self, snapshot: KnownNoise) {
+    pub fn set_noise(&mut self, snapshot: NoiseSnapshot) {
         self.variance = snapshot.variance;
-        self.by_force = snapshot.by_force;
+        self.force_fraction = snapshot.force_fraction;
         self.correlation = snapshot.correlation;
         self.shared = snapshot.shared;
-        self.told_from = snapshot.told_from;
-        self.renew();
+        self.variance_source = snapshot.variance_source;
+        self.invalidate();
     }
 
     /// Residual of FRF f, in its measured quantity.
-    fn left_over(
+    fn residual_of_frf(
         &self,
         f: usize,
         rest: &Rest,
         (difference_square, line_ratio): (f64, f64),
-    ) -> LeftOver {
+    ) -> ResidualVariance {
         let scale = &self.measured_scale[f];
         let values = self.values[f].iter().zip(scale.iter());
         let deviations = self.variance[f].iter().zip(scale.iter());
@@ -155,25 +159,25 @@ impl Receptances {
         let source = match &self.stated[f] {
             Some(stated) => {
                 let variances = stated.variance.iter().zip(scale.iter());
-                Source::Stated(variances.map(squared).collect())
+                ResponseVariance::Stated(variances.map(squared).collect())
             }
-            None if self.told_from == ToldFrom::Differences => {
-                Source::SecondDifferences(difference_square)
+            None if self.variance_source == VarianceSource::SecondDifferences => {
+                ResponseVariance::SecondDifferences(difference_square)
             }
-            None => Source::Level,
+            None => ResponseVariance::Level,
         };
         let measured: Vec<Complex64> = values.map(|(h, s)| h * s).collect();
-        LeftOver::new(&measured, &residual, (source, line_ratio))
+        ResidualVariance::new(&measured, &residual, (source, line_ratio))
     }
 
     /// Variances of the receptance f from those of its measured quantity.
-    fn as_receptance(&self, f: usize, measured: Smooth) -> Smooth {
+    fn as_receptance(&self, f: usize, measured: SmoothedVariance) -> SmoothedVariance {
         let variance = measured.variance.iter().zip(self.measured_scale[f].iter());
         let variance: Vec<f64> = variance.map(|(v, s)| v / (s * s)).collect();
-        Smooth {
-            by_force: match &self.stated[f] {
-                Some(stated) => force_part(stated, &variance),
-                None => measured.by_force,
+        SmoothedVariance {
+            force_fraction: match &self.stated[f] {
+                Some(stated) => force_fraction_of_raised_variances(stated, &variance),
+                None => measured.force_fraction,
             },
             variance,
         }
@@ -182,8 +186,12 @@ impl Receptances {
 
 /// Force fraction of increased variances, where the increase over the stated variance is response
 /// noise.
-fn force_part(stated: &Smooth, variance: &[f64]) -> Vec<f64> {
-    let variances = stated.variance.iter().zip(&stated.by_force).zip(variance);
+fn force_fraction_of_raised_variances(stated: &SmoothedVariance, variance: &[f64]) -> Vec<f64> {
+    let variances = stated
+        .variance
+        .iter()
+        .zip(&stated.force_fraction)
+        .zip(variance);
     variances
         .map(|((before, fraction), v)| 1.0 - (1.0 - fraction) * before / v)
         .collect()

@@ -12,8 +12,8 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::identify::noise::input_variance::{Squares, raise_to_floor};
-use crate::identify::noise::variance_model::{self, Estimated, Smooth};
+use crate::identify::noise::input_variance::{NoiseSquares, raise_to_minimum};
+use crate::identify::noise::variance_model::{self, SmoothedVariance, VarianceSamples};
 
 /// Number of estimates of the response noise with the force noise subtracted, and its minimum over
 /// the estimate without: medians of some hundred lines scatter no more.
@@ -28,18 +28,18 @@ const MAX_LOG_SCATTER: f64 = 0.035;
 const CACHE_LINES: usize = 1024;
 
 /// Residual of one FRF, from which its noise is estimated.
-pub(in crate::identify) struct LeftOver {
+pub(in crate::identify) struct ResidualVariance {
     /// Squared residual at every line, with |H|² as measured and the variance of the response
     /// noise.
-    samples: Estimated,
+    samples: VarianceSamples,
     /// Squares that estimate the response noise, where the data supply no variance.
-    squares: Option<Squares>,
+    squares: Option<NoiseSquares>,
     /// |H|² of the fit alone, which contains no noise of the line.
     fitted: Vec<f64>,
 }
 
 /// Source of the response noise of an FRF.
-pub(in crate::identify) enum Source {
+pub(in crate::identify) enum ResponseVariance {
     /// Variances supplied with the data.
     Stated(Vec<f64>),
     /// Second differences of the residual; with the mean square of those of unit noise, 6 for white
@@ -49,32 +49,32 @@ pub(in crate::identify) enum Source {
     Level,
 }
 
-impl LeftOver {
+impl ResidualVariance {
     /// Residual of H with its source of response noise; `line_ratio` lines have the information of
     /// one.
     pub fn new(
         values: &[Complex64],
         residual: &[Complex64],
-        (source, line_ratio): (Source, f64),
+        (source, line_ratio): (ResponseVariance, f64),
     ) -> Self {
         let power = values.iter().map(Complex64::norm_sqr).collect();
         let fit = values.iter().zip(residual);
         let fitted = fit.map(|(h, residual)| (h - residual).norm_sqr()).collect();
         let energy: Vec<f64> = residual.iter().map(Complex64::norm_sqr).collect();
         let (response_noise, squares) = match source {
-            Source::Stated(variance) => (variance, None),
-            Source::SecondDifferences(of_unit) => {
-                let mut squares = Squares::of_second_differences(residual);
+            ResponseVariance::Stated(variance) => (variance, None),
+            ResponseVariance::SecondDifferences(of_unit) => {
+                let mut squares = NoiseSquares::of_second_differences(residual);
                 squares.values.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
                 (squares.variance(), Some(squares))
             }
-            Source::Level => {
-                let squares = Squares::of_level(&energy);
+            ResponseVariance::Level => {
+                let squares = NoiseSquares::of_level(&energy);
                 (squares.variance(), Some(squares))
             }
         };
         let mut new = Self {
-            samples: Estimated {
+            samples: VarianceSamples {
                 variance: energy,
                 power,
                 degrees_of_freedom: Some(2.0),
@@ -90,12 +90,12 @@ impl LeftOver {
 
     /// Second differences on some lines, over the response noise as estimated before: response
     /// noise is the slowly varying part.
-    fn differences_at(&self, lines: &[usize]) -> Option<Estimated> {
+    fn differences_at(&self, lines: &[usize]) -> Option<VarianceSamples> {
         let squares = self.squares.as_ref()?;
         let response_noise = self.samples.response_noise.as_ref()?;
         let mean = |k: &usize| std::f64::consts::LN_2 * squares.values[*k] / response_noise[*k];
         let power = |k: &usize| self.fitted[*k] / response_noise[*k];
-        Some(Estimated {
+        Some(VarianceSamples {
             variance: lines.iter().map(mean).collect(),
             power: lines.iter().map(power).collect(),
             degrees_of_freedom: Some(2.0),
@@ -104,34 +104,42 @@ impl LeftOver {
         })
     }
 
-    fn difference_squares(&self) -> Option<&Squares> {
+    fn difference_squares(&self) -> Option<&NoiseSquares> {
         let squares = self.squares.as_ref();
         squares.filter(|squares| squares.differences_alike.is_some())
     }
 
     /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.
-    fn estimate_with_force_noise(&mut self, by_power: &[f64]) {
+    fn estimate_with_force_noise(&mut self, force_noise_coefficient: &[f64]) {
         let Some(squares) = self.difference_squares() else {
             return;
         };
-        let force = self.fitted.iter().zip(by_power).map(|(p, b)| b * p);
+        let force = self
+            .fitted
+            .iter()
+            .zip(force_noise_coefficient)
+            .map(|(p, b)| b * p);
         let estimates = squares.beside(force).into_iter().zip(squares.variance());
         let raised = estimates.map(|(v, without)| v.max(MIN_RESPONSE_NOISE_RATIO * without));
         self.set_response_noise(raised.collect());
     }
 
     /// Raises variances to the sum of response noise and given force noise.
-    fn raise_to_joint_estimate(&self, smooth: &mut Smooth, by_power: &[f64]) {
+    fn raise_to_joint_estimate(
+        &self,
+        smooth: &mut SmoothedVariance,
+        force_noise_coefficient: &[f64],
+    ) {
         let (Some(response_noise), Some(_)) =
             (&self.samples.response_noise, self.difference_squares())
         else {
             return;
         };
-        for (k, b) in by_power.iter().enumerate() {
+        for (k, b) in force_noise_coefficient.iter().enumerate() {
             let minimum = response_noise[k] + b * self.fitted[k];
             if smooth.variance[k] < minimum {
                 smooth.variance[k] = minimum;
-                smooth.by_force[k] = 1.0 - response_noise[k] / minimum;
+                smooth.force_fraction[k] = 1.0 - response_noise[k] / minimum;
             }
         }
     }
@@ -139,7 +147,7 @@ impl LeftOver {
     /// Sets the variance of the response noise, raised to the minimum where the data supply none.
     fn set_response_noise(&mut self, mut variance: Vec<f64>) {
         if self.squares.is_some() {
-            raise_to_floor(&mut variance, self.samples.power.iter().copied());
+            raise_to_minimum(&mut variance, self.samples.power.iter().copied());
         }
         self.samples.response_noise = Some(variance);
     }
@@ -152,17 +160,19 @@ impl LeftOver {
 /// correlated noise makes second differences small. Force noise under a window is smooth over the
 /// lines and proportional to |H|²; the residual in all resonances together determines it better
 /// than the variances of a few impacts do.
-pub(in crate::identify) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> {
-    let mut by_power = Vec::new();
+pub(in crate::identify) fn estimate_variances(
+    mut functions: Vec<ResidualVariance>,
+) -> Vec<SmoothedVariance> {
+    let mut force_noise_coefficient = Vec::new();
     for _ in 0..JOINT_ESTIMATES {
         let estimate = force_noise_outside_resonances(&functions);
         if estimate.iter().all(|b| *b <= 0.0) {
             break;
         }
-        by_power = estimate;
+        force_noise_coefficient = estimate;
         functions
             .par_iter_mut()
-            .for_each(|frf| frf.estimate_with_force_noise(&by_power));
+            .for_each(|frf| frf.estimate_with_force_noise(&force_noise_coefficient));
     }
     let unstated = functions.iter_mut().filter(|frf| frf.squares.is_some());
     share_profile(
@@ -170,16 +180,16 @@ pub(in crate::identify) fn of_rest(mut functions: Vec<LeftOver>) -> Vec<Smooth> 
             .filter_map(|frf| frf.samples.response_noise.as_mut())
             .collect(),
     );
-    let samples: Vec<&Estimated> = functions.iter().map(|frf| &frf.samples).collect();
+    let samples: Vec<&VarianceSamples> = functions.iter().map(|frf| &frf.samples).collect();
     let mut smooth = variance_model::smooth(&samples);
     let pairs = smooth.par_iter_mut().zip(&functions);
-    pairs.for_each(|(smooth, frf)| frf.raise_to_joint_estimate(smooth, &by_power));
+    pairs.for_each(|(smooth, frf)| frf.raise_to_joint_estimate(smooth, &force_noise_coefficient));
     smooth
 }
 
 /// Force noise coefficient b at every line, from second differences outside resonances: a missing
 /// mode adds little to these there, and much within its resonance.
-fn force_noise_outside_resonances(functions: &[LeftOver]) -> Vec<f64> {
+fn force_noise_outside_resonances(functions: &[ResidualVariance]) -> Vec<f64> {
     let differences = functions
         .iter()
         .filter(|frf| frf.difference_squares().is_some());
@@ -200,13 +210,16 @@ fn force_noise_outside_resonances(functions: &[LeftOver]) -> Vec<f64> {
     let Some(last) = outside.len().checked_sub(1) else {
         return Vec::new();
     };
-    let samples: Vec<Estimated> = functions
+    let samples: Vec<VarianceSamples> = functions
         .par_iter()
         .filter_map(|frf| frf.differences_at(&outside))
         .collect();
-    let by_power = variance_model::by_power(&samples.iter().collect::<Vec<_>>());
+    let force_noise_coefficient =
+        variance_model::force_noise_coefficient(&samples.iter().collect::<Vec<_>>());
     let next = |k: usize| outside.partition_point(|line| *line < k).min(last);
-    (0..lines).map(|k| by_power[next(k)]).collect()
+    (0..lines)
+        .map(|k| force_noise_coefficient[next(k)])
+        .collect()
 }
 
 /// Sets variances that differ from a common profile only by the scatter of such estimates to that
@@ -259,14 +272,14 @@ mod tests {
             .map(|f| {
                 let response = white_noise(4000, 1e-6, 10 + f);
                 let rest = (0..4000).map(|k| response[k] + force(k) * values[k]);
-                LeftOver::new(
+                ResidualVariance::new(
                     &values,
                     &rest.collect::<Vec<_>>(),
-                    (Source::SecondDifferences(6.0), 1.0),
+                    (ResponseVariance::SecondDifferences(6.0), 1.0),
                 )
             })
             .collect();
-        let smoothed = of_rest(functions);
+        let smoothed = estimate_variances(functions);
         let between = smoothed.iter().map(|frf| frf.variance[500]).sum::<f64>() / 6.0;
         assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
         // Half a dozen independent errors within each of eight resonances: their mean square is
@@ -274,7 +287,7 @@ mod tests {
         let tops = (0..8).map(|n| smoothed[0].variance[250 + 500 * n]);
         let top = tops.sum::<f64>() / 8.0;
         assert!((top / 1.01e-4 - 1.0).abs() < 0.5, "{top}");
-        assert!(smoothed[0].by_force[250] > 0.9 && smoothed[0].by_force[500] < 0.2);
+        assert!(smoothed[0].force_fraction[250] > 0.9 && smoothed[0].force_fraction[500] < 0.2);
     }
 
     #[test]
@@ -283,18 +296,18 @@ mod tests {
         let line = |k: usize, at: f64| 10.0 / Complex64::new(10.0, k as f64 - at);
         let clean = |k: usize| (0..8).map(|n| line(k, 250.0 + 500.0 * n as f64)).sum();
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
-        let estimates = |by_force: f64| {
-            let force = white_noise(4000, by_force, 3);
+        let estimates = |force_fraction: f64| {
+            let force = white_noise(4000, force_fraction, 3);
             let residual = |f: u64| {
                 let stated = if f == 5 { 1e-5 } else { 1e-6 };
                 let response = white_noise(4000, stated, 10 + f);
                 let rest = (0..4000).map(|k| response[k] + force[k] * values[k]);
-                let stated = Source::Stated(vec![stated; 4000]);
-                LeftOver::new(&values, &rest.collect::<Vec<_>>(), (stated, 1.0))
+                let stated = ResponseVariance::Stated(vec![stated; 4000]);
+                ResidualVariance::new(&values, &rest.collect::<Vec<_>>(), (stated, 1.0))
             };
-            of_rest((0..6).map(residual).collect())
+            estimate_variances((0..6).map(residual).collect())
         };
-        let top = |frf: &Smooth| {
+        let top = |frf: &SmoothedVariance| {
             let tops = (0..8).flat_map(|n| 240 + 500 * n..260 + 500 * n);
             tops.map(|k| frf.variance[k] / values[k].norm_sqr())
                 .sum::<f64>()
@@ -310,7 +323,7 @@ mod tests {
         // Half-way between two resonances the force adds 2 % at most.
         assert!((with[0].variance[500] / 1.05e-6 - 1.0).abs() < 0.15);
         assert!((with[5].variance[500] / 1.005e-5 - 1.0).abs() < 0.15);
-        assert!(with[0].by_force[250] > 0.9 && with[0].by_force[500] < 0.2);
+        assert!(with[0].force_fraction[250] > 0.9 && with[0].force_fraction[500] < 0.2);
         // Where the data contain the stated variances alone, the estimate is the stated one.
         let without = estimates(1e-12);
         assert!(
@@ -347,9 +360,13 @@ mod tests {
             let variance = values.iter().map(|h| of_response + of_force * h.norm_sqr());
             truth.push(variance.collect::<Vec<f64>>());
             let measured: Vec<Complex64> = values.iter().zip(&rest).map(|(h, e)| h + e).collect();
-            LeftOver::new(&measured, &rest, (Source::SecondDifferences(6.0), 1.0))
+            ResidualVariance::new(
+                &measured,
+                &rest,
+                (ResponseVariance::SecondDifferences(6.0), 1.0),
+            )
         });
-        let estimates = of_rest(functions.collect());
+        let estimates = estimate_variances(functions.collect());
         for (estimate, truth) in estimates.iter().zip(&truth) {
             let pairs = estimate.variance.iter().zip(truth);
             let log_ratios = pairs.map(|(v, expected)| (v / expected).ln());

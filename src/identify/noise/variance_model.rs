@@ -45,7 +45,7 @@ const MIN_RESPONSE_NOISE_RATIO: f64 = 1e-6;
 
 /// Variances of one FRF as they are estimated, with their scatter.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Estimated {
+pub(in crate::identify) struct VarianceSamples {
     /// v at every line.
     pub variance: Vec<f64>,
     /// |H|² at every line.
@@ -60,16 +60,16 @@ pub(in crate::identify) struct Estimated {
 
 /// Variances without their scatter.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub(in crate::identify) struct Smooth {
+pub(in crate::identify) struct SmoothedVariance {
     /// a + b p at every line.
     pub variance: Vec<f64>,
     /// Force noise b p as a fraction of it.
-    pub by_force: Vec<f64>,
+    pub force_fraction: Vec<f64>,
 }
 
 /// Smooths the variances of all FRFs of one reference over the lines; a variance far above its
 /// neighbours is unchanged.
-pub(in crate::identify) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
+pub(in crate::identify) fn smooth(functions: &[&VarianceSamples]) -> Vec<SmoothedVariance> {
     let lines = functions
         .iter()
         .map(|frf| frf.variance.len())
@@ -82,15 +82,20 @@ pub(in crate::identify) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
     } else {
         f64::INFINITY
     };
-    let by_power = by_stretch(functions, &segments, limit);
-    let smoothed = |frf: &&Estimated| {
+    let force_noise_coefficient = per_segment(functions, &segments, limit);
+    let smoothed = |frf: &&VarianceSamples| {
         let max_ratio = frf.max_outlier_ratio();
-        let segment_level =
-            |(lines, b): (&Range<usize>, &f64)| frf.even(lines.clone(), *b, max_ratio);
-        let of_response: Vec<f64> = segments.iter().zip(&by_power).map(segment_level).collect();
-        let mut smooth = Smooth {
+        let segment_level = |(lines, b): (&Range<usize>, &f64)| {
+            frf.mean_response_noise(lines.clone(), *b, max_ratio)
+        };
+        let of_response: Vec<f64> = segments
+            .iter()
+            .zip(&force_noise_coefficient)
+            .map(segment_level)
+            .collect();
+        let mut smooth = SmoothedVariance {
             variance: Vec::with_capacity(lines),
-            by_force: Vec::with_capacity(lines),
+            force_fraction: Vec::with_capacity(lines),
         };
         for start in (0..frf.variance.len()).step_by(BLOCK_LINES) {
             let block = start..(start + BLOCK_LINES).min(frf.variance.len());
@@ -98,8 +103,8 @@ pub(in crate::identify) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
                 ..(block.end + MARGIN_LINES).min(frf.variance.len());
             let position = (block.start as f64 + 0.5 * BLOCK_LINES as f64) / lines as f64;
             let (b, response) = (
-                between(&by_power, position),
-                between(&of_response, position),
+                interpolate(&force_noise_coefficient, position),
+                interpolate(&of_response, position),
             );
             let fraction = |force: f64, response: f64| {
                 let ratio = force / (response + force);
@@ -109,21 +114,21 @@ pub(in crate::identify) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
             if let Some(stated) = &frf.response_noise {
                 for (a, force) in stated[block].iter().zip(force) {
                     smooth.variance.push(a + force);
-                    smooth.by_force.push(fraction(force, *a));
+                    smooth.force_fraction.push(fraction(force, *a));
                 }
                 continue;
             }
-            let a = frf.even(around, b, max_ratio);
+            let a = frf.mean_response_noise(around, b, max_ratio);
             for (estimate, force) in frf.variance[block].iter().zip(force) {
                 let is_outlier = *estimate > max_ratio * (a + force);
                 smooth
                     .variance
                     .push(if is_outlier { *estimate } else { a + force });
                 // Of a few dozen lines, `a` absorbs the random error of b.
-                let by_force = fraction(force, response);
+                let force_fraction = fraction(force, response);
                 smooth
-                    .by_force
-                    .push(if is_outlier { 0.0 } else { by_force });
+                    .force_fraction
+                    .push(if is_outlier { 0.0 } else { force_fraction });
             }
         }
         smooth
@@ -132,12 +137,12 @@ pub(in crate::identify) fn smooth(functions: &[&Estimated]) -> Vec<Smooth> {
 }
 
 /// b at every line, from all FRFs of one reference, limited as for a residual.
-pub(in crate::identify) fn by_power(functions: &[&Estimated]) -> Vec<f64> {
+pub(in crate::identify) fn force_noise_coefficient(functions: &[&VarianceSamples]) -> Vec<f64> {
     let lines = functions.first().map_or(0, |frf| frf.variance.len());
-    let coefficients = by_stretch(functions, &segments(lines), MAX_RESIDUAL_COEFFICIENT);
+    let coefficients = per_segment(functions, &segments(lines), MAX_RESIDUAL_COEFFICIENT);
     let position = |k: usize| (k as f64 + 0.5) / lines as f64;
     (0..lines)
-        .map(|k| between(&coefficients, position(k)))
+        .map(|k| interpolate(&coefficients, position(k)))
         .collect()
 }
 
@@ -149,7 +154,7 @@ fn segments(lines: usize) -> Vec<Range<usize>> {
 }
 
 /// Linear interpolation of one value per segment between the middles of the segments.
-fn between(values: &[f64], position: f64) -> f64 {
+fn interpolate(values: &[f64], position: f64) -> f64 {
     let at = (position * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
     let first = at.floor() as usize;
     let next = (first + 1).min(values.len() - 1);
@@ -158,7 +163,7 @@ fn between(values: &[f64], position: f64) -> f64 {
 
 /// b of every segment. Force noise does not end with a segment: one without a significant estimate
 /// takes that of the nearest segment with one, unless its likelihood contradicts it.
-fn by_stretch(functions: &[&Estimated], segments: &[Range<usize>], limit: f64) -> Vec<f64> {
+fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit: f64) -> Vec<f64> {
     let max_ratios: Vec<f64> = functions
         .iter()
         .map(|frf| frf.max_outlier_ratio())
@@ -173,7 +178,7 @@ fn by_stretch(functions: &[&Estimated], segments: &[Range<usize>], limit: f64) -
         }
         sums
     };
-    let mean = |n: usize, frf: &&Estimated| {
+    let mean = |n: usize, frf: &&VarianceSamples| {
         let sum = |values: &[f64]| values[segments[n].clone()].iter().sum::<f64>();
         sum(&frf.variance) / sum(&frf.power)
     };
@@ -219,7 +224,7 @@ fn by_stretch(functions: &[&Estimated], segments: &[Range<usize>], limit: f64) -
         .collect()
 }
 
-impl Estimated {
+impl VarianceSamples {
     fn freedom(&self) -> f64 {
         let stated = self.degrees_of_freedom.filter(|freedom| *freedom > 0.0);
         stated.unwrap_or(DEFAULT_FREEDOM).clamp(1.0, MAX_FREEDOM)
@@ -235,7 +240,7 @@ impl Estimated {
 
     /// `a` of some lines for a given b: the mean of the variances minus force noise, weighted by
     /// their expectation, without outliers.
-    fn even(&self, lines: Range<usize>, b: f64, max_ratio: f64) -> f64 {
+    fn mean_response_noise(&self, lines: Range<usize>, b: f64, max_ratio: f64) -> f64 {
         if let Some(response_noise) = &self.response_noise {
             return response_noise[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
         }
@@ -267,7 +272,8 @@ impl Estimated {
     /// Log-likelihood of every trial value of b.
     fn likelihoods(&self, lines: Range<usize>, tried: &[f64], max_ratio: f64) -> Vec<f64> {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
-        let even = |b: f64| vec![self.even(lines.clone(), b, max_ratio); variance.len()];
+        let constant =
+            |b: f64| vec![self.mean_response_noise(lines.clone(), b, max_ratio); variance.len()];
         let of = |b: &f64| {
             let response_noise = self
                 .response_noise
@@ -275,7 +281,7 @@ impl Estimated {
                 .map(|noise| &noise[lines.clone()]);
             let sum = match response_noise {
                 Some(noise) => deviance((noise, variance, power), *b, max_ratio),
-                None => deviance((&even(*b), variance, power), *b, max_ratio),
+                None => deviance((&constant(*b), variance, power), *b, max_ratio),
             };
             -0.5 * self.freedom() / self.alike * sum
         };
@@ -292,7 +298,7 @@ const FACTORS: usize = 256;
 /// response noise is then undetermined.
 ///
 /// The sum of logarithms is that of a product, kept as mantissas and exponents: a logarithm for
-/// each would be most of the work of an identification of many functions.
+/// each would be most of the work of an identification of many FRFs.
 fn deviance((response, variance, power): (&[f64], &[f64], &[f64]), b: f64, max_ratio: f64) -> f64 {
     if !response.iter().any(|a| *a > 0.0) {
         return 0.0;
@@ -403,8 +409,12 @@ mod tests {
         truth.iter().map(draw).collect()
     }
 
-    fn smoothed(variance: &[f64], values: &[Complex64], degrees_of_freedom: Option<f64>) -> Smooth {
-        let samples = Estimated {
+    fn smoothed(
+        variance: &[f64],
+        values: &[Complex64],
+        degrees_of_freedom: Option<f64>,
+    ) -> SmoothedVariance {
+        let samples = VarianceSamples {
             variance: variance.to_vec(),
             power: values.iter().map(Complex64::norm_sqr).collect(),
             degrees_of_freedom,
@@ -438,7 +448,7 @@ mod tests {
         let values = resonance(2.0);
         let truth: Vec<f64> = values.iter().map(|h| 1e-4 + 0.01 * h.norm_sqr()).collect();
         let exact = smoothed(&truth, &values, None);
-        assert!(exact.by_force[200] > 0.98 && exact.by_force[0] < 1e-2);
+        assert!(exact.force_fraction[200] > 0.98 && exact.force_fraction[0] < 1e-2);
         // Away from the resonance its skirt is too small to be estimated.
         for (k, (estimate, expected)) in exact.variance.iter().zip(&truth).enumerate() {
             let tolerance = if k.abs_diff(200) < 8 { 0.02 } else { 0.05 };
