@@ -1,5 +1,5 @@
-//! A circle fit laid open: circle, resonance and the whole damping surface of one resonance in one
-//! function.
+//! The circle fit of one resonance in one FRF gives its circle, its resonance point and its damping
+//! surface.
 
 use num_complex::Complex64;
 
@@ -21,21 +21,20 @@ pub struct CircleDetail {
     /// Lines above it.
     pub above: Vec<usize>,
     /// Damping ratio of every pair of a line below (row) and a line above (column); `None` where
-    /// the angle between them says nothing.
+    /// the angle between them determines no damping.
     pub damping: Vec<Vec<Option<f64>>>,
 }
 
-/// Largest angle from the resonance at which a line still tells damping, rad: at 180° the circle
-/// closes.
-const WIDEST: f64 = 0.95 * std::f64::consts::PI;
+/// Largest angle from the resonance at which a line still determines the damping, rad: at 180° the
+/// circle closes.
+const MAX_ANGLE_RAD: f64 = 0.95 * std::f64::consts::PI;
 
-/// Circle and damping surface through the receptances of a window from which all other modes were
-/// taken out.
+/// Circle and damping surface of the receptances in a window, with all other modes subtracted.
 ///
-/// `first` is the pole to start from, rad/s, as in the data. Of a line below the resonance at the
-/// angle `θ_a` and one above at `θ_b`, seen from the centre, the decay rate is `(ω_b −
-/// ω_a)/(tan(θ_b/2) − tan(θ_a/2))`; over the resonance's frequency that is a damping ratio. `None`
-/// where the points lie on no circle or the resonance is outside the window.
+/// `first` is the initial pole, rad/s, as in the data. A line below the resonance at the angle `θ_a`
+/// and one above at `θ_b`, seen from the centre, give the decay rate `(ω_b − ω_a)/(tan(θ_b/2) −
+/// tan(θ_a/2))`; divided by the frequency of the resonance it is a damping ratio. `None` where the
+/// points lie on no circle or the resonance is outside the window.
 ///
 /// # Reference
 /// Ewins (2000), Modal Testing, 2nd ed., section 4.3.
@@ -55,8 +54,8 @@ pub fn circle_detail(
         swept - sweep.residual(omega_rad_s[k], arms[k])
     };
     let angles: Vec<f64> = (0..values.len()).map(angle).collect();
-    let told = |k: &usize| angles[*k].abs() < WIDEST;
-    let lines = || (0..values.len()).filter(told);
+    let is_usable = |k: &usize| angles[*k].abs() < MAX_ANGLE_RAD;
+    let lines = || (0..values.len()).filter(is_usable);
     let below: Vec<usize> = lines()
         .filter(|k| omega_rad_s[*k] < sweep.omega && angles[*k] < 0.0)
         .collect();
@@ -91,13 +90,13 @@ mod tests {
         let omega: Vec<f64> = (-8..=8).map(|k| 100.0 + 0.2 * f64::from(k)).collect();
         let value = |w: &f64| Complex64::new(0.2, -3.0) / (Complex64::new(0.0, *w) - lambda);
         let values: Vec<Complex64> = omega.iter().map(value).collect();
-        let own = circle_detail(&omega, &values, Complex64::new(-1.0, 100.0)).unwrap();
-        assert!((own.omega_rad_s - lambda.im).abs() < 1e-8);
+        let detail = circle_detail(&omega, &values, Complex64::new(-1.0, 100.0)).unwrap();
+        assert!((detail.omega_rad_s - lambda.im).abs() < 1e-8);
         // The diameter is |A|/σ, and the resonance lies across the origin.
-        assert!((own.radius - 0.5 * Complex64::new(0.2, -3.0).norm() / 0.7).abs() < 1e-8);
-        assert!((own.resonance - 2.0 * own.center).norm() < 1e-8);
-        assert_eq!((own.below.len(), own.above.len()), (9, 8));
-        for ratio in own.damping.iter().flatten() {
+        assert!((detail.radius - 0.5 * Complex64::new(0.2, -3.0).norm() / 0.7).abs() < 1e-8);
+        assert!((detail.resonance - 2.0 * detail.center).norm() < 1e-8);
+        assert_eq!((detail.below.len(), detail.above.len()), (9, 8));
+        for ratio in detail.damping.iter().flatten() {
             assert!((ratio.unwrap() - 0.7 / 100.1).abs() < 1e-9);
         }
     }

@@ -1,5 +1,5 @@
-//! Circle fit: the Nyquist plot of one mode is a circle, swept at a rate that gives frequency and
-//! damping.
+//! The circle fit estimates frequency and damping from the rate at which frequency sweeps the
+//! Nyquist circle of one mode.
 //!
 //! The isolated receptance of a pole `λ = −σ + iω_d` is `A/(iω − λ)` on some constant: a circle of
 //! diameter `|A|/σ` on which the point at `ω` lies at the angle `θ` from the resonance, seen from
@@ -16,9 +16,9 @@
 //!    the largest sweep rate, which is the textbook's natural frequency, is where this curve is
 //!    steepest, found from all points instead of two.
 //! 3. Damping surface: every pair of a point below and one above the resonance gives `σ_ab = (ω_b −
-//!    ω_a)/(tan(θ_b/2) − tan(θ_a/2))`. The damping is their mean, weighted by what each pair knows
-//!    (`var σ_ab ∝ [(1+t_a²)² + (1+t_b²)²]/(t_b − t_a)²`), the quality figure their relative
-//!    standard deviation.
+//!    ω_a)/(tan(θ_b/2) − tan(θ_a/2))`. The damping is their mean, weighted by the inverse variance
+//!    of each pair (`var σ_ab ∝ [(1+t_a²)² + (1+t_b²)²]/(t_b − t_a)²`), the quality figure their
+//!    relative standard deviation.
 //!
 //! Functions are averaged with the weight diameter² over noise variance.
 //!
@@ -30,10 +30,10 @@ use num_complex::Complex64;
 
 use crate::linalg;
 
-use crate::identify::sdof::estimator::{Isolated, OwnFit, SingleModeFit, SingleModeMethod};
+use crate::identify::sdof::estimator::{FunctionFit, Isolated, SingleModeFit, SingleModeMethod};
 
-/// Gauss-Newton steps at most; three are enough from any start inside the half-power band.
-const STEPS: usize = 20;
+/// Maximum number of Gauss-Newton steps; three suffice from any pole inside the half-power band.
+const MAX_STEPS: usize = 20;
 
 /// Circle fit with the damping surface.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,7 +105,7 @@ pub(in crate::identify) fn circle_through(points: &[Complex64]) -> Option<Circle
 
 fn smallest_root(cubic: &[f64; 4]) -> f64 {
     let mut x = 0.0;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let value = cubic[0] + x * (cubic[1] + x * (cubic[2] + x * cubic[3]));
         let slope = cubic[1] + x * (2.0 * cubic[2] + x * 3.0 * cubic[3]);
         let next = x - value / slope;
@@ -117,8 +117,8 @@ fn smallest_root(cubic: &[f64; 4]) -> f64 {
     x
 }
 
-/// Least squares of the angles seen from the centre, from a first pole. `None` when it leaves the
-/// window, or a step has no accurate solution.
+/// Least squares of the angles seen from the centre, from an initial pole. `None` when the pole
+/// leaves the window, or a step has no accurate solution.
 pub(in crate::identify) fn fit_sweep(
     omega: &[f64],
     arms: &[Complex64],
@@ -129,9 +129,14 @@ pub(in crate::identify) fn fit_sweep(
         omega: first.im,
         decay: -first.re,
     };
-    let turned = |(w, arm): (&f64, &Complex64)| Complex64::cis(sweep.residual(*w, *arm));
-    sweep.phase = omega.iter().zip(arms).map(turned).sum::<Complex64>().arg();
-    for _ in 0..STEPS {
+    let unit_residual = |(w, arm): (&f64, &Complex64)| Complex64::cis(sweep.residual(*w, *arm));
+    sweep.phase = omega
+        .iter()
+        .zip(arms)
+        .map(unit_residual)
+        .sum::<Complex64>()
+        .arg();
+    for _ in 0..MAX_STEPS {
         let step = gauss_newton_step(omega, arms, &sweep)?;
         let small = step[1].abs() + step[2].abs() < 1e-12 * sweep.omega;
         sweep.phase += step[0];
@@ -166,17 +171,17 @@ fn damping_surface(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Option<(
         (*w, (0.5 * theta).tan(), theta)
     };
     let points: Vec<(f64, f64, f64)> = omega.iter().zip(arms).map(tangent).collect();
-    let legal = |p: &&(f64, f64, f64)| p.2.abs() < 0.95 * std::f64::consts::PI;
+    let is_usable = |p: &&(f64, f64, f64)| p.2.abs() < 0.95 * std::f64::consts::PI;
     let below = points
         .iter()
         .filter(|p| p.0 < sweep.omega && p.2 < 0.0)
-        .filter(legal);
+        .filter(is_usable);
     let (mut weights, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for a in below {
         for b in points
             .iter()
             .filter(|p| p.0 > sweep.omega && p.2 > 0.0)
-            .filter(legal)
+            .filter(is_usable)
         {
             let opening = b.1 - a.1;
             let decay = (b.0 - a.0) / opening;
@@ -196,15 +201,15 @@ fn damping_surface(omega: &[f64], arms: &[Complex64], sweep: &Sweep) -> Option<(
     })
 }
 
-fn own_fit(isolated: &Isolated, function: usize) -> Option<OwnFit> {
+fn fit_function(isolated: &Isolated, function: usize) -> Option<FunctionFit> {
     let values = &isolated.values[function];
     let circle = circle_through(values)?;
     let arms: Vec<Complex64> = values.iter().map(|p| p - circle.center).collect();
     let sweep = fit_sweep(isolated.omega, &arms, isolated.lambda)?;
     let (decay, spread) = damping_surface(isolated.omega, &arms, &sweep)?;
-    let off = |arm: &Complex64| (arm.norm() - circle.radius).powi(2);
-    let radial = arms.iter().map(off).sum::<f64>() / arms.len() as f64;
-    Some(OwnFit {
+    let radial_error = |arm: &Complex64| (arm.norm() - circle.radius).powi(2);
+    let radial = arms.iter().map(radial_error).sum::<f64>() / arms.len() as f64;
+    Some(FunctionFit {
         weight: circle.radius.powi(2) / (isolated.variance[function] + radial),
         lambda: Complex64::new(-decay, sweep.omega),
         spread,
@@ -221,7 +226,7 @@ impl SingleModeMethod for CircleFit {
     }
 
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit> {
-        SingleModeFit::of_functions(isolated, own_fit)
+        SingleModeFit::mean_over_functions(isolated, fit_function)
     }
 }
 
@@ -241,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_displaced_turned_circle_gives_its_pole_exactly() {
+    fn displaced_rotated_circle_gives_its_pole_exactly() {
         for step in [0.05, 0.2, 0.6] {
             let (omega, values) = resonance(step);
             let isolated = Isolated {

@@ -1,12 +1,12 @@
-//! The common run of the single-mode methods: search peaks, take each out of its surroundings, fit
-//! it alone, repeat.
+//! The estimator of the single-mode methods detects peaks, isolates each resonance, fits it, and
+//! repeats.
 //!
-//! A single-mode method sees one resonance in a window of lines. Neighbours tilt what it sees: of a
-//! mode ten half-power widths away, 5 % of the peak. The first look reads each pole off the
-//! measured indicator. Every pass then solves for the residues of all poles, subtracts from every
-//! function the contributions of all other modes and the conjugate of the mode's own, and fits
-//! again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4). A method
-//! brings no more than [`SingleModeMethod::fit`].
+//! A single-mode method fits one resonance in a window of frequency lines. Neighbouring modes bias
+//! the fit: a mode ten half-power bandwidths away contributes 5 % of the peak. The initial poles
+//! come from the peaks of the detection spectrum. Every pass solves for the residues of all poles,
+//! subtracts from every FRF the contributions of all other modes and the conjugate pole of the mode,
+//! and fits again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4).
+//! A method implements only [`SingleModeMethod::fit`].
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -28,19 +28,19 @@ use crate::identify::sdof::findings;
 use crate::identify::sdof::repeated_poles::PairTable;
 use crate::identify::sdof::weighted_mean::weighted_mean;
 
-/// Passes with the neighbours taken out.
-const PASSES: usize = 5;
-/// Half of the window for residues, in half-power widths: wide enough to tell the skirts from the
-/// constant.
-pub(in crate::identify) const RESIDUE_REACH: f64 = 2.5;
-/// Fewest lines on either side of the resonance for residues.
-pub(in crate::identify) const RESIDUE_SIDE: usize = 6;
+/// Fits of every resonance with the other modes subtracted.
+const REFINEMENT_PASSES: usize = 5;
+/// Half of the window for residues, in half-power bandwidths: wide enough to separate the skirts of
+/// the resonance from the constant.
+pub(in crate::identify) const RESIDUE_HALF_WINDOW_BANDWIDTHS: f64 = 2.5;
+/// Minimum number of lines on either side of the resonance for residues.
+pub(in crate::identify) const MIN_RESIDUE_SIDE_LINES: usize = 6;
 
-/// One resonance, alone, in a window of lines.
+/// One resonance in a window of lines, with the other modes subtracted.
 pub(in crate::identify) struct Isolated<'a> {
     /// Lines of the window, rad/s.
     pub omega: &'a [f64],
-    /// Receptance without what other poles put there, m/N, by function.
+    /// Receptance with the other modes subtracted, m/N, by function.
     pub values: Vec<Vec<Complex64>>,
     /// Noise variance of each function in the window, (m/N)².
     pub variance: Vec<f64>,
@@ -48,7 +48,7 @@ pub(in crate::identify) struct Isolated<'a> {
     pub lambda: Complex64,
 }
 
-/// What a method says of one resonance.
+/// Pole of one resonance with its standard deviations.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::identify) struct SingleModeFit {
     /// Pole as in the data, rad/s.
@@ -63,26 +63,26 @@ pub(in crate::identify) struct SingleModeFit {
     pub one_sided: bool,
 }
 
-/// What one function by itself says of a resonance.
-pub(in crate::identify) struct OwnFit {
-    /// Its say in the mean: power of the resonance over the noise.
+/// Pole of a resonance, estimated from one FRF.
+pub(in crate::identify) struct FunctionFit {
+    /// Weight in the mean over FRFs: power of the resonance over the noise variance.
     pub weight: f64,
     /// Pole as in the data, rad/s.
     pub lambda: Complex64,
-    /// What the function leaves of the method's own measure of a good fit.
+    /// Figure of merit of the method: relative scatter that the fit of this FRF does not explain.
     pub spread: f64,
 }
 
 impl SingleModeFit {
-    /// The weighted mean over the functions that could be fitted; `None` where none could.
-    pub fn of_functions(
+    /// Weighted mean over the FRFs that could be fitted; `None` where none could.
+    pub fn mean_over_functions(
         isolated: &Isolated,
-        own: fn(&Isolated, usize) -> Option<OwnFit>,
+        fit_one: fn(&Isolated, usize) -> Option<FunctionFit>,
     ) -> Option<Self> {
-        let fits: Vec<OwnFit> = (0..isolated.values.len())
-            .filter_map(|f| own(isolated, f))
+        let fits: Vec<FunctionFit> = (0..isolated.values.len())
+            .filter_map(|f| fit_one(isolated, f))
             .collect();
-        let mean = |value: fn(&OwnFit) -> f64| {
+        let mean = |value: fn(&FunctionFit) -> f64| {
             let pairs: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.weight, value(fit))).collect();
             weighted_mean(&pairs)
         };
@@ -97,13 +97,13 @@ impl SingleModeFit {
     }
 }
 
-/// A method that looks at one resonance at a time.
+/// A method that fits one resonance at a time.
 pub(in crate::identify) trait SingleModeMethod: Send + Sync {
     /// Its name.
     fn name(&self) -> &'static str;
-    /// Half of its window in half-power widths, and the fewest lines on either side.
+    /// Half of its window in half-power bandwidths, and the minimum number of lines on either side.
     fn window(&self) -> (f64, usize);
-    /// The pole of an isolated resonance; `None` when there is none to be seen.
+    /// The pole of an isolated resonance; `None` where the fit fails.
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit>;
 }
 
@@ -115,14 +115,14 @@ pub(in crate::identify) struct SingleModeEstimator<M> {
     pub options: MethodOptions,
 }
 
-/// One mode on its way through the passes.
+/// One resonance during the refinement passes.
 #[derive(Clone, Debug)]
 pub(in crate::identify) struct Resonance {
-    /// The pole of the first look, rad/s.
-    pub first: Complex64,
-    /// The pole now, rad/s.
+    /// The pole read from the peak, rad/s.
+    pub initial: Complex64,
+    /// The current pole, rad/s.
     pub lambda: Complex64,
-    /// What the method said last.
+    /// The latest fit of the method.
     pub fit: Option<SingleModeFit>,
     /// Lines for residues and checks.
     pub lines: Range<usize>,
@@ -139,7 +139,8 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
         let mut found =
             peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
         let (resonances, residues) = loop {
-            let (resonances, residues) = self.passes(&data, first_look(&data, &indicator, &found));
+            let (resonances, residues) =
+                self.run_passes(&data, initial_resonances(&data, &indicator, &found));
             let fitted = |mode: usize| resonances[mode].fit.is_some();
             if !peak_detection::drop_humps(&mut found, (&data, &indicator), fitted) {
                 break (resonances, residues);
@@ -158,7 +159,7 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
             resonances: &resonances,
             verdicts: &verdicts,
         };
-        let modes = strongest(&found, self.options.max_modes);
+        let modes = strongest_modes(&found, self.options.max_modes);
         let findings = findings::findings(&context, &modes);
         let candidate = |mode: &usize| candidate(&resonances[*mode], &verdicts[*mode]);
         let candidates = modes.iter().map(candidate).collect();
@@ -171,19 +172,19 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
 }
 
 impl<M: SingleModeMethod> SingleModeEstimator<M> {
-    fn passes(
+    fn run_passes(
         &self,
         data: &Receptances,
         mut resonances: Vec<Resonance>,
     ) -> (Vec<Resonance>, Vec<Vec<Complex64>>) {
-        for _ in 0..PASSES {
-            let (poles, residues) = solve(data, &mut resonances);
+        for _ in 0..REFINEMENT_PASSES {
+            let (poles, residues) = update_residues(data, &mut resonances);
             resonances = (0..resonances.len())
                 .into_par_iter()
                 .map(|j| self.refit(data, (&poles, &residues), &resonances, j))
                 .collect();
         }
-        let (_, residues) = solve(data, &mut resonances);
+        let (_, residues) = update_residues(data, &mut resonances);
         (resonances, residues)
     }
 
@@ -204,11 +205,11 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
                 .collect(),
             lambda: resonance.lambda,
         };
-        let first: Vec<Complex64> = resonances.iter().map(|r| r.first).collect();
+        let initial: Vec<Complex64> = resonances.iter().map(|r| r.initial).collect();
         resonance.fit = self
             .method
             .fit(&isolated)
-            .filter(|fit| plausible(&first, mode, data.step, fit));
+            .filter(|fit| plausible(&initial, mode, data.step, fit));
         if let Some(fit) = resonance.fit {
             resonance.lambda = fit.lambda;
         }
@@ -216,48 +217,53 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
     }
 }
 
-/// A fit must stay at its peak: within the half-power band of the first look, nearer to it than to
-/// any other peak, and within a factor of five in damping.
-fn plausible(first: &[Complex64], mode: usize, step: f64, fit: &SingleModeFit) -> bool {
-    let own = first[mode];
-    let shift = (fit.lambda.im - own.im).abs();
-    let others = first.iter().enumerate().filter(|(j, _)| *j != mode);
-    let gaps = others.map(|(_, other)| 0.45 * (other.im - own.im).abs());
-    let ratio = fit.lambda.re / own.re;
-    shift <= gaps.fold(own.re.abs() + step, f64::min) && ratio > 0.2 && ratio < 5.0
+/// Whether a fit stays at its peak: within the half-power band of the initial pole, nearer to it
+/// than to any other peak, and within a factor of five in damping.
+fn plausible(initial_poles: &[Complex64], mode: usize, step: f64, fit: &SingleModeFit) -> bool {
+    let initial_pole = initial_poles[mode];
+    let shift = (fit.lambda.im - initial_pole.im).abs();
+    let others = initial_poles.iter().enumerate().filter(|(j, _)| *j != mode);
+    let gaps = others.map(|(_, other)| 0.45 * (other.im - initial_pole.im).abs());
+    let ratio = fit.lambda.re / initial_pole.re;
+    shift <= gaps.fold(initial_pole.re.abs() + step, f64::min) && ratio > 0.2 && ratio < 5.0
 }
 
-fn solve(
+fn update_residues(
     data: &Receptances,
     resonances: &mut [Resonance],
 ) -> (Vec<Complex64>, Vec<Vec<Complex64>>) {
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
     for (j, resonance) in resonances.iter_mut().enumerate() {
-        resonance.lines = window(data, &poles, j, (RESIDUE_REACH, RESIDUE_SIDE));
+        resonance.lines = window(
+            data,
+            &poles,
+            j,
+            (RESIDUE_HALF_WINDOW_BANDWIDTHS, MIN_RESIDUE_SIDE_LINES),
+        );
     }
     let windows: Vec<Range<usize>> = resonances.iter().map(|r| r.lines.clone()).collect();
     let residues = residues::residues(data, &poles, &windows);
     (poles, residues)
 }
 
-/// The modes to report, by number: those of the highest peaks when there is a most.
-fn strongest(found: &Found, most: Option<usize>) -> Vec<usize> {
+/// Indices of the modes to report: those of the highest peaks when their number is limited.
+fn strongest_modes(found: &Found, max_modes: Option<usize>) -> Vec<usize> {
     let power = |mode: &usize| found.peaks[*mode].power;
     let mut modes: Vec<usize> = (0..found.peaks.len()).collect();
-    if let Some(most) = most {
+    if let Some(max_modes) = max_modes {
         modes.sort_by(|a, b| power(b).total_cmp(&power(a)));
-        modes.truncate(most);
+        modes.truncate(max_modes);
         modes.sort_unstable();
     }
     modes
 }
 
-fn first_look(data: &Receptances, indicator: &Indicator, found: &Found) -> Vec<Resonance> {
+fn initial_resonances(data: &Receptances, indicator: &Indicator, found: &Found) -> Vec<Resonance> {
     let resonance = |peak: &Peak| {
-        let first = peak_detection::first_pole(data, indicator, found, peak);
+        let initial = peak_detection::first_pole(data, indicator, found, peak);
         Resonance {
-            first,
-            lambda: first,
+            initial,
+            lambda: initial,
             fit: None,
             lines: 0..0,
         }
@@ -265,27 +271,27 @@ fn first_look(data: &Receptances, indicator: &Indicator, found: &Found) -> Vec<R
     found.peaks.iter().map(resonance).collect()
 }
 
-/// Lines around a mode: some half-power widths on either side, but not past the middle to a
-/// neighbour; never fewer than a count on either side, except at the ends of the band, where the
-/// other side is given them.
+/// Lines around a mode: some half-power bandwidths on either side, but not past the middle to a
+/// neighbour. Either side has a minimum number of lines; at an end of the band the other side makes
+/// up for the missing ones.
 fn window(
     data: &Receptances,
     poles: &[Complex64],
     mode: usize,
-    (reach, fewest): (f64, usize),
+    (half_width, min_side_lines): (f64, usize),
 ) -> Range<usize> {
     let lambda = poles[mode];
     let others = poles.iter().enumerate().filter(|(j, _)| *j != mode);
     let gap = |(_, other): (usize, &Complex64)| 0.5 * (other.im - lambda.im).abs();
-    let reach = others
+    let half_width = others
         .map(gap)
-        .fold(reach * 2.0 * lambda.re.abs(), f64::min);
-    let side = ((reach / data.step).ceil() as usize).max(fewest);
+        .fold(half_width * 2.0 * lambda.re.abs(), f64::min);
+    let side = ((half_width / data.step).ceil() as usize).max(min_side_lines);
     let top = ((lambda.im - data.omega[0]) / data.step).round().max(0.0) as usize;
     let top = top.min(data.lines() - 1);
     let start = top.saturating_sub(side);
     let end = (top + side + 1).min(data.lines());
-    let missing = (2 * fewest + 1).saturating_sub(end - start);
+    let missing = (2 * min_side_lines + 1).saturating_sub(end - start);
     let end = if start == 0 {
         (end + missing).min(data.lines())
     } else {
@@ -294,7 +300,7 @@ fn window(
     start.saturating_sub(if start > 0 { missing } else { 0 })..end
 }
 
-fn candidate(resonance: &Resonance, verdict: &findings::Verdict) -> Candidate {
+fn candidate(resonance: &Resonance, verdict: &findings::SdofVerdict) -> Candidate {
     let norm = resonance.lambda.norm();
     let fit = resonance.fit;
     let hz = |rad_s: f64| rad_s / std::f64::consts::TAU;

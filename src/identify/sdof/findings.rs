@@ -1,5 +1,4 @@
-//! What a single-mode result must say about itself: one finding per weakness, with the value and
-//! the limit it met.
+//! Findings of the single-mode methods report every weakness of a mode with its value and limit.
 
 use std::f64::consts::TAU;
 
@@ -15,39 +14,39 @@ use crate::identify::data::peak_detection::{self, Drop, Found, Peak};
 use crate::identify::error::IdentifyError;
 use crate::identify::fit::residues;
 use crate::identify::sdof::estimator::Resonance;
-use crate::identify::sdof::repeated_poles::{self, Judgement, PairTable, Surroundings};
+use crate::identify::sdof::repeated_poles::{self, IsolatedLines, PairTable, ShapeCount};
 use crate::identify::sdof::single_mode_test::{self, Excess};
 
-/// Lines across a half-power band that damping needs.
-const FEWEST_LINES: f64 = 5.0;
-/// Time constants that a record should hold.
-const FEWEST_TIME_CONSTANTS: f64 = 6.0;
+/// Minimum number of lines in a half-power band for an estimate of damping.
+const MIN_LINES_PER_BANDWIDTH: f64 = 5.0;
+/// Minimum length of a record in time constants of a mode.
+const MIN_TIME_CONSTANTS: f64 = 6.0;
 /// Bias of damping by leakage, over damping, above which it is reported: a resonance of 4 lines
 /// under a Hann window. At 5 % resonances of the 5 lines that peak-picking needs would be reported;
 /// at 30 % the bias of a bridge of 2 lines would not.
 pub(in crate::identify) const MAX_LEAKAGE_BIAS: f64 = 0.1;
-/// Relative standard deviation of a flat damping surface (Ewins 2000, section 4.3: 4 to 5 % is a
-/// good one).
-const MOST_SPREAD: f64 = 0.05;
-/// Half-power widths between two visible peaks below which both are contaminated.
-const NEAREST: f64 = 3.0;
+/// Maximum relative standard deviation of a damping surface (Ewins 2000, section 4.3: 4 to 5 % is
+/// good).
+const MAX_DAMPING_SPREAD: f64 = 0.05;
+/// Minimum separation of two visible peaks in half-power bandwidths; closer ones bias each other.
+const MIN_SEPARATION_BANDWIDTHS: f64 = 3.0;
 
-/// All that the findings are made from.
+/// Data, peaks, fits and verdicts that the findings report on.
 pub(in crate::identify) struct Context<'a> {
-    /// The set as it came.
+    /// The FRFs as given.
     pub set: &'a FrfSet,
-    /// Its receptances in the band.
+    /// Their receptances in the band.
     pub data: &'a Receptances,
-    /// Result of the search.
+    /// Detected peaks.
     pub found: &'a Found,
     /// Fitted modes in ascending frequency.
     pub resonances: &'a [Resonance],
-    /// What the close-mode tests say of each.
-    pub verdicts: &'a [Verdict],
+    /// Results of the close-mode tests by mode.
+    pub verdicts: &'a [SdofVerdict],
 }
 
-/// Whether one pole is enough under a peak, and the residues that go with the answer.
-pub(in crate::identify) struct Verdict {
+/// Whether one pole explains a peak, and the residues that follow.
+pub(in crate::identify) struct SdofVerdict {
     /// The first test that failed.
     pub excess: Option<Excess>,
     /// Modes that share the pole.
@@ -56,10 +55,10 @@ pub(in crate::identify) struct Verdict {
     pub residues: Vec<Complex64>,
 }
 
-/// Tests every mode for a second pole under its peak (a visible neighbour, functions that disagree
-/// on the frequency, a frequency dependence of more than one pole), then for several shapes with
-/// one pole. Above a highest frequency, where the anti-alias filter falls off, shapes are not
-/// counted: what is cut off its ringing has many.
+/// Tests every mode for a second pole under its peak (a visible neighbour, FRFs that disagree on the
+/// frequency, a frequency dependence of more than one pole), then for several shapes with one pole.
+/// Above a highest frequency, where the anti-alias filter falls off, shapes are not counted: its
+/// truncated ringing would show many.
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
@@ -68,49 +67,54 @@ pub(in crate::identify) fn verdicts(
     found: &Found,
     (resonances, residues): (&[Resonance], &[Vec<Complex64>]),
     (table, highest_rad_s): (Option<&PairTable>, f64),
-) -> Result<Vec<Verdict>, IdentifyError> {
+) -> Result<Vec<SdofVerdict>, IdentifyError> {
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
     let verdict = |mode: usize| {
-        let own = &residues[mode];
+        let mode_residues = &residues[mode];
         let neighbour = nearest(data, found, resonances, mode);
         if neighbour.is_some() {
-            return Ok(Verdict {
+            return Ok(SdofVerdict {
                 excess: neighbour,
                 multiplicity: 1,
-                residues: own.clone(),
+                residues: mode_residues.clone(),
             });
         }
         let lines = resonances[mode].lines.clone();
-        let rest = residues::remainder(data, &poles, residues, (&[mode], lines.clone()));
+        let isolated = residues::remainder(data, &poles, residues, (&[mode], lines.clone()));
         let functions = 0..data.functions();
         let variance: Vec<f64> = functions
             .map(|f| data.mean_variance(f, lines.clone()))
             .collect();
-        let shape = single_mode_test::second_shape(&rest, &variance)?;
-        let pole = single_mode_test::second_pole(data, &resonances[mode], own, (&rest, &variance));
+        let shape = single_mode_test::second_shape(&isolated, &variance)?;
+        let pole = single_mode_test::second_pole(
+            data,
+            &resonances[mode],
+            mode_residues,
+            (&isolated, &variance),
+        );
         let residues = match shape {
-            Some(_) => residues::with_own_frequencies(data, poles[mode], (&rest, lines)),
-            None => own.clone(),
+            Some(_) => residues::with_own_frequencies(data, poles[mode], (&isolated, lines)),
+            None => mode_residues.clone(),
         };
         let table = table.filter(|_| poles[mode].im <= highest_rad_s);
         let judgement = match (table, shape.or(pole)) {
-            (_, Some(excess)) => Judgement::Apart(excess),
-            (None, None) => Judgement::OnePole(1),
+            (_, Some(excess)) => ShapeCount::SeparatePoles(excess),
+            (None, None) => ShapeCount::OnePole(1),
             (Some(table), None) => {
-                let around = Surroundings {
+                let lines = IsolatedLines {
                     omega: &data.omega[resonances[mode].lines.clone()],
                     lambda: poles[mode],
-                    rest: &rest,
+                    values: &isolated,
                     variance: data.variance_measured().then_some(&variance),
                 };
-                repeated_poles::judge(table, &around)?
+                repeated_poles::count_shapes(table, &lines)?
             }
         };
         let (excess, multiplicity) = match judgement {
-            Judgement::Apart(excess) => (Some(excess), 1),
-            Judgement::OnePole(multiplicity) => (None, multiplicity),
+            ShapeCount::SeparatePoles(excess) => (Some(excess), 1),
+            ShapeCount::OnePole(multiplicity) => (None, multiplicity),
         };
-        Ok(Verdict {
+        Ok(SdofVerdict {
             excess,
             multiplicity,
             residues,
@@ -119,16 +123,16 @@ pub(in crate::identify) fn verdicts(
     (0..resonances.len()).into_par_iter().map(verdict).collect()
 }
 
-/// Findings of some modes, by number, in order of frequency, then the dropped peaks.
+/// Findings of some modes, in order of frequency, then those of the rejected peaks.
 pub(in crate::identify) fn findings(context: &Context, modes: &[usize]) -> Vec<Finding> {
-    let modes = modes.iter().flat_map(|mode| of_one_mode(context, *mode));
+    let modes = modes.iter().flat_map(|mode| mode_findings(context, *mode));
     let mut findings: Vec<Finding> = modes.collect();
     let dropped = context.found.dropped.iter();
     findings.extend(dropped.map(|(peak, drop)| dropped_peak(context.data, peak, drop)));
     findings
 }
 
-/// The finding of a maximum that was not followed.
+/// The finding of a rejected peak.
 pub(in crate::identify) fn dropped_peak(data: &Receptances, peak: &Peak, drop: &Drop) -> Finding {
     let (value, limit) = match drop {
         Drop::NotHighest(ratio) => (*ratio, 2.0),
@@ -141,7 +145,7 @@ pub(in crate::identify) fn dropped_peak(data: &Receptances, peak: &Peak, drop: &
         .limit(limit)
 }
 
-/// The row that a finding belongs to: the mode's frequency without the window's damping.
+/// Location of a finding: the frequency of the mode without the damping of the window.
 fn place(context: &Context, resonance: &Resonance) -> Place {
     let pole = Pole {
         lambda: resonance.lambda,
@@ -150,7 +154,7 @@ fn place(context: &Context, resonance: &Resonance) -> Place {
     Place::Mode(pole.natural_frequency_hz())
 }
 
-fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
+fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
     let resonance = &context.resonances[mode];
     let decay = -resonance.lambda.re;
     let (data, place) = (context.data, place(context, resonance));
@@ -176,8 +180,8 @@ fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
         ));
     }
     let lines = 2.0 * decay / data.step;
-    if lines < FEWEST_LINES {
-        findings.push(warning(Code::FewLines, lines, "", FEWEST_LINES));
+    if lines < MIN_LINES_PER_BANDWIDTH {
+        findings.push(warning(Code::FewLines, lines, "", MIN_LINES_PER_BANDWIDTH));
     }
     if resonance.fit.is_some_and(|fit| fit.one_sided) {
         findings.push(Finding::new(
@@ -189,16 +193,16 @@ fn of_one_mode(context: &Context, mode: usize) -> Vec<Finding> {
     if let Some(spread) = resonance
         .fit
         .and_then(|fit| fit.spread)
-        .filter(|s| *s > MOST_SPREAD)
+        .filter(|s| *s > MAX_DAMPING_SPREAD)
     {
-        findings.push(warning(Code::DampingSpread, spread, "", MOST_SPREAD));
+        findings.push(warning(Code::DampingSpread, spread, "", MAX_DAMPING_SPREAD));
     }
     findings.extend(reach(context.set, data, resonance.lambda, &place));
     findings
 }
 
-/// Findings of a pole whose record is short of time constants, or whose half-power width reaches
-/// the end of the lines.
+/// Findings of a pole whose record is too short, or whose half-power band reaches an end of the
+/// band.
 pub(in crate::identify) fn reach(
     set: &FrfSet,
     data: &Receptances,
@@ -212,8 +216,8 @@ pub(in crate::identify) fn reach(
             .limit(limit)
     };
     let constants = set.record_duration_s.map(|duration| decay * duration);
-    if let Some(constants) = constants.filter(|n| *n < FEWEST_TIME_CONSTANTS) {
-        let limit = FEWEST_TIME_CONSTANTS;
+    if let Some(constants) = constants.filter(|n| *n < MIN_TIME_CONSTANTS) {
+        let limit = MIN_TIME_CONSTANTS;
         findings.push(warning(Code::FewTimeConstants, constants, "", limit));
     }
     findings.extend(leakage(data, lambda, place));
@@ -226,7 +230,7 @@ pub(in crate::identify) fn reach(
     findings
 }
 
-/// The finding of a resonance so narrow that leakage would raise its damping, where that was not
+/// The finding of a resonance so narrow that leakage biases its damping, where the leakage was not
 /// corrected and the data do not contradict it.
 fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
     let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
@@ -244,7 +248,7 @@ fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Findi
     })
 }
 
-/// The finding of damping that a stated exponential window added at a rate that is not stated.
+/// The finding of a stated exponential window whose added damping is not specified.
 pub(in crate::identify) fn window_decay(set: &FrfSet) -> Option<Finding> {
     let mut windows = set.window.iter().chain(&set.mixed_windows);
     let is_unknown =
@@ -253,26 +257,26 @@ pub(in crate::identify) fn window_decay(set: &FrfSet) -> Option<Finding> {
     is_unknown.then(|| Finding::new(Severity::Warning, code, Place::Whole))
 }
 
-/// Distance to the nearest other visible peak, dropped ones included, in half-power widths of the
-/// mode, when it is too small.
+/// Separation from the nearest other visible peak, rejected ones included, in half-power bandwidths
+/// of the mode, where it is too small.
 fn nearest(
     data: &Receptances,
     found: &Found,
     resonances: &[Resonance],
     mode: usize,
 ) -> Option<Excess> {
-    let own = resonances[mode].lambda;
+    let lambda = resonances[mode].lambda;
     let others = resonances.iter().enumerate().filter(|(j, _)| *j != mode);
     let dropped = found.dropped.iter();
     others
         .map(|(_, other)| other.lambda.im)
         .chain(dropped.map(|(peak, _)| data.omega[peak.line]))
-        .map(|omega| (omega - own.im).abs() / (2.0 * own.re.abs()))
+        .map(|omega| (omega - lambda.im).abs() / (2.0 * lambda.re.abs()))
         .min_by(f64::total_cmp)
-        .filter(|widths| *widths < NEAREST)
+        .filter(|widths| *widths < MIN_SEPARATION_BANDWIDTHS)
         .map(|widths| Excess {
             value: widths,
-            limit: NEAREST,
+            limit: MIN_SEPARATION_BANDWIDTHS,
         })
 }
 
@@ -282,7 +286,7 @@ mod tests {
     use crate::identify::synthetic::{Measurement, Structure};
 
     #[test]
-    fn a_peak_without_a_fit_is_told() {
+    fn peak_without_a_fit_is_reported() {
         let axis = crate::axis::FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.1,
@@ -299,12 +303,12 @@ mod tests {
             data: &Receptances::new(&set, band).unwrap(),
             found: &Found::default(),
             resonances: &[Resonance {
-                first: lambda,
+                initial: lambda,
                 lambda,
                 fit: None,
                 lines: 500..700,
             }],
-            verdicts: &[Verdict {
+            verdicts: &[SdofVerdict {
                 excess: None,
                 multiplicity: 1,
                 residues: vec![Complex64::ONE],

@@ -1,5 +1,5 @@
-//! Line fit: the inverse of a difference of receptances is a straight line in frequency, and its
-//! slope is another.
+//! The line fit estimates a pole from two straight lines: the inverse of a difference of receptances
+//! over frequency, and the slope of that line over the reference frequency.
 //!
 //! Around one pole `λ` the isolated receptance is `P(ω) = A/(iω − λ) + c`. The constant falls out
 //! of a difference from a fixed frequency Ω, and
@@ -13,34 +13,34 @@
 //! more.
 //!
 //! Noise of variance v on P puts `|ω − Ω|² · 2v/|P(ω) − P(Ω)|⁴` on Δ: the weights. They leave out,
-//! in effect, lines far from the resonance and differences between points that lie together on the
-//! circle, the short arcs on which the method breaks down. Functions are averaged with the weight
-//! power over variance; how far their second lines are from straight is the figure of merit.
+//! in effect, lines far from the resonance and differences between neighbouring points of the
+//! circle, the short arcs on which the method breaks down. FRFs are averaged with the weight power
+//! over variance; the relative residual of their second lines is the figure of merit.
 //!
 //! Reference: Dobson (1987), A straight-line technique for extracting modal properties from
 //! frequency response data, MSSP 1(1); Ewins (2000), Modal Testing, 2nd ed., chapter 4.
 
 use num_complex::Complex64;
 
-use crate::identify::sdof::estimator::{Isolated, OwnFit, SingleModeFit, SingleModeMethod};
+use crate::identify::sdof::estimator::{FunctionFit, Isolated, SingleModeFit, SingleModeMethod};
 
 /// Line fit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::identify) struct LineFit;
 
-/// A straight line `a + b x` through weighted points, with what it leaves of their scatter.
+/// A straight line `a + b x` through weighted points, with its relative residual.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     a: Complex64,
     b: Complex64,
     /// Weight of the slope: its inverse variance for weights that are inverse variances.
     precision: f64,
-    /// Root of the mean square of what is left over, relative to that of the values.
-    left_over: f64,
+    /// Root mean square residual over the root mean square value.
+    relative_residual: f64,
 }
 
-/// Weighted least squares of a straight line; `None` for fewer than three points or all at one
-/// place.
+/// Weighted least squares of a straight line; `None` for fewer than three points or where all have
+/// the same abscissa.
 fn straight_line(points: &[(f64, Complex64, f64)]) -> Option<Line> {
     let weights: f64 = points.iter().map(|p| p.2).sum();
     let mean_x = points.iter().map(|p| p.2 * p.0).sum::<f64>() / weights;
@@ -52,18 +52,18 @@ fn straight_line(points: &[(f64, Complex64, f64)]) -> Option<Line> {
     let slope = |p: &(f64, Complex64, f64)| p.2 * (p.0 - mean_x) * (p.1 - mean);
     let b = points.iter().map(slope).sum::<Complex64>() / precision;
     let a = mean - b * mean_x;
-    let left = |p: &(f64, Complex64, f64)| p.2 * (p.1 - a - b * p.0).norm_sqr();
+    let residual_power = |p: &(f64, Complex64, f64)| p.2 * (p.1 - a - b * p.0).norm_sqr();
     let power: f64 = points.iter().map(|p| p.2 * p.1.norm_sqr()).sum();
-    let left_over = (points.iter().map(left).sum::<f64>() / power).sqrt();
+    let relative_residual = (points.iter().map(residual_power).sum::<f64>() / power).sqrt();
     Some(Line {
         a,
         b,
         precision,
-        left_over,
+        relative_residual,
     })
 }
 
-fn own_fit(isolated: &Isolated, function: usize) -> Option<OwnFit> {
+fn fit_function(isolated: &Isolated, function: usize) -> Option<FunctionFit> {
     let values = &isolated.values[function];
     // Frequencies from the pole of the pass before, in its decay rates, keep the numbers near 1.
     let (center, scale) = (isolated.lambda.im, isolated.lambda.re.abs());
@@ -93,10 +93,10 @@ fn own_fit(isolated: &Isolated, function: usize) -> Option<OwnFit> {
     let inside = lambda.re < 0.0
         && lambda.im > isolated.omega[0]
         && lambda.im < isolated.omega[isolated.omega.len() - 1];
-    (inside && lambda.is_finite() && power.is_finite()).then(|| OwnFit {
+    (inside && lambda.is_finite() && power.is_finite()).then(|| FunctionFit {
         weight: power / isolated.variance[function],
         lambda,
-        spread: line.left_over,
+        spread: line.relative_residual,
     })
 }
 
@@ -110,7 +110,7 @@ impl SingleModeMethod for LineFit {
     }
 
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit> {
-        SingleModeFit::of_functions(isolated, own_fit)
+        SingleModeFit::mean_over_functions(isolated, fit_function)
     }
 }
 
@@ -119,7 +119,7 @@ mod tests {
     use crate::identify::sdof::line_fit::*;
     use crate::identify::synthetic::white_noise;
 
-    /// Six functions with noise of a deviation and of seeds from one on.
+    /// Six FRFs with noise of a standard deviation; the noise of each has its seed, from `seed` up.
     fn isolated(omega: &[f64], noise: f64, seed: u64) -> Isolated<'_> {
         let lambda = Complex64::new(-0.7, 100.2);
         let value = |(w, z): (&f64, Complex64)| {
@@ -127,20 +127,20 @@ mod tests {
                 + Complex64::new(5.0, 1.0)
                 + z
         };
-        let of = |seed: u64| {
+        let function = |seed: u64| {
             let noise = white_noise(omega.len(), noise * noise, seed);
             omega.iter().zip(noise).map(value).collect()
         };
         Isolated {
             omega,
-            values: (seed..seed + 6).map(of).collect(),
+            values: (seed..seed + 6).map(function).collect(),
             variance: vec![1e-12_f64.max(noise * noise); 6],
             lambda: Complex64::new(-1.0, 100.0),
         }
     }
 
     #[test]
-    fn two_straight_lines_give_the_pole_of_a_displaced_turned_circle() {
+    fn two_straight_lines_give_the_pole_of_a_displaced_rotated_circle() {
         for step in [0.05, 0.2, 0.6] {
             let omega: Vec<f64> = (-8..=8).map(|k| 100.0 + step * f64::from(k)).collect();
             let fit = LineFit.fit(&isolated(&omega, 0.0, 0)).unwrap();
@@ -150,24 +150,24 @@ mod tests {
     }
 
     #[test]
-    fn noise_moves_the_pole_by_its_stated_deviation() {
-        // A hundredth of the diameter at 19 lines: the deviation is a few thousandths of the decay
-        // rate.
+    fn pole_error_by_noise_matches_its_standard_deviation() {
+        // A hundredth of the diameter at 19 lines: the standard deviation is a few thousandths of
+        // the decay rate.
         let omega: Vec<f64> = (-9..=9).map(|k| 100.2 + 0.15 * f64::from(k)).collect();
-        let (mut of_decay, mut of_frequency) = (Vec::new(), Vec::new());
+        let (mut decay_ratios, mut frequency_ratios) = (Vec::new(), Vec::new());
         for draw in 0..400 {
             let fit = LineFit.fit(&isolated(&omega, 0.04, 6 * draw)).unwrap();
             let error = fit.lambda - Complex64::new(-0.7, 100.2);
             assert!(error.norm() < 0.03 * 0.7, "{error}");
-            of_decay.push(error.re.abs() / fit.decay_std_rad_s.unwrap());
-            of_frequency.push(error.im.abs() / fit.omega_std_rad_s.unwrap());
+            decay_ratios.push(error.re.abs() / fit.decay_std_rad_s.unwrap());
+            frequency_ratios.push(error.im.abs() / fit.omega_std_rad_s.unwrap());
         }
         // The scatter of six functions leaves five degrees of freedom: the median magnitude of
-        // Student's t is 0.727, and its deviation among 400 is 1/(2 · 0.56 · 20) = 0.045, of which
-        // three and a half are allowed.
-        for mut own in [of_decay, of_frequency] {
-            own.sort_by(f64::total_cmp);
-            assert!((0.57..0.88).contains(&own[200]), "{}", own[200]);
+        // Student's t is 0.727, and its standard deviation among 400 is 1/(2 · 0.56 · 20) = 0.045;
+        // three and a half of these are allowed.
+        for mut ratios in [decay_ratios, frequency_ratios] {
+            ratios.sort_by(f64::total_cmp);
+            assert!((0.57..0.88).contains(&ratios[200]), "{}", ratios[200]);
         }
     }
 

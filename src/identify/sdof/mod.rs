@@ -1,7 +1,7 @@
 //! Single-degree-of-freedom methods: peak-picking, circle fit, line fit, one resonance at a time.
 //!
 //! A peak of the detection spectrum gives initial values; each method refines them and states its
-//! scatter over FRFs. This room knows no model order and nothing of the multi-degree-of-freedom
+//! scatter over FRFs. These methods have no model order and use none of the multi-degree-of-freedom
 //! methods.
 //!
 //! Terms: *half-power points*, the frequencies at which the power is half of that of the peak;

@@ -1,4 +1,5 @@
-//! Peak-picking: frequency from the top of the resonance, damping from its half-power points.
+//! Peak-picking estimates frequency from the top of a resonance and damping from its half-power
+//! points.
 //!
 //! Around one pole `λ = −σ + iω_d` the isolated receptance is `A/(iω − λ)`, so that the inverse of
 //! the power of any number of functions is a parabola in frequency, exactly: `1/Σ w_f|P_f|² = c [(ω
@@ -7,10 +8,9 @@
 //! interpolated on it between the two lines that enclose it, linearly in `(ω − ω_d)²`, which is
 //! exact too: no bias from the line spacing, however coarse.
 //!
-//! The estimate is made on the weighted sum over functions; the scatter of the functions' own
-//! estimates gives its standard deviation. (Averaging the functions' own estimates by peak energy
-//! instead changes nothing that can be measured, except that functions near a node, with no peak of
-//! their own, must then be left out.)
+//! The estimate is made on the weighted sum over FRFs; the scatter of the estimates from single FRFs
+//! gives its standard deviation. (Averaging the estimates from single FRFs by peak energy has the
+//! same accuracy, but must leave out FRFs near a node, which have no peak.)
 //!
 //! Reference: Ewins (2000), Modal Testing, 2nd ed., section 4.2.
 
@@ -22,15 +22,16 @@ use crate::linalg;
 
 use crate::identify::fit::residues::one_pole;
 use crate::identify::sdof::estimator::{
-    Isolated, RESIDUE_REACH, RESIDUE_SIDE, SingleModeFit, SingleModeMethod,
+    Isolated, MIN_RESIDUE_SIDE_LINES, RESIDUE_HALF_WINDOW_BANDWIDTHS, SingleModeFit,
+    SingleModeMethod,
 };
 use crate::identify::sdof::weighted_mean::weighted_mean;
 
-/// Lines within this share of the peak's power shape its top.
-const TOP_SHARE: f64 = 0.6;
+/// Minimum power, relative to the peak, of the lines that the parabola is fitted to.
+const MIN_TOP_POWER_RATIO: f64 = 0.6;
 
-/// Turns between the constants and the pole; each halves what is left, or better.
-const TURNS: usize = 10;
+/// Alternations between the constants and the pole; each at least halves the remaining error.
+const ALTERNATIONS: usize = 10;
 
 /// Peak-picking with half-power damping.
 #[derive(Clone, Copy, Debug, Default)]
@@ -97,10 +98,10 @@ struct Vertex {
     inverse: f64,
 }
 
-/// Lowest point of a parabola through the inverse power of the lines around the top; through three
-/// lines, between which it cannot but lie, where the wider one has none inside its own lines.
+/// Lowest point of a parabola through the inverse power of the lines around the top. Where the
+/// vertex lies outside these lines, the parabola passes through three lines, which enclose it.
 fn vertex(omega: &[f64], power: &[f64], top: usize) -> Option<Vertex> {
-    let near = |line: &usize| power[*line] >= TOP_SHARE * power[top];
+    let near = |line: &usize| power[*line] >= MIN_TOP_POWER_RATIO * power[top];
     let left = (0..top).rev().take_while(near).count();
     let right = (top + 1..power.len()).take_while(near).count();
     if top == 0 || top + 1 >= power.len() {
@@ -111,8 +112,8 @@ fn vertex(omega: &[f64], power: &[f64], top: usize) -> Option<Vertex> {
         .or_else(|| vertex_of(omega, power, (top, top - 1..top + 2)))
 }
 
-/// Weighted least squares of the parabola. Noise of the power grows with its root, so that an
-/// inverse is known to `S^{-3/2}`: its weight.
+/// Weighted least squares of the parabola. The noise of a power `S` is proportional to `√S`, that of
+/// its inverse to `S^{-3/2}`, so that the weight is `S^{3/2}`.
 fn vertex_of(omega: &[f64], power: &[f64], (top, lines): (usize, Range<usize>)) -> Option<Vertex> {
     let (first, last) = (omega[lines.start], omega[lines.end - 1]);
     let scale = last - first;
@@ -146,8 +147,8 @@ fn half_point(
         let (a, b) = (1.0 / power[inside], 1.0 / power[outside]);
         if b >= target {
             let square = |line: usize| (omega[line] - vertex.omega).powi(2);
-            let share = (target - a) / (b - a);
-            let half = square(inside) + share * (square(outside) - square(inside));
+            let fraction = (target - a) / (b - a);
+            let half = square(inside) + fraction * (square(outside) - square(inside));
             return (half > 0.0).then(|| half.sqrt());
         }
         inside = outside;
@@ -155,8 +156,8 @@ fn half_point(
     None
 }
 
-/// Power of some functions in units of their noise, without the constants under the resonance:
-/// those of a least-squares fit of the pole with constant and slope.
+/// Power of some FRFs over their noise variance, without the constants under the resonance, which
+/// come from a least-squares fit of the pole with constant and slope.
 fn power_of(isolated: &Isolated, functions: Range<usize>, lambda: Complex64) -> Vec<f64> {
     let values = &isolated.values[functions.clone()];
     let fit = one_pole(isolated.omega, values, lambda, 3);
@@ -169,12 +170,12 @@ fn power_of(isolated: &Isolated, functions: Range<usize>, lambda: Complex64) -> 
     sum
 }
 
-/// Peak of the summed power of some functions, their constants and the pole found in turns; with
-/// its height.
-fn fit_of(isolated: &Isolated, functions: Range<usize>) -> Option<(f64, HalfPower)> {
+/// Peak of the summed power of some FRFs, with its height. The fit alternates between the constants
+/// and the pole.
+fn fit_functions(isolated: &Isolated, functions: Range<usize>) -> Option<(f64, HalfPower)> {
     let mut lambda = isolated.lambda;
     let mut result = None;
-    for _ in 0..TURNS {
+    for _ in 0..ALTERNATIONS {
         let power = power_of(isolated, functions.clone(), lambda);
         let top = highest(&power)?;
         let fit = half_power(isolated.omega, &power, top)?;
@@ -190,16 +191,16 @@ impl SingleModeMethod for PeakPicking {
     }
 
     fn window(&self) -> (f64, usize) {
-        (RESIDUE_REACH, RESIDUE_SIDE)
+        (RESIDUE_HALF_WINDOW_BANDWIDTHS, MIN_RESIDUE_SIDE_LINES)
     }
 
     fn fit(&self, isolated: &Isolated) -> Option<SingleModeFit> {
         let count = isolated.values.len();
-        let (_, fit) = fit_of(isolated, 0..count)?;
-        let own = (0..count).filter_map(|f| fit_of(isolated, f..f + 1));
-        let own: Vec<(f64, HalfPower)> = own.collect();
+        let (_, fit) = fit_functions(isolated, 0..count)?;
+        let fits = (0..count).filter_map(|f| fit_functions(isolated, f..f + 1));
+        let fits: Vec<(f64, HalfPower)> = fits.collect();
         let std = |value: fn(&HalfPower) -> f64| {
-            let pairs: Vec<(f64, f64)> = own.iter().map(|(w, fit)| (*w, value(fit))).collect();
+            let pairs: Vec<(f64, f64)> = fits.iter().map(|(w, fit)| (*w, value(fit))).collect();
             weighted_mean(&pairs).and_then(|mean| mean.std)
         };
         Some(SingleModeFit {
@@ -218,7 +219,7 @@ mod tests {
     use crate::identify::synthetic::white_noise;
 
     #[test]
-    fn a_lorentzian_gives_its_frequency_and_width_from_few_or_many_lines() {
+    fn single_resonance_gives_exact_frequency_and_bandwidth_from_few_or_many_lines() {
         for (step, shift) in [(0.9, 0.31), (0.3, 0.0), (0.05, -0.4)] {
             let (center, decay) = (100.0 + shift, 0.7);
             let omega: Vec<f64> = (0..400).map(|k| 90.0 + step * k as f64).collect();
@@ -231,11 +232,11 @@ mod tests {
     }
 
     #[test]
-    fn the_sum_of_powers_is_as_good_as_the_mean_of_the_functions() {
+    fn summed_power_is_as_accurate_as_the_mean_over_frfs() {
         let lambda = Complex64::new(-2.0, 500.0);
         let omega: Vec<f64> = (0..61).map(|k| 490.0 + k as f64 / 3.0).collect();
         let residues = [1.0, -0.8, 0.6, 0.5, -0.3, 0.1];
-        let (mut of_sum, mut of_mean) = (0.0, 0.0);
+        let (mut sum_errors, mut mean_errors) = (0.0, 0.0);
         for seed in 0..100 {
             let values = |(f, a): (usize, &f64)| {
                 let noise = white_noise(61, 1e-6, 50 * seed + f as u64);
@@ -248,20 +249,20 @@ mod tests {
                 variance: vec![1e-6; 6],
                 lambda,
             };
-            let own: Vec<(f64, f64)> = (0..6)
-                .filter_map(|f| fit_of(&isolated, f..f + 1))
-                .map(|(power, own)| (power, own.omega_rad_s))
+            let estimates: Vec<(f64, f64)> = (0..6)
+                .filter_map(|f| fit_functions(&isolated, f..f + 1))
+                .map(|(power, estimates)| (power, estimates.omega_rad_s))
                 .collect();
-            let mean = weighted_mean(&own).unwrap().mean;
-            of_mean += (mean - 500.0).powi(2);
-            of_sum += (PeakPicking.fit(&isolated).unwrap().lambda.im - 500.0).powi(2);
+            let mean = weighted_mean(&estimates).unwrap().mean;
+            mean_errors += (mean - 500.0).powi(2);
+            sum_errors += (PeakPicking.fit(&isolated).unwrap().lambda.im - 500.0).powi(2);
         }
-        let ratio = f64::sqrt(of_sum / of_mean);
+        let ratio = f64::sqrt(sum_errors / mean_errors);
         assert!((0.8..1.1).contains(&ratio), "{ratio}");
     }
 
     #[test]
-    fn a_missing_side_is_told_and_doubled() {
+    fn missing_half_power_point_is_reported_and_replaced_by_the_other() {
         let omega: Vec<f64> = (0..40).map(|k| 99.7 + 0.1 * f64::from(k)).collect();
         let power: Vec<f64> = omega
             .iter()

@@ -1,5 +1,5 @@
-//! Repeated roots: all modes of one root from several references, and never one where there is
-//! none.
+//! Tests of repeated poles: several references show all modes of a repeated pole, and a single mode
+//! never becomes one.
 
 use std::f64::consts::PI;
 
@@ -15,22 +15,22 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::modal::{ModalModel, Mode, Scaling};
 
 const METHODS: [&str; 2] = ["peak", "circle"];
-const ROOT: (f64, f64) = (150.0, 0.01);
+const REPEATED_POLE: (f64, f64) = (150.0, 0.01);
 
 fn dof(point: usize) -> Dof {
     format!("{point}:+Z").parse().unwrap()
 }
 
-/// Waves on a line of points, orthogonal on all of them: those of a ring of equal parts.
+/// Cosine shapes on a line of points, orthogonal over the points.
 fn wave(number: usize, points: usize) -> Vec<f64> {
     let value = |p: usize| (PI * number as f64 * (p as f64 + 0.5) / points as f64).cos();
     (0..points).map(value).collect()
 }
 
-/// A root of a multiplicity at 150 Hz between single modes at 60 Hz and 300 Hz.
+/// A repeated pole of a multiplicity at 150 Hz between single modes at 60 Hz and 300 Hz.
 fn ring(points: usize, multiplicity: usize) -> Structure {
-    let root = (0..multiplicity).map(|j| (ROOT.0, ROOT.1, wave(j, points)));
-    let mut modes: Vec<_> = root.collect();
+    let repeated = (0..multiplicity).map(|j| (REPEATED_POLE.0, REPEATED_POLE.1, wave(j, points)));
+    let mut modes: Vec<_> = repeated.collect();
     let shape = |phase: f64| (0..points).map(move |p| (phase * (p + 1) as f64).sin());
     modes.insert(0, (60.0, 0.015, shape(1.0).collect()));
     modes.push((300.0, 0.008, shape(2.1).collect()));
@@ -69,8 +69,8 @@ fn columns(rows: usize, shapes: &[Vec<Complex64>]) -> ComplexMatrix {
     linalg::complex_matrix(rows, shapes.len(), |i, j| shapes[j][i])
 }
 
-/// Sine of the largest principal angle of two spaces: the norm of what one's orthonormal basis has
-/// outside the other.
+/// Sine of the largest principal angle of two spaces: the norm of the orthonormal basis of one after
+/// projection off the other.
 fn largest_angle(a: &[Vec<Complex64>], b: &[Vec<Complex64>]) -> f64 {
     let rows = a[0].len();
     let basis = |shapes| {
@@ -88,64 +88,67 @@ fn found_shapes(modes: &[&Mode]) -> Vec<Vec<Complex64>> {
     modes.iter().map(values).collect()
 }
 
-/// Shapes of the true modes of the root at the points of a shape.
+/// Shapes of the true modes of the repeated pole at the points of a shape.
 fn true_shapes(structure: &Structure, mode: &Mode) -> Vec<Vec<Complex64>> {
-    let root = structure
+    let repeated = structure
         .modes
         .iter()
-        .filter(|m| (m.0 - ROOT.0).abs() < 1e-9);
+        .filter(|m| (m.0 - REPEATED_POLE.0).abs() < 1e-9);
     let at = |shape: &Vec<f64>| {
         let value = |dof: &Dof| Complex64::from(shape[dof.node().unwrap() as usize - 1]);
         mode.shape.iter().map(|(dof, _)| value(dof)).collect()
     };
-    root.map(|(_, _, shape)| at(shape)).collect()
+    repeated.map(|(_, _, shape)| at(shape)).collect()
 }
 
-/// The modes of the root: as many as stated, one group, one pole; the two single modes have no
+/// The modes of the repeated pole: as many as stated, one group, one pole; the two single modes have no
 /// group.
-fn root(model: &ModalModel, multiplicity: usize) -> Vec<&Mode> {
+fn repeated_modes(model: &ModalModel, multiplicity: usize) -> Vec<&Mode> {
     assert_eq!(model.modes.len(), multiplicity + 2, "{:?}", model.findings);
-    let root: Vec<&Mode> = model.modes[1..=multiplicity].iter().collect();
-    for mode in &root {
+    let modes: Vec<&Mode> = model.modes[1..=multiplicity].iter().collect();
+    for mode in &modes {
         assert_eq!(mode.group, Some(1));
-        assert_eq!(mode.pole(), root[0].pole());
-        assert!((mode.frequency_hz / ROOT.0 - 1.0).abs() < 1e-4);
+        assert_eq!(mode.pole(), modes[0].pole());
+        assert!((mode.frequency_hz / REPEATED_POLE.0 - 1.0).abs() < 1e-4);
     }
     assert_eq!(model.modes[0].group, None);
     assert_eq!(model.modes[multiplicity + 1].group, None);
     assert_eq!(codes(model, Code::CloseModes), 0, "{:?}", model.findings);
-    let told: Vec<_> = model
+    let repeated_pole_findings: Vec<_> = model
         .findings
         .iter()
         .filter(|f| f.code == Code::RepeatedRoot)
         .map(|f| (f.severity, f.value))
         .collect();
-    assert_eq!(told, [(Severity::Info, Some(multiplicity as f64))]);
-    root
+    assert_eq!(
+        repeated_pole_findings,
+        [(Severity::Info, Some(multiplicity as f64))]
+    );
+    modes
 }
 
 #[test]
-fn a_root_of_multiplicity_four_comes_out_as_four_modes_of_one_group() {
+fn repeated_pole_of_multiplicity_four_gives_four_modes_of_one_group() {
     let structure = ring(9, 4);
     let (responses, references) = ([1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 4, 5, 7, 9]);
     for method in METHODS {
         let how = grid(&responses, &references, None);
         let model = identified(&structure, &how, method);
-        let root = root(&model, 4);
-        let angle = largest_angle(&true_shapes(&structure, root[0]), &found_shapes(&root));
+        let modes = repeated_modes(&model, 4);
+        let angle = largest_angle(&true_shapes(&structure, modes[0]), &found_shapes(&modes));
         assert!(angle < 1e-6, "{method} {angle:e}");
         for pair in &how.pairs {
-            let sum: Complex64 = root.iter().map(|mode| mode.residues[pair]).sum();
+            let sum: Complex64 = modes.iter().map(|mode| mode.residues[pair]).sum();
             let truth: Complex64 = (1..=4).map(|j| structure.residue(j, pair)).sum();
-            // The largest residue of the root is near 4/(2 ω_d).
-            let error = (sum - truth).norm() * ROOT.0 * PI;
+            // The largest residue of the modes is near 4/(2 ω_d).
+            let error = (sum - truth).norm() * REPEATED_POLE.0 * PI;
             assert!(error < 1e-5, "{method} {error:e}");
         }
     }
 }
 
 #[test]
-fn sixty_decibels_of_noise_turn_the_space_of_four_shapes_little() {
+fn noise_at_sixty_decibels_rotates_the_space_of_four_shapes_little() {
     let structure = ring(9, 4);
     let (responses, references) = ([1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 4, 5, 7, 9]);
     for (method, variance_given) in [("peak", true), ("circle", true), ("circle", false)] {
@@ -154,32 +157,33 @@ fn sixty_decibels_of_noise_turn_the_space_of_four_shapes_little() {
             ..grid(&responses, &references, Some(60.0))
         };
         let model = identified(&structure, &how, method);
-        let root = root(&model, 4);
-        let angle = largest_angle(&true_shapes(&structure, root[0]), &found_shapes(&root));
+        let modes = repeated_modes(&model, 4);
+        let angle = largest_angle(&true_shapes(&structure, modes[0]), &found_shapes(&modes));
         assert!(angle < 5e-3, "{method} {angle:e}");
     }
 }
 
 #[test]
-fn driving_points_give_all_modes_of_a_root_unit_modal_mass() {
+fn driving_points_give_all_modes_of_a_repeated_pole_unit_modal_mass() {
     let structure = ring(9, 4);
     let how = grid(&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 4, 5, 7, 9], None);
     let model = identified(&structure, &how, "circle");
-    let root = root(&model, 4);
-    for mode in &root {
+    let modes = repeated_modes(&model, 4);
+    for mode in &modes {
         assert_eq!(mode.scaling, Scaling::UnitModalMass);
         assert_eq!(mode.modal_mass_kg, Some(1.0));
     }
     // Σ φ φᵀ is the same for every basis of unit modal masses.
     for (a, b) in (1..=9).flat_map(|a| (1..=9).map(move |b| (a, b))) {
-        let of = |mode: &&Mode| mode.shape.get(&dof(a)).unwrap() * mode.shape.get(&dof(b)).unwrap();
-        let found: Complex64 = root.iter().map(of).sum();
+        let component_product =
+            |mode: &&Mode| mode.shape.get(&dof(a)).unwrap() * mode.shape.get(&dof(b)).unwrap();
+        let found: Complex64 = modes.iter().map(component_product).sum();
         let truth: f64 = (0..4).map(|j| wave(j, 9)[a - 1] * wave(j, 9)[b - 1]).sum();
         assert!((found - truth).norm() < 1e-4, "{a} {b} {found} {truth}");
     }
     let apart = grid(&[1, 2, 3, 5, 6, 8], &[4, 7, 9, 10], None);
     let model = identified(&ring(10, 3), &apart, "circle");
-    for mode in self::root(&model, 3) {
+    for mode in repeated_modes(&model, 3) {
         assert_eq!((mode.scaling, mode.modal_mass_kg), (Scaling::UnitMax, None));
         let (_, largest) = mode.shape.largest().unwrap();
         assert!((largest - 1.0).norm() < 1e-12);
@@ -187,41 +191,41 @@ fn driving_points_give_all_modes_of_a_root_unit_modal_mass() {
 }
 
 #[test]
-fn a_root_of_multiplicity_eight_is_seen_by_ten_references() {
+fn ten_references_give_all_modes_of_multiplicity_eight() {
     let structure = ring(10, 8);
     let all: Vec<usize> = (1..=10).collect();
     for snr_db in [None, Some(60.0)] {
         let model = identified(&structure, &grid(&all, &all, snr_db), "circle");
-        let root = root(&model, 8);
-        let angle = largest_angle(&true_shapes(&structure, root[0]), &found_shapes(&root));
+        let modes = repeated_modes(&model, 8);
+        let angle = largest_angle(&true_shapes(&structure, modes[0]), &found_shapes(&modes));
         let bound = if snr_db.is_some() { 5e-3 } else { 1e-6 };
         assert!(angle < bound, "{snr_db:?} {angle:e}");
     }
 }
 
 #[test]
-fn two_references_see_two_of_four_modes() {
+fn two_references_give_two_of_four_modes_of_a_repeated_pole() {
     let structure = ring(9, 4);
     let how = grid(&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 4], None);
     let model = identified(&structure, &how, "circle");
-    let root = root(&model, 2);
-    let angle = largest_angle(&true_shapes(&structure, root[0]), &found_shapes(&root));
+    let modes = repeated_modes(&model, 2);
+    let angle = largest_angle(&true_shapes(&structure, modes[0]), &found_shapes(&modes));
     assert!(angle < 1e-6, "{angle:e}");
 }
 
 #[test]
-fn a_roving_hammer_carries_the_shapes_at_the_hits() {
+fn roving_hammer_gives_repeated_shapes_at_the_excitation_points() {
     let structure = ring(9, 3);
     let how = grid(&[2, 5, 9], &[1, 2, 3, 4, 5, 6, 7, 8, 9], None);
     let model = identified(&structure, &how, "circle");
-    let root = root(&model, 3);
-    assert!(root.iter().all(|mode| mode.shape.len() == 9));
-    let angle = largest_angle(&true_shapes(&structure, root[0]), &found_shapes(&root));
+    let modes = repeated_modes(&model, 3);
+    assert!(modes.iter().all(|mode| mode.shape.len() == 9));
+    let angle = largest_angle(&true_shapes(&structure, modes[0]), &found_shapes(&modes));
     assert!(angle < 1e-6, "{angle:e}");
 }
 
 #[test]
-fn one_reference_or_one_response_or_a_missing_pair_gives_one_mode() {
+fn incomplete_frf_matrix_gives_one_mode_per_repeated_pole() {
     let structure = ring(9, 2);
     let all = [1, 2, 3, 4, 5, 6, 7, 8, 9];
     let mut incomplete = grid(&all, &[1, 4, 7], None);
@@ -235,11 +239,11 @@ fn one_reference_or_one_response_or_a_missing_pair_gives_one_mode() {
 }
 
 #[test]
-fn noise_never_makes_a_single_mode_a_repeated_root() {
+fn noise_never_turns_a_single_mode_into_a_repeated_pole() {
     let mut judged = 0;
     for seed in 0..200 {
         let random = separated_modes(seed).0.modes.into_iter();
-        let poles = [(60.0, 0.015), ROOT, (300.0, 0.008)].into_iter();
+        let poles = [(60.0, 0.015), REPEATED_POLE, (300.0, 0.008)].into_iter();
         let modes = poles.zip(random).map(|((hz, zeta), m)| (hz, zeta, m.2));
         let modes = modes.collect();
         let axis = FrequencyAxis {
@@ -263,7 +267,7 @@ fn noise_never_makes_a_single_mode_a_repeated_root() {
 }
 
 #[test]
-fn half_a_width_apart_is_close_not_repeated() {
+fn modes_half_a_bandwidth_apart_are_close_not_repeated() {
     for (ratio, snr_db) in [
         (1.0, None),
         (0.5, None),

@@ -1,20 +1,19 @@
-//! Is there one mode under a peak? Two tests on what the single-mode model leaves over in the lines
-//! around it.
+//! Two tests on the lines around a peak detect a second mode under it.
 //!
 //! *Rank.* With the other modes subtracted, functions whitened by their noise, and constant and
 //! slope in frequency projected off, one mode leaves a functions × lines matrix of rank one,
 //! whatever its pole. Noise alone has a largest singular value near `√n + √L`. A second singular
-//! value above that is a second shape, or functions that disagree on the frequency: a test that
-//! drifted while it was measured leaves the same trace as two modes a fraction of a half-power
-//! width apart, and no single reference can tell them.
+//! value above that is a second shape, or FRFs that disagree on the frequency: a structure that
+//! drifts during the test has the same effect as two modes a fraction of a half-power bandwidth
+//! apart, and a single reference cannot separate the two causes.
 //!
 //! *Misfit.* Two modes of similar shape leave rank one, but not the frequency dependence of one
-//! pole. Every function is fitted with `1/(iω − λ)`, its derivative `1/(iω − λ)²` (a pole of its
-//! own, so that a small error of λ or mass loading by a moved sensor does not count), constant,
-//! slope and curvature; what is left is compared with the noise by its chi-squared.
+//! pole. Every FRF is fitted with `1/(iω − λ)`, its derivative `1/(iω − λ)²` (which absorbs a small
+//! error of λ in each FRF, as mass loading by a moved sensor causes it), constant, slope and
+//! curvature; the residual is compared with the noise by its chi-squared.
 //!
-//! Both must exceed the noise *and* a share of the resonance, because far modes outside the band
-//! bend the background by some parts in a thousand of the peak, which shows as soon as there is
+//! Both must exceed the noise *and* a fraction of the resonance, because modes far outside the band
+//! bend the out-of-band terms by some parts in a thousand of the peak, which shows where there is
 //! little noise.
 
 use num_complex::Complex64;
@@ -25,39 +24,39 @@ use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::peak_detection::noise_limit;
 use crate::identify::sdof::estimator::Resonance;
 
-/// Second over first singular value that far neighbours can explain.
+/// Maximum ratio of the second to the first singular value that modes far outside the band explain.
 const RANK_LIMIT: f64 = 0.02;
-/// Root mean square misfit over peak that far neighbours can explain.
+/// Maximum root mean square residual over the peak that modes far outside the band explain.
 const MISFIT_LIMIT: f64 = 0.002;
-/// Largest singular value of noise: room above `√n + √L` for its scatter and for the scatter of the
-/// variances.
-const NOISE_ROOM: f64 = 1.3;
-/// False alarms of the misfit test per mode.
-const FALSE_ALARM: f64 = 1e-5;
-/// Lines are averaged to this many before the singular values are taken.
-const MOST_LINES: usize = 64;
+/// Factor on the largest singular value of noise, `√n + √L`, for its scatter and for the scatter of
+/// the variances.
+const NOISE_NORM_MARGIN: f64 = 1.3;
+/// False-alarm probability of the misfit test, per mode.
+const FALSE_ALARM_PROBABILITY: f64 = 1e-5;
+/// Maximum number of lines, by averaging, before the singular values are taken.
+const MAX_AVERAGED_LINES: usize = 64;
 
-/// What a failed test found, with the most that one mode explains.
+/// Value of a failed test, with the limit that one mode explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) struct Excess {
-    /// What was found.
+    /// Value of the statistic.
     pub value: f64,
-    /// What it was held against.
+    /// Limit of the statistic.
     pub limit: f64,
 }
 
-/// Second over first singular value of the values around one mode where it is too much for one
-/// shape; `None` where it is not, and for a single function.
+/// Ratio of the second to the first singular value of the FRFs around one mode where it exceeds the
+/// limit of one shape; `None` below, and for a single FRF.
 ///
 /// # Errors
 /// [`LinalgError::NotConverged`].
 pub(in crate::identify) fn second_shape(
-    rest: &[Vec<Complex64>],
+    values: &[Vec<Complex64>],
     variance: &[f64],
 ) -> Result<Option<Excess>, LinalgError> {
-    let lines = rest.first().map_or(0, Vec::len);
-    let bin = lines.div_ceil(MOST_LINES).max(1);
-    let rows: Vec<Vec<Complex64>> = rest
+    let lines = values.first().map_or(0, Vec::len);
+    let bin = lines.div_ceil(MAX_AVERAGED_LINES).max(1);
+    let rows: Vec<Vec<Complex64>> = values
         .iter()
         .zip(variance)
         .map(|(row, v)| without_line(&averaged(row, bin, (bin as f64 / v).sqrt())))
@@ -68,7 +67,7 @@ pub(in crate::identify) fn second_shape(
     }
     let matrix = linalg::complex_matrix(n, l, |f, k| rows[f][k]);
     let s = linalg::singular_values(&matrix)?;
-    let noise = NOISE_ROOM * (((n - 1) as f64).sqrt() + ((l - 3) as f64).sqrt());
+    let noise = NOISE_NORM_MARGIN * (((n - 1) as f64).sqrt() + ((l - 3) as f64).sqrt());
     let excess = Excess {
         value: s[1] / s[0],
         limit: RANK_LIMIT.max(noise / s[0]),
@@ -100,13 +99,13 @@ fn without_line(row: &[Complex64]) -> Vec<Complex64> {
         .collect()
 }
 
-/// Misfit of one pole over the peak, for the values around one mode where it is too much; `None`
-/// where it is not, and with too few lines to judge.
+/// Root mean square residual of one pole over the peak where it exceeds its limit; `None` below, and
+/// with too few lines for the test.
 pub(in crate::identify) fn second_pole(
     data: &Receptances,
     resonance: &Resonance,
     residues: &[Complex64],
-    (rest, variance): (&[Vec<Complex64>], &[f64]),
+    (values, variance): (&[Vec<Complex64>], &[f64]),
 ) -> Option<Excess> {
     const COLUMNS: usize = 5;
     let omega = &data.omega[resonance.lines.clone()];
@@ -114,39 +113,32 @@ pub(in crate::identify) fn second_pole(
         return None;
     }
     let (lambda, decay) = (resonance.lambda, -resonance.lambda.re);
-    let reach = omega[omega.len() - 1] - omega[0];
+    let span = omega[omega.len() - 1] - omega[0];
     let columns = linalg::complex_matrix(omega.len(), COLUMNS, |i, c| {
         let pole = decay / (Complex64::new(0.0, omega[i]) - lambda);
-        let x = (omega[i] - lambda.im) / reach;
+        let x = (omega[i] - lambda.im) / span;
         match c {
             0 => pole,
             1 => pole * pole,
             _ => Complex64::from(x.powi(c as i32 - 2)),
         }
     });
-    let right = linalg::complex_matrix(omega.len(), rest.len(), |i, f| rest[f][i]);
-    let left_over = &right - &columns * linalg::least_squares(&columns, &right).ok()?;
-    let energy: f64 = (0..rest.len())
-        .map(|f| {
-            left_over
-                .col(f)
-                .iter()
-                .map(Complex64::norm_sqr)
-                .sum::<f64>()
-                / variance[f]
-        })
+    let right = linalg::complex_matrix(omega.len(), values.len(), |i, f| values[f][i]);
+    let residual = &right - &columns * linalg::least_squares(&columns, &right).ok()?;
+    let energy: f64 = (0..values.len())
+        .map(|f| residual.col(f).iter().map(Complex64::norm_sqr).sum::<f64>() / variance[f])
         .sum();
     let peak: f64 = residues
         .iter()
         .zip(variance)
         .map(|(a, v)| a.norm_sqr() / (decay * decay * v))
         .sum();
-    let freedom = rest.len() * (omega.len() - COLUMNS);
-    let noise = 0.5 * noise_limit(freedom, 1, FALSE_ALARM);
-    let share = |energy: f64| (energy / omega.len() as f64 / peak).sqrt();
+    let freedom = values.len() * (omega.len() - COLUMNS);
+    let noise = 0.5 * noise_limit(freedom, 1, FALSE_ALARM_PROBABILITY);
+    let relative_rms = |energy: f64| (energy / omega.len() as f64 / peak).sqrt();
     let excess = Excess {
-        value: share(energy),
-        limit: MISFIT_LIMIT.max(share(noise)),
+        value: relative_rms(energy),
+        limit: MISFIT_LIMIT.max(relative_rms(noise)),
     };
     (excess.value > excess.limit).then_some(excess)
 }

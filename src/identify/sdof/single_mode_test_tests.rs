@@ -1,4 +1,4 @@
-//! Two modes under one peak: never a wrong number without a word.
+//! Tests of the single-mode tests: two modes under one peak are resolved or reported as close modes.
 
 use crate::finding::{Code, Place};
 use crate::identify::estimator::IdentifyOptions;
@@ -6,8 +6,8 @@ use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Pair, close_pair, width_hz};
 use crate::modal::ModalModel;
 
-/// Whether the pair near 200 Hz was called close.
-fn called_close(model: &ModalModel, reach_hz: f64) -> bool {
+/// Whether a finding reports the pair near 200 Hz as close modes.
+fn is_reported_close(model: &ModalModel, reach_hz: f64) -> bool {
     model.findings.iter().any(|finding| {
         let near = matches!(finding.place, Place::Mode(hz) if (hz - 200.0).abs() < reach_hz);
         finding.code == Code::CloseModes && near
@@ -15,7 +15,7 @@ fn called_close(model: &ModalModel, reach_hz: f64) -> bool {
 }
 
 /// Whether both modes were found within a quarter of the half-power width, and nothing else near.
-fn resolved(model: &ModalModel, truth: &[(f64, f64, Vec<f64>)]) -> bool {
+fn is_resolved(model: &ModalModel, truth: &[(f64, f64, Vec<f64>)]) -> bool {
     let width = width_hz(&truth[0]);
     let near = model
         .modes
@@ -27,7 +27,7 @@ fn resolved(model: &ModalModel, truth: &[(f64, f64, Vec<f64>)]) -> bool {
     found.len() == 2 && found.iter().zip(truth).all(hit)
 }
 
-fn never_silent(
+fn assert_reported_or_resolved(
     lines_per_width: (f64, f64),
     decibels: &[Option<f64>],
     seeds: std::ops::Range<u64>,
@@ -62,7 +62,7 @@ fn never_silent(
                         .unwrap_or_else(|e| panic!("{method} {seed} {snr_db:?} {pair:?} {e}"));
                     let reach = 4.0 * width_hz(&structure.modes[0]);
                     assert!(
-                        called_close(&model, reach) || resolved(&model, &structure.modes),
+                        is_reported_close(&model, reach) || is_resolved(&model, &structure.modes),
                         "{method} {seed} {snr_db:?} {pair:?}: {:?}",
                         model
                             .modes
@@ -77,17 +77,17 @@ fn never_silent(
 }
 
 #[test]
-fn close_pairs_of_any_shapes_are_told() {
-    never_silent((6.0, 15.0), &[None, Some(60.0), Some(40.0)], 0..2);
+fn close_pairs_of_any_shapes_are_reported_or_resolved() {
+    assert_reported_or_resolved((6.0, 15.0), &[None, Some(60.0), Some(40.0)], 0..2);
 }
 
 #[test]
-fn close_pairs_with_few_lines_are_told() {
-    never_silent((1.5, 4.0), &[Some(60.0), Some(40.0)], 0..3);
+fn close_pairs_with_few_lines_are_reported_or_resolved() {
+    assert_reported_or_resolved((1.5, 4.0), &[Some(60.0), Some(40.0)], 0..3);
 }
 
 #[test]
-fn a_pair_four_and_more_widths_apart_is_resolved_without_a_word() {
+fn pair_four_or_more_bandwidths_apart_is_resolved_without_a_finding() {
     for spacing_widths in [4.0, 6.0] {
         for seed in 0..6 {
             let pair = Pair {
@@ -103,7 +103,11 @@ fn a_pair_four_and_more_widths_apart_is_resolved_without_a_word() {
             });
             let model = identify(&set, &IdentifyOptions::default()).unwrap();
             let reach = 8.0 * width_hz(&structure.modes[0]);
-            assert!(!called_close(&model, reach), "{seed} {:?}", model.findings);
+            assert!(
+                !is_reported_close(&model, reach),
+                "{seed} {:?}",
+                model.findings
+            );
             for (mode, truth) in model.modes.iter().zip(&structure.modes) {
                 let error = (mode.frequency_hz - truth.0) / width_hz(truth);
                 assert!(error.abs() < 2e-3, "{seed} {spacing_widths} {error}");
@@ -114,7 +118,7 @@ fn a_pair_four_and_more_widths_apart_is_resolved_without_a_word() {
 }
 
 #[test]
-fn a_resolved_pair_nearer_than_three_widths_is_told_with_its_distance() {
+fn resolved_pair_nearer_than_three_bandwidths_is_reported_with_its_separation() {
     let pair = Pair {
         spacing_widths: 2.5,
         difference: None,
@@ -133,5 +137,5 @@ fn a_resolved_pair_nearer_than_three_widths_is_told_with_its_distance() {
         .collect();
     assert_eq!(distances.len(), 2);
     assert!((distances[0].0 - 2.5).abs() < 0.01 && (distances[0].1 - 3.0).abs() < 1e-12);
-    assert!(resolved(&model, &structure.modes));
+    assert!(is_resolved(&model, &structure.modes));
 }

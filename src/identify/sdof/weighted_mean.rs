@@ -1,11 +1,12 @@
-//! Mean and scatter of one quantity that several functions estimated.
+//! The weighted mean joins the estimates of one quantity from several FRFs and measures their
+//! scatter.
 
 /// A weighted mean with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) struct WeightedMean {
     /// `Σ w x / Σ w`.
     pub mean: f64,
-    /// Standard deviation of the mean from the scatter; `None` when less than two values carry it.
+    /// Standard deviation of the mean from the scatter; `None` for fewer than two effective values.
     pub std: Option<f64>,
 }
 

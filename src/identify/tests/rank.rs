@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use crate::frf::Function;
-use crate::identify::sdof::repeated_poles::{Judgement, PairTable, Surroundings, judge};
+use crate::identify::sdof::repeated_poles::{IsolatedLines, PairTable, ShapeCount, count_shapes};
 use crate::identify::synthetic::white_noise;
 use crate::quantity::FrfKind;
 
@@ -50,14 +50,14 @@ fn values(shapes: &[Part<'_>]) -> Vec<Vec<Complex64>> {
     pairs.map(function).collect()
 }
 
-fn judged(rest: &[Vec<Complex64>], variance: Option<&[f64]>) -> Judgement {
-    let around = Surroundings {
+fn judged(values: &[Vec<Complex64>], variance: Option<&[f64]>) -> ShapeCount {
+    let isolated = IsolatedLines {
         omega: &omega(),
         lambda: LAMBDA,
-        rest,
+        values,
         variance,
     };
-    judge(&PairTable::complete(&functions()).unwrap(), &around).unwrap()
+    count_shapes(&PairTable::complete(&functions()).unwrap(), &isolated).unwrap()
 }
 
 #[test]
@@ -66,7 +66,11 @@ fn shapes_of_one_pole_are_counted_down_to_the_least_share() {
     // The first shape is constant, with a norm √2 times that of each other wave on either side.
     for (share, expected) in [(0.06, 3), (0.04, 2)] {
         let rest = values(&[(1.0, &none), (1.0, &none), (2.0 * share, &none)]);
-        assert_eq!(judged(&rest, None), Judgement::OnePole(expected), "{share}");
+        assert_eq!(
+            judged(&rest, None),
+            ShapeCount::OnePole(expected),
+            "{share}"
+        );
     }
 }
 
@@ -79,8 +83,8 @@ fn a_weak_shape_with_a_pole_of_its_own_is_no_repeated_root() {
         let apart = move |_: usize, _: usize| 4.0 * widths;
         let rest = values(&[(1.0, &none), (0.15, &apart)]);
         match judged(&rest, None) {
-            Judgement::OnePole(multiplicity) => assert!(repeated && multiplicity == 2),
-            Judgement::Apart(excess) => {
+            ShapeCount::OnePole(multiplicity) => assert!(repeated && multiplicity == 2),
+            ShapeCount::SeparatePoles(excess) => {
                 assert!(
                     !repeated && excess.value > 0.25 && excess.value < 0.5,
                     "{excess:?}"
@@ -95,7 +99,7 @@ fn a_frequency_that_moves_from_hit_to_hit_is_no_second_shape() {
     let moved = |_: usize, k: usize| 0.1 * k as f64;
     assert_eq!(
         judged(&values(&[(1.0, &moved)]), None),
-        Judgement::OnePole(1)
+        ShapeCount::OnePole(1)
     );
 }
 
@@ -115,7 +119,7 @@ fn a_shape_within_the_noise_does_not_count() {
         for given in [Some(variance.as_slice()), None] {
             assert_eq!(
                 judged(&noisy, given),
-                Judgement::OnePole(expected),
+                ShapeCount::OnePole(expected),
                 "{deviation} {}",
                 given.is_some()
             );
