@@ -162,7 +162,7 @@ impl IdentifyOptions {
             });
         }
         if let Some(order) = self.estimator.max_order
-            && order < mdof::stabilization::LEAST_HIGHEST
+            && order < mdof::stabilization::MIN_HIGHEST_ORDER
         {
             return Err(IdentifyError::OptionOutOfRange {
                 name: "order",
@@ -278,7 +278,7 @@ pub fn identification(
     table
         .findings
         .splice(0..0, findings.chain(sdof::findings::window_decay(set)));
-    mdof::stabilization::mark_chosen(&mut table);
+    mdof::stabilization::mark_selected(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);

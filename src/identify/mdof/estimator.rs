@@ -1,17 +1,19 @@
-//! The common run of the multi-mode methods: poles that stay over the orders, residues, and as many
-//! modes as the data support.
+//! The estimator of the multi-mode methods takes the poles that are stable over model orders, fits
+//! their residues, and keeps as many modes as the data support.
 //!
-//! 1. The poles that stay while the order rises ([`stabilization`](crate::identify::mdof::stabilization)).
+//! 1. The poles that are stable while the order rises
+//!    ([`stabilization`](crate::identify::mdof::stabilization)).
 //! 2. Residues of all of them by weighted linear least squares, with upper and lower residuals
-//!    (LSFD): the linear part of the maximum likelihood fit ([`block`](crate::identify::fit::gauss_newton)), the poles
-//!    where the method put them. A method that knows no participation factors gets them from the
-//!    residues ([`several`](crate::identify::ml::multiplicity)).
-//! 3. A pole stays a mode when its contribution is above the noise, when it is told apart from its
-//!    neighbours, and when nothing speaks against it: the tests of the maximum likelihood method.
+//!    (LSFD): the linear part of the maximum likelihood fit
+//!    ([`gauss_newton`](crate::identify::fit::gauss_newton)) at the poles of the method. Where the
+//!    method gives no participation factors, these follow from the residues
+//!    ([`multiplicity`](crate::identify::ml::multiplicity)).
+//! 3. A pole is kept as a mode when its contribution is above the noise, when it is separated from
+//!    its neighbours, and when it passes the tests of the maximum likelihood method.
 //!
-//! The stated deviation joins what noise lets anybody know (the Cramér-Rao bound) with the distance
-//! of the pole to the maximum of the likelihood, as one Gauss-Newton step sees it: the error of the
-//! method itself, which for these methods is not small beside the bound.
+//! The stated standard deviation joins the Cramér-Rao bound with the distance of the pole from the
+//! maximum of the likelihood, by one Gauss-Newton step: the error of the method, which for these
+//! methods is not small compared with the bound.
 //!
 //! Reference: Guillaume, Verboven and Vanlanduit (1998), Frequency-domain maximum likelihood
 //! identification of modal parameters with confidence intervals, ISMA 23 (least-squares frequency
@@ -32,15 +34,15 @@ use crate::identify::data::peak_detection::{self, Found};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Stop;
-use crate::identify::mdof::pole_tracks::Seed;
-use crate::identify::mdof::stabilization::{MultiModeMethod, roots_of, sharpened};
+use crate::identify::mdof::pole_tracks::StablePole;
+use crate::identify::mdof::stabilization::{MultiModeMethod, roots_of, stabilise_weighted};
 use crate::identify::ml::estimator::Fit;
 use crate::identify::ml::multiplicity::{completed, strongest};
 use crate::identify::run_variation::Moved;
 
 /// A multi-mode method as an estimator.
 pub(in crate::identify) struct MultiModeEstimator<M> {
-    /// How the poles of an order are found.
+    /// Method that gives the poles of an order.
     pub method: M,
     /// Options of the run.
     pub options: MethodOptions,
@@ -53,21 +55,29 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let data = Receptances::guarded(set, band)?;
-        let sides = Sides::new(set.functions());
-        let several = sides.complete() && sides.inputs > 1;
-        let one = sides.as_one_input();
-        let scalar = !several || !self.method.gives_participation();
+        let frf_matrix = Sides::new(set.functions());
+        let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
+        let single_input = frf_matrix.as_one_input();
+        let is_scalar = !has_participation || !self.method.gives_participation();
         let indicator = Indicator::new(&data);
         let found = peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
-        let mut fit = Fit::new(data, if scalar { one } else { sides.clone() }, self.options);
+        let mut fit = Fit::new(
+            data,
+            if is_scalar {
+                single_input
+            } else {
+                frf_matrix.clone()
+            },
+            self.options,
+        );
         fit.fixed = true;
         let on = (&fit.data, &fit.sides);
-        let own = sharpened(&self.method, on, (&found, fit.limits()))?;
-        fit.roots = roots_of(&own.seeds, fit.data.functions());
+        let stable = stabilise_weighted(&self.method, on, (&found, fit.limits()))?;
+        fit.roots = roots_of(&stable.seeds, fit.data.functions());
         fit.settle(Stop::Coarse);
         fit.measure_noise();
-        if several && scalar {
-            share_out(&mut fit, sides);
+        if has_participation && is_scalar {
+            assign_participation(&mut fit, frf_matrix);
         }
         fit.settle(Stop::Coarse);
         fit.measure_noise();
@@ -76,18 +86,18 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         let mut table = fit.table((set, band), &found);
         let references = set.references().len();
         for candidate in &mut table.candidates {
-            complete(candidate, &own.seeds, (&fit, references));
+            complete(candidate, &stable.seeds, (&fit, references));
         }
-        table.stabilization = own.poles;
+        table.stabilization = stable.poles;
         Ok(table)
     }
 }
 
-/// The modes of known poles, rad/s, with runs brought together as they are known to move: residues
-/// and deviations, and nothing is dropped.
+/// The modes of given poles, rad/s, in runs aligned by given frequency shifts: residues and standard
+/// deviations are estimated, and no pole is removed.
 ///
 /// # Errors
-/// [`IdentifyError`] when set and band do not go together.
+/// [`IdentifyError`] when the band does not fit the set.
 pub(in crate::identify) fn at_poles(
     (set, band): (&FrfSet, Band),
     poles: &[Complex64],
@@ -95,20 +105,20 @@ pub(in crate::identify) fn at_poles(
 ) -> Result<PoleTable, IdentifyError> {
     let mut data = Receptances::guarded(set, band)?;
     moved.straighten(&mut data);
-    let sides = Sides::new(set.functions());
-    let several = sides.complete() && sides.inputs > 1;
+    let frf_matrix = Sides::new(set.functions());
+    let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
     let functions = data.functions();
-    let mut fit = Fit::new(data, sides.as_one_input(), MethodOptions::default());
+    let mut fit = Fit::new(data, frf_matrix.as_one_input(), MethodOptions::default());
     fit.fixed = true;
     fit.moved = moved;
-    let root = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
-    fit.roots = poles.iter().map(root).collect();
+    let single_pole = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    fit.roots = poles.iter().map(single_pole).collect();
     fit.residues();
     fit.measure_noise();
-    if several {
-        let free = share_out(&mut fit, sides);
+    if has_participation {
+        let free = assign_participation(&mut fit, frf_matrix);
         for pole in free {
-            if !fit.roots.iter().any(|root| root.lambda == pole.lambda) {
+            if !fit.roots.iter().any(|fitted| fitted.lambda == pole.lambda) {
                 fit.roots.push(strongest(&fit.sides, &pole)?);
             }
         }
@@ -122,35 +132,39 @@ pub(in crate::identify) fn at_poles(
     Ok(table)
 }
 
-/// Replaces poles whose residues are free by roots with participation factors, as many as the
-/// residues show; what they were.
-fn share_out(fit: &mut Fit, sides: Sides) -> Vec<Root> {
+/// Replaces poles with free residues by poles with participation factors, as many as the residues
+/// show. Returns the replaced poles.
+fn assign_participation(fit: &mut Fit, frf_matrix: Sides) -> Vec<Root> {
     let standings = fit.standings();
     let free = std::mem::take(&mut fit.roots);
     let chance = fit.options.false_alarm_probability / fit.data.lines() as f64;
-    fit.sides = sides;
-    let own = (&fit.data, &fit.sides);
-    fit.roots = completed(own, Vec::new(), (&free, &standings), chance);
+    fit.sides = frf_matrix;
+    let data_and_matrix = (&fit.data, &fit.sides);
+    fit.roots = completed(data_and_matrix, Vec::new(), (&free, &standings), chance);
     free
 }
 
-/// Order, deviation and participation factors of a candidate: those of the pole that stays nearest
-/// to it and of its root. The inputs of a fit are references, or else nothing is said of these.
-fn complete(candidate: &mut Candidate, seeds: &[Seed], (fit, references): (&Fit, usize)) {
+/// Completes a candidate with the order of the nearest stable pole, the error of the method in its
+/// standard deviations, and participation factors, where the inputs of the fit are the references.
+fn complete(candidate: &mut Candidate, seeds: &[StablePole], (fit, references): (&Fit, usize)) {
     let lambda = candidate.pole.lambda;
-    let distance = |seed: &&Seed| (seed.pole.lambda - lambda).norm();
+    let distance = |seed: &&StablePole| (seed.pole.lambda - lambda).norm();
     let nearest = seeds
         .iter()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)));
     candidate.order = nearest.map(|seed| seed.order);
-    let Some(root) = fit.roots.iter().find(|root| root.lambda == lambda) else {
+    let Some(model_pole) = fit
+        .roots
+        .iter()
+        .find(|model_pole| model_pole.lambda == lambda)
+    else {
         return;
     };
-    // Real and imaginary part have half of its square each.
-    let offset = root.quality.offset.norm() * std::f64::consts::FRAC_1_SQRT_2;
-    let joined = |std: Option<f64>, own: f64| std.map(|std| std.hypot(own));
+    // Real and imaginary part of the offset have half of its square each.
+    let offset = model_pole.quality.offset.norm() * std::f64::consts::FRAC_1_SQRT_2;
+    let joined = |std: Option<f64>, error: f64| std.map(|std| std.hypot(error));
     candidate.frequency_std_hz = joined(candidate.frequency_std_hz, offset / TAU);
     candidate.damping_std = joined(candidate.damping_std, offset / lambda.norm());
-    let single = root.multiplicity() == 1 && root.parts[0].len() == references;
-    candidate.participation = single.then(|| root.parts[0].clone());
+    let single = model_pole.multiplicity() == 1 && model_pole.parts[0].len() == references;
+    candidate.participation = single.then(|| model_pole.parts[0].clone());
 }

@@ -1,5 +1,5 @@
-//! Least-squares complex exponentials: poles of impulse responses, for several references the
-//! polyreference time domain method.
+//! The least-squares complex exponential method estimates poles from impulse responses; with several
+//! references it is the polyreference time domain method.
 //!
 //! The inverse transform of the lines of a band is a complex impulse response that runs at the
 //! width of the band: `h_m = Σ_k W_k H_k e^{i2πkm/N}`, in which a pole is `z^m` with `z = e^{(λ −
@@ -12,17 +12,17 @@
 //! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`,
 //! the shift undone before a natural frequency is formed. A band that is cut off sharply would ring
 //! in its impulse responses; its edges fall off as squared cosines `W` over [`TAPER`] of the lines,
-//! and the first samples, which the edges and all that is smooth over the band make, are left out.
-//! What is left is exponentials, but for what of the edges rings on: this bounds the method where
-//! there is no noise, and modes that decay within these samples are not seen. Within the edges
-//! modes are weakened, and those of their outer third are not told.
+//! and the first samples, which contain the edges and all terms smooth over the band, are left out.
+//! The other samples are exponentials and the remaining ringing of the edges. This ringing limits
+//! the accuracy without noise, and modes that decay within the first samples are not detected. The
+//! taper weakens modes within the edges; poles in the outer third of an edge are not reported.
 //!
-//! *Length.* Samples are used until the responses are down to their noise, as it stands before the
-//! time zero.
+//! *Length.* Samples are used until the responses have decayed to their noise, which is estimated
+//! before the time zero.
 //!
-//! *Limits.* As of all normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost.
-//! The estimate is not consistent. Fewer than 65 lines leave too few samples behind the first ones,
-//! and have no poles.
+//! *Limits.* As in all normal equations, contributions below `√ε ≈ 1e-8` of the largest response are
+//! lost. The estimate is not consistent. Fewer than 65 lines leave too few samples after the first
+//! ones, and give no poles.
 //!
 //! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for
 //! modal analysis, SAE 790221; Vold, Kundrat, Rocklin and Russell (1982), A multi-input modal
@@ -41,25 +41,25 @@ use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::peak_detection::Found;
 use crate::identify::error::IdentifyError;
-use crate::identify::mdof::lscf::{highest_order, split};
-use crate::identify::mdof::plscf::{Lscf, Plane, circle};
-use crate::identify::mdof::stabilization::{MultiModeMethod, Part};
+use crate::identify::mdof::lscf::{highest_order, split_band};
+use crate::identify::mdof::plscf::{Lscf, Plane, circle_points};
+use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 
-/// Share of the lines over which each edge of the band falls off.
+/// Fraction of the lines over which each edge of the band falls off.
 const TAPER: f64 = 0.1;
-/// Samples that are left out, in inverse widths of an edge: a squared cosine has fallen to 1e-3 of
-/// its first sample there, beside responses that are higher by their number of lines.
-const RINGING: f64 = 2.5;
-/// Samples that must be left, in orders.
-const FEWEST_SAMPLES: usize = 3;
-/// Responses end where their mean square is this many times that of the noise.
-const ABOVE_NOISE: f64 = 2.0;
-/// Samples whose mean square is taken together.
-const TOGETHER: usize = 8;
+/// Samples that are left out, in inverse widths of an edge: there the transform of a squared cosine
+/// has fallen to 1e-3 of its first sample, and responses exceed it by their number of lines.
+const RINGING_INVERSE_EDGES: f64 = 2.5;
+/// Minimum number of used samples per order.
+const MIN_SAMPLES_PER_ORDER: usize = 3;
+/// Minimum mean square of used samples over that of the noise.
+const MIN_POWER_OVER_NOISE: f64 = 2.0;
+/// Number of samples in a block whose mean square is compared with the noise.
+const BLOCK_SAMPLES: usize = 8;
 
 /// Least-squares complex exponentials.
 pub(in crate::identify) struct ComplexExponentials {
-    /// Highest order, where it is not chosen by the number of peaks.
+    /// Highest order; without it the number of peaks determines it.
     pub max_order: Option<usize>,
 }
 
@@ -76,31 +76,31 @@ impl MultiModeMethod for ComplexExponentials {
         false
     }
 
-    fn parts(
+    fn segments(
         &self,
-        (data, sides): (&Receptances, &Sides),
+        (data, frf_matrix): (&Receptances, &Sides),
         (found, _): (&Found, &[Complex64]),
-    ) -> Result<Vec<Part>, IdentifyError> {
-        let parts = split(data, |end| {
-            let top = highest_order((end, found), sides.inputs, self.max_order);
-            let responses = Responses::new((data, sides), 0..end);
-            if !responses.serve() {
+    ) -> Result<Vec<BandSegment>, IdentifyError> {
+        let segments = split_band(data, |end| {
+            let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
+            let responses = Responses::new((data, frf_matrix), 0..end);
+            if !responses.has_enough_samples() {
                 return Ok(Vec::new());
             }
-            responses.equations(sides, top)?.tables()
+            responses.reduced_equations(frf_matrix, top)?.tables()
         });
-        // The outer third of an edge holds next to nothing; the lowest part has the lowest edge.
-        let mut parts = parts?;
-        let out = |lines: usize| (TAPER / 3.0 * lines as f64) as usize;
-        let last = data.lines() - 1 - out(data.lines());
-        for part in &mut parts {
-            part.to_rad_s = part.to_rad_s.min(data.omega[last]);
+        // The taper removes the outer third of an edge; the lowest segment has the lowest edge.
+        let mut segments = segments?;
+        let margin = |lines: usize| (TAPER / 3.0 * lines as f64) as usize;
+        let last = data.lines() - 1 - margin(data.lines());
+        for segment in &mut segments {
+            segment.to_rad_s = segment.to_rad_s.min(data.omega[last]);
         }
-        if let Some(lowest) = parts.last_mut() {
+        if let Some(lowest) = segments.last_mut() {
             let lines = data.omega.iter().filter(|w| **w < lowest.to_rad_s);
-            lowest.from_rad_s = data.omega[out(lines.count())];
+            lowest.from_rad_s = data.omega[margin(lines.count())];
         }
-        Ok(parts)
+        Ok(segments)
     }
 }
 
@@ -113,12 +113,12 @@ struct Responses {
 }
 
 impl Responses {
-    fn new((data, sides): (&Receptances, &Sides), lines: Range<usize>) -> Self {
+    fn new((data, frf_matrix): (&Receptances, &Sides), lines: Range<usize>) -> Self {
         let count = lines.len();
-        let points = circle(count, 0);
+        let points = circle_points(count, 0);
         let plan = ComplexPlan::inverse(points);
         let edge = ((TAPER * count as f64).round() as usize).max(1);
-        let levels = levels((data, sides), &lines);
+        let levels = levels((data, frf_matrix), &lines);
         let response = |f: usize| {
             let value =
                 |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / levels[f]);
@@ -127,7 +127,7 @@ impl Responses {
             plan.run(&mut samples, &mut plan.scratch());
             samples
         };
-        let ringing = RINGING * points as f64 / edge as f64;
+        let ringing = RINGING_INVERSE_EDGES * points as f64 / edge as f64;
         Self {
             samples: (0..data.functions())
                 .into_par_iter()
@@ -141,31 +141,32 @@ impl Responses {
         }
     }
 
-    /// Whether enough samples are left in the half of the circle behind the time zero.
-    fn serve(&self) -> bool {
-        self.first + FEWEST_SAMPLES + TOGETHER <= self.samples[0].len() / 2
+    /// Whether the half of the circle after the time zero has enough samples.
+    fn has_enough_samples(&self) -> bool {
+        self.first + MIN_SAMPLES_PER_ORDER + BLOCK_SAMPLES <= self.samples[0].len() / 2
     }
 
-    /// Reduced normal equations of the recurrence up to an order.
-    fn equations(&self, sides: &Sides, order: usize) -> Result<Lscf, IdentifyError> {
-        let order =
-            order.min((self.samples[0].len() / 2).saturating_sub(self.first) / FEWEST_SAMPLES);
+    /// Reduced normal reduced_equations of the recurrence up to an order.
+    fn reduced_equations(&self, frf_matrix: &Sides, order: usize) -> Result<Lscf, IdentifyError> {
+        let order = order
+            .min((self.samples[0].len() / 2).saturating_sub(self.first) / MIN_SAMPLES_PER_ORDER);
         let order = order.max(1);
         let used = self.first..self.end(order);
-        let size = (order + 1) * sides.inputs;
-        let parts: Vec<ComplexMatrix> = sides
+        let size = (order + 1) * frf_matrix.inputs;
+        let products: Vec<ComplexMatrix> = frf_matrix
             .outputs
             .par_iter()
             .map(|output| self.products(output, &used, order))
             .collect();
         let mut sum = linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
-        for part in parts {
-            sum += part;
+        for product in products {
+            sum += product;
         }
-        let scale = (0..sides.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / sides.inputs as f64;
+        let scale =
+            (0..sides.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / frf_matrix.inputs as f64;
         Ok(Lscf::of_reduced(
             &sum,
-            (sides.inputs, order),
+            (frf_matrix.inputs, order),
             (scale, self.plane),
         )?)
     }
@@ -178,14 +179,18 @@ impl Responses {
             let count = range.len().max(1) as f64;
             range.map(power).sum::<f64>() / count
         };
-        // Before the time zero, away from what rings there, is nothing but noise.
+        // Before the time zero, away from the ringing, there is only noise.
         let noise = mean(points * 5 / 8..points * 7 / 8);
-        let least = self.first + FEWEST_SAMPLES * order;
-        let most = (points * 5 / 8).saturating_sub(order).max(least);
-        let block =
-            |start: &usize| mean(*start..(start + TOGETHER).min(points)) < ABOVE_NOISE * noise;
-        let down = (self.first..most).step_by(TOGETHER).find(block);
-        down.unwrap_or(most).clamp(least, most).min(points - order)
+        let min_end = self.first + MIN_SAMPLES_PER_ORDER * order;
+        let max_end = (points * 5 / 8).saturating_sub(order).max(min_end);
+        let is_noise = |start: &usize| {
+            mean(*start..(start + BLOCK_SAMPLES).min(points)) < MIN_POWER_OVER_NOISE * noise
+        };
+        let noise_start = (self.first..max_end).step_by(BLOCK_SAMPLES).find(is_noise);
+        noise_start
+            .unwrap_or(max_end)
+            .clamp(min_end, max_end)
+            .min(points - order)
     }
 
     /// `Σ_m h̄_{p,m+i} h_{q,m+j}` of one output, inputs p and q innermost: each entry is the one
@@ -219,12 +224,12 @@ impl Responses {
     }
 }
 
-/// What each function is divided by: one level for all inputs of an output, the root of their mean
-/// precision's inverse. A level for each function would change the participation factors from
-/// output to output, which share one recurrence.
-fn levels((data, sides): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
+/// Divisor of each FRF: one noise level for all inputs of an output, the root of the inverse of
+/// their mean precision. One level per FRF would change the participation factors from output to
+/// output, which share one recurrence.
+fn levels((data, frf_matrix): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
     let mut levels = vec![1.0; data.functions()];
-    for output in &sides.outputs {
+    for output in &frf_matrix.outputs {
         let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());
         let mean = output.iter().map(precision).sum::<f64>() / output.len() as f64;
         for (_, f) in output {

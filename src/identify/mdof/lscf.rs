@@ -1,8 +1,8 @@
-//! Poles of the polyreference LSCF over rising orders: the seeds of the maximum likelihood fit, and
-//! the `lscf` method's own.
+//! The polyreference LSCF gives poles over rising orders: those of the `lscf` method, and the
+//! initial poles of the maximum likelihood fit.
 //!
-//! Low modes of a wide band lie close together on its scale: its lower quarter has an estimate of
-//! its own, and a quarter of that.
+//! Low modes of a wide band lie close together on its scale. A separate estimate therefore covers
+//! its lower quarter, and another one the lower quarter of that.
 
 use std::ops::Range;
 
@@ -14,26 +14,27 @@ use crate::identify::data::peak_detection::Found;
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
-use crate::identify::mdof::pole_tracks::{FEWEST_ORDERS, Table};
-use crate::identify::mdof::stabilization::{MultiModeMethod, Part};
+use crate::identify::mdof::pole_tracks::{MIN_TRACK_ORDERS, OrderPoles};
+use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 
-/// Poles of the highest order: so many for each peak that is seen, and beyond.
+/// Poles of the highest order: a number for each detected peak, and additional ones.
 const POLES_PER_PEAK: usize = 5;
 const POLES_BEYOND: usize = 30;
-/// Bounds of their number.
-const POLES: Range<usize> = 36..160;
-/// A band whose ends differ by this factor has its lower part looked at by itself: so much of its
-/// lines, if these are enough, and so much more of what lies beside the seam.
-const WIDE: f64 = 8.0;
-const PART: usize = 4;
-const FEWEST_LINES: usize = 100;
-const OVERLAP: f64 = 0.02;
-/// Lines for each order, fewest.
-const LINES_PER_ORDER: usize = 3;
+/// Limits of their number.
+const TOTAL_POLES: Range<usize> = 36..160;
+/// A band whose ends differ by more than this factor has a separate estimate of its lower segment:
+/// one over the divisor of its lines, if these are enough, overlapping at the boundary by a fraction
+/// of the frequency.
+const MIN_WIDE_BAND_RATIO: f64 = 8.0;
+const LOWER_SEGMENT_DIVISOR: usize = 4;
+const MIN_SEGMENT_LINES: usize = 100;
+const OVERLAP_FRACTION: f64 = 0.02;
+/// Minimum number of lines per order.
+const MIN_LINES_PER_ORDER: usize = 3;
 
 /// The polyreference LSCF.
 pub(in crate::identify) struct LeastSquaresComplexFrequency {
-    /// Highest order, where it is not chosen by the number of peaks.
+    /// Highest order; without it the number of peaks determines it.
     pub max_order: Option<usize>,
 }
 
@@ -50,61 +51,70 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
         true
     }
 
-    fn parts(
+    fn segments(
         &self,
-        (data, sides): (&Receptances, &Sides),
-        (found, known): (&Found, &[Complex64]),
-    ) -> Result<Vec<Part>, IdentifyError> {
-        split(data, |end| {
-            let top = highest_order((end, found), sides.inputs, self.max_order);
-            Lscf::new(&Transforms::new(data, sides, (0..end, top, known)))?.tables()
+        (data, frf_matrix): (&Receptances, &Sides),
+        (found, weight_poles): (&Found, &[Complex64]),
+    ) -> Result<Vec<BandSegment>, IdentifyError> {
+        split_band(data, |end| {
+            let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
+            Lscf::new(&Transforms::new(
+                data,
+                frf_matrix,
+                (0..end, top, weight_poles),
+            ))?
+            .tables()
         })
     }
 }
 
-/// Highest order of an estimate from the lines below one: as stated, or by the number of peaks.
+/// Highest order of an estimate from the lines below `end`: as stated, or by the number of peaks.
 pub(in crate::identify) fn highest_order(
     (end, found): (usize, &Found),
     inputs: usize,
     stated: Option<usize>,
 ) -> usize {
     let peaks = found.peaks.iter().filter(|peak| peak.line < end).count();
-    let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(POLES.start, POLES.end);
-    let most = end / LINES_PER_ORDER;
+    let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(TOTAL_POLES.start, TOTAL_POLES.end);
+    let max_order = end / MIN_LINES_PER_ORDER;
     match stated {
-        Some(top) => top.min(most).max(1),
-        None => (poles / inputs).min(most).max(FEWEST_ORDERS + 1),
+        Some(top) => top.min(max_order).max(1),
+        None => (poles / inputs).min(max_order).max(MIN_TRACK_ORDERS + 1),
     }
 }
 
-/// Estimates from all lines and, in a wide band, from its lower part, and from the lower part of
-/// that.
-pub(in crate::identify) fn split(
+/// Estimates from all lines and, in a wide band, from its lower segment, and from the lower segment
+/// of that.
+pub(in crate::identify) fn split_band(
     data: &Receptances,
-    tables_below: impl Fn(usize) -> Result<Vec<Table>, IdentifyError>,
-) -> Result<Vec<Part>, IdentifyError> {
-    let mut parts = Vec::new();
+    tables_below: impl Fn(usize) -> Result<Vec<OrderPoles>, IdentifyError>,
+) -> Result<Vec<BandSegment>, IdentifyError> {
+    let mut segments = Vec::new();
     let (mut end, mut highest) = (data.lines(), f64::INFINITY);
     loop {
-        let part = end / PART;
-        let wide = data.omega[end - 1] > WIDE * data.omega[0];
-        let split = wide && part >= FEWEST_LINES;
-        let lowest = if split { data.omega[part] } else { 0.0 };
-        // A part without any response has no poles.
-        let silent = |own: &[Complex64]| own[..end].iter().all(|v| *v == Complex64::ZERO);
-        let tables = match data.values.iter().all(silent) {
+        let lower_end = end / LOWER_SEGMENT_DIVISOR;
+        let wide = data.omega[end - 1] > MIN_WIDE_BAND_RATIO * data.omega[0];
+        let has_lower_segment = wide && lower_end >= MIN_SEGMENT_LINES;
+        let lowest = if has_lower_segment {
+            data.omega[lower_end]
+        } else {
+            0.0
+        };
+        // A segment without any response has no poles.
+        let is_zero = |frf: &[Complex64]| frf[..end].iter().all(|v| *v == Complex64::ZERO);
+        let tables = match data.values.iter().all(is_zero) {
             true => Vec::new(),
             false => tables_below(end)?,
         };
-        parts.push(Part {
-            from_rad_s: (1.0 - OVERLAP) * lowest,
+        segments.push(BandSegment {
+            from_rad_s: (1.0 - OVERLAP_FRACTION) * lowest,
             to_rad_s: highest,
             tables,
         });
-        if !split {
-            return Ok(parts);
+        if !has_lower_segment {
+            return Ok(segments);
         }
-        end = part;
-        highest = data.omega[end] * (1.0 + OVERLAP);
+        end = lower_end;
+        highest = data.omega[end] * (1.0 + OVERLAP_FRACTION);
     }
 }

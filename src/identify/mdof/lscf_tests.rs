@@ -1,5 +1,4 @@
-//! The polyreference LSCF as a method of its own, and what all methods with model orders have in
-//! common.
+//! Tests of the `lscf` method, and of the properties that all methods with model orders share.
 
 use std::collections::BTreeSet;
 
@@ -28,7 +27,8 @@ fn with_order() -> impl Iterator<Item = &'static str> {
     ESTIMATORS.iter().filter(|e| e.has_order).map(|e| e.name)
 }
 
-/// Distance of each true pole to the one in its place, over its magnitude; no mode more or less.
+/// Distance of each true pole to the identified one of the same rank, over its magnitude; as many
+/// modes as true ones.
 fn errors(structure: &Structure, model: &ModalModel) -> Vec<f64> {
     assert_eq!(
         model.modes.len(),
@@ -73,7 +73,7 @@ fn dof(text: &str) -> Dof {
 }
 
 #[test]
-fn without_noise_the_poles_come_back_at_five_and_more_orders_per_mode() {
+fn poles_without_noise_are_exact_at_five_and_more_orders_per_mode() {
     for seed in 0..6 {
         let (structure, how) = separated_modes(seed);
         let set = structure.measured(&how);
@@ -87,7 +87,7 @@ fn without_noise_the_poles_come_back_at_five_and_more_orders_per_mode() {
 }
 
 #[test]
-fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() {
+fn pole_errors_match_their_standard_deviations_and_stay_near_the_bound() {
     // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a
     // method may have twice that.
     for (snr_db, limit) in [(60.0, 3e-3), (40.0, 6e-3), (30.0, 2e-2)] {
@@ -109,7 +109,7 @@ fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() 
             }
         }
         // 0.455 is the median of a squared normal deviate; that of the magnitude of some 60 has a
-        // deviation of 0.1 about 0.674, of which three are allowed.
+        // standard deviation of 0.1 about 0.674; three of these are allowed.
         squares.sort_by(f64::total_cmp);
         let median = squares[squares.len() / 2];
         assert!((0.14..0.95).contains(&median), "{snr_db} {median}");
@@ -117,19 +117,19 @@ fn noise_moves_poles_within_the_stated_deviation_and_little_more_than_it_must() 
 }
 
 #[test]
-fn two_references_tell_close_modes_apart_and_have_participation_factors() {
+fn two_references_separate_close_modes() {
     let (structure, set) = of_two_references();
     for method in with_order() {
-        let own = identification(&set, &options(method, None)).unwrap();
-        let worst = errors(&structure, &own.model);
+        let result = identification(&set, &options(method, None)).unwrap();
+        let worst = errors(&structure, &result.model);
         assert!(worst.iter().all(|e| *e < 2e-5), "{method} {worst:?}");
-        for ((_, _, shape), mode) in structure.modes.iter().zip(&own.model.modes) {
+        for ((_, _, shape), mode) in structure.modes.iter().zip(&result.model.modes) {
             let sign = (mode.shape.get(&dof("1:+Z")).unwrap().re * shape[0]).signum();
-            for (point, known) in (1..).zip(shape) {
+            for (point, truth) in (1..).zip(shape) {
                 let value = sign * mode.shape.get(&dof(&format!("{point}:+Z"))).unwrap().re;
                 assert!(
-                    (value - known).abs() < 2e-3,
-                    "{method} {point} {value} {known}"
+                    (value - truth).abs() < 2e-3,
+                    "{method} {point} {value} {truth}"
                 );
             }
         }
@@ -137,18 +137,18 @@ fn two_references_tell_close_modes_apart_and_have_participation_factors() {
 }
 
 #[test]
-fn the_order_is_a_cap_and_the_listing_shows_where_each_mode_was_taken() {
+fn orders_stay_below_the_stated_one_and_each_mode_has_its_selected_pole() {
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&Measurement {
         snr_db: Some(50.0),
         ..how
     });
     for method in with_order() {
-        let own = identification(&set, &options(method, Some(18))).unwrap();
-        let poles = &own.stabilization;
+        let result = identification(&set, &options(method, Some(18))).unwrap();
+        let poles = &result.stabilization;
         assert!(poles.iter().all(|point| point.order <= 18), "{method}");
-        assert_eq!(own.model.modes.len(), structure.modes.len(), "{method}");
-        for mode in &own.model.modes {
+        assert_eq!(result.model.modes.len(), structure.modes.len(), "{method}");
+        for mode in &result.model.modes {
             // Maximum likelihood moves its modes away from the poles that they were made of.
             let decay_hz = mode.frequency_hz * mode.damping_ratio.unwrap();
             let near = if method == "ml" { 0.5 * decay_hz } else { 1e-9 };
@@ -160,13 +160,13 @@ fn the_order_is_a_cap_and_the_listing_shows_where_each_mode_was_taken() {
             assert_eq!(at.count(), 1, "{method} {:?}", mode.frequency_hz);
         }
         let chosen = poles.iter().filter(|p| p.status == PoleStatus::Chosen);
-        assert_eq!(chosen.count(), own.model.modes.len(), "{method}");
+        assert_eq!(chosen.count(), result.model.modes.len(), "{method}");
         assert!(poles.iter().any(|p| p.status == PoleStatus::Stable));
     }
 }
 
 #[test]
-fn an_order_for_a_method_without_one_is_an_error() {
+fn order_for_a_method_without_orders_is_an_error() {
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&how);
     let error = identify(&set, &options("circle", Some(20))).unwrap_err();
@@ -175,18 +175,19 @@ fn an_order_for_a_method_without_one_is_an_error() {
 }
 
 #[test]
-fn an_order_too_low_for_three_is_an_error_and_the_lowest_that_is_not_has_poles() {
+fn order_below_four_is_an_error_and_order_four_has_poles_of_three_orders() {
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&how);
     for method in with_order() {
         for order in 0..4 {
             let error = identify(&set, &options(method, Some(order))).unwrap_err();
             let text = error.to_string();
-            let said = text.contains(&format!("order = {order}")) && text.contains("4 or more");
-            assert!(said && text.contains("three orders"), "{text}");
+            let names_order =
+                text.contains(&format!("order = {order}")) && text.contains("4 or more");
+            assert!(names_order && text.contains("three orders"), "{text}");
         }
-        let own = identification(&set, &options(method, Some(4))).unwrap();
-        let orders: BTreeSet<usize> = own.stabilization.iter().map(|p| p.order).collect();
+        let result = identification(&set, &options(method, Some(4))).unwrap();
+        let orders: BTreeSet<usize> = result.stabilization.iter().map(|p| p.order).collect();
         assert!(orders.len() >= 3, "{method} {orders:?}");
     }
 }
@@ -212,7 +213,7 @@ fn pure_noise_gives_no_mode() {
 }
 
 #[test]
-fn a_peak_that_no_order_reaches_is_told() {
+fn peak_without_a_mode_is_reported_where_the_order_is_too_low() {
     // Four poles cannot be five modes.
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&Measurement {
@@ -220,37 +221,36 @@ fn a_peak_that_no_order_reaches_is_told() {
         ..how
     });
     let model = identify(&set, &options("lscf", Some(4))).unwrap();
-    let told = model
+    let peak_findings = model
         .findings
         .iter()
         .filter(|f| f.code == Code::PeakWithoutMode);
-    assert!(told.count() + model.modes.len() >= structure.modes.len());
+    assert!(peak_findings.count() + model.modes.len() >= structure.modes.len());
     assert!(model.modes.len() < structure.modes.len());
 }
 
 #[test]
-fn with_several_references_functions_are_asked_one_by_one_where_the_first_look_leaves_something_over()
- {
+fn poles_are_estimated_per_frf_where_those_of_all_references_leave_a_residual() {
     let (_, set) = of_two_references();
     let one = IdentifyOptions {
         references: Some(vec![dof("1:+Z")]),
         ..options("ml", None)
     };
-    let orders = |own: &crate::identify::Identification| -> Vec<usize> {
-        own.stabilization.iter().map(|p| p.order).collect()
+    let orders = |result: &crate::identify::Identification| -> Vec<usize> {
+        result.stabilization.iter().map(|p| p.order).collect()
     };
     let falls = |orders: &[usize]| {
         let falls = orders.windows(2).filter(|pair| pair[1] < pair[0]);
         falls.map(|pair| pair[0]).collect::<Vec<_>>()
     };
     // The polynomials of two inputs have half the order for as many poles, and explain these data.
-    let own = identification(&set, &options("ml", None)).unwrap();
+    let result = identification(&set, &options("ml", None)).unwrap();
     let of_one = identification(&set, &one).unwrap();
     let top = orders(&of_one).into_iter().max().unwrap();
-    assert_eq!(orders(&own).into_iter().max(), Some(top / 2));
-    assert!(falls(&orders(&own)).is_empty());
-    for mode in &own.model.modes {
-        let chosen = own
+    assert_eq!(orders(&result).into_iter().max(), Some(top / 2));
+    assert!(falls(&orders(&result)).is_empty());
+    for mode in &result.model.modes {
+        let chosen = result
             .stabilization
             .iter()
             .filter(|point| point.status == PoleStatus::Chosen && Some(point.order) == mode.order);
@@ -262,7 +262,7 @@ fn with_several_references_functions_are_asked_one_by_one_where_the_first_look_l
 }
 
 #[test]
-fn windows_with_as_many_peaks_as_the_order_have_three_tables_all_the_same() {
+fn windows_with_as_many_peaks_as_the_order_have_poles_of_three_orders() {
     // Six half-power widths apart: each window of rational fraction polynomials holds all four
     // peaks.
     let shapes = [
@@ -284,7 +284,7 @@ fn windows_with_as_many_peaks_as_the_order_have_three_tables_all_the_same() {
         snr_db: Some(60.0),
         ..Measurement::of_sensors(3, axis)
     });
-    let own = identification(&set, &options("rfp", Some(4))).unwrap();
-    let orders: BTreeSet<usize> = own.stabilization.iter().map(|p| p.order).collect();
+    let result = identification(&set, &options("rfp", Some(4))).unwrap();
+    let orders: BTreeSet<usize> = result.stabilization.iter().map(|p| p.order).collect();
     assert_eq!(orders.into_iter().collect::<Vec<_>>(), [2, 3, 4]);
 }

@@ -1,7 +1,7 @@
 //! Multi-degree-of-freedom methods of rising model order: RFP, LSCE, polyreference LSCF.
 //!
 //! Each method gives the poles of all orders. Poles that recur over orders are candidates, and
-//! their residues follow by linear least squares. This room knows nothing of maximum likelihood.
+//! their residues follow by linear least squares.
 //!
 //! Terms: *stable pole*, a pole that recurs over model orders within tolerances; *pole track*, the
 //! poles of rising orders that continue each other.

@@ -1,5 +1,5 @@
-//! Transforms of weighted lines: the blocks of the normal equations of the polyreference LSCF
-//! ([`plscf`](crate::identify::mdof::plscf)), all of Toeplitz structure, hold nothing else.
+//! Fourier transforms of weighted frequency lines give the Toeplitz blocks of the normal equations
+//! of the polyreference LSCF ([`plscf`](crate::identify::mdof::plscf)).
 
 use std::ops::Range;
 
@@ -10,23 +10,23 @@ use crate::fourier::ComplexPlan;
 
 use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::frf_matrix::Sides;
-use crate::identify::mdof::plscf::{Plane, circle};
+use crate::identify::mdof::plscf::{Plane, circle_points};
 
-/// Error of the model relative to the response, squared: strong resonances far above the noise
-/// would leave nothing of weak ones in the normal equations. Once poles are known, weak ones have
-/// been found.
-const MODEL: f64 = 1e-6;
-const MODEL_OF_KNOWN: f64 = 1e-10;
-/// Outputs whose sums are formed by one thread.
-pub(in crate::identify) const TOGETHER: usize = 8;
+/// Error of the model relative to the response, squared. Without it, strong resonances far above the
+/// noise would suppress weak ones in the normal equations. In the estimate with lines weighted by
+/// poles, weak resonances have been found already.
+const MODEL_ERROR_VARIANCE_RATIO: f64 = 1e-6;
+const REWEIGHTED_ERROR_VARIANCE_RATIO: f64 = 1e-10;
+/// Number of outputs whose sums one thread forms.
+pub(in crate::identify) const CHUNK_OUTPUTS: usize = 8;
 
-/// Transforms over the lines, of which all blocks of the normal equations are made.
+/// Transforms over the lines, from which all blocks of the normal equations are formed.
 pub(in crate::identify) struct Transforms {
     /// Number of inputs.
     pub inputs: usize,
     /// Highest order.
     pub order: usize,
-    /// How the circle lies over the lines.
+    /// Mapping of the lines to the unit circle.
     pub plane: Plane,
     /// By output.
     pub outputs: Vec<Output>,
@@ -46,42 +46,47 @@ pub(in crate::identify) struct Output {
 pub(in crate::identify) struct Lags(Vec<Complex64>);
 
 impl Transforms {
-    /// Of some lines for equations up to an order; `sides` must be complete. Every line is weighted
-    /// by one over what the denominator of known poles, rad/s, makes of its noise.
+    /// Transforms of some lines for equations up to an order; `frf_matrix` must be complete. Every
+    /// line is weighted by one over the factor that the denominator of `weight_poles`, rad/s, applies
+    /// to its noise.
     pub fn new(
         data: &Receptances,
-        sides: &Sides,
-        (lines, order, known): (Range<usize>, usize, &[Complex64]),
+        frf_matrix: &Sides,
+        (lines, order, weight_poles): (Range<usize>, usize, &[Complex64]),
     ) -> Self {
-        let plan = ComplexPlan::inverse(circle(lines.len(), 2 * order + 2));
+        let plan = ComplexPlan::inverse(circle_points(lines.len(), 2 * order + 2));
         let step_s = std::f64::consts::TAU / (plan.len() as f64 * data.step);
-        let of_lines = Lines {
-            course: course(&data.omega[lines.clone()], step_s, known),
-            model: if known.is_empty() {
-                MODEL
+        let weighted = Lines {
+            denominator_weight: denominator_weight(
+                &data.omega[lines.clone()],
+                step_s,
+                weight_poles,
+            ),
+            model_error: if weight_poles.is_empty() {
+                MODEL_ERROR_VARIANCE_RATIO
             } else {
-                MODEL_OF_KNOWN
+                REWEIGHTED_ERROR_VARIANCE_RATIO
             },
             data,
             lines: lines.clone(),
             plan,
             order,
         };
-        let m = sides.inputs;
-        let chunks: Vec<(Vec<Output>, Vec<Vec<Complex64>>)> = sides
+        let m = frf_matrix.inputs;
+        let chunks: Vec<(Vec<Output>, Vec<Vec<Complex64>>)> = frf_matrix
             .outputs
-            .par_chunks(TOGETHER)
-            .map(|outputs| of_lines.transformed(outputs))
+            .par_chunks(CHUNK_OUTPUTS)
+            .map(|outputs| weighted.transformed(outputs))
             .collect();
         let mut sums = vec![vec![Complex64::ZERO; lines.len()]; m * m];
-        let mut outputs = Vec::with_capacity(sides.outputs.len());
-        for (own, products) in chunks {
-            outputs.extend(own);
+        let mut outputs = Vec::with_capacity(frf_matrix.outputs.len());
+        for (chunk_outputs, products) in chunks {
+            outputs.extend(chunk_outputs);
             for (sum, product) in sums.iter_mut().zip(products) {
                 sum.iter_mut().zip(product).for_each(|(s, p)| *s += p);
             }
         }
-        let mut scratch = of_lines.plan.scratch();
+        let mut scratch = weighted.plan.scratch();
         Self {
             inputs: m,
             order,
@@ -92,20 +97,20 @@ impl Transforms {
             outputs,
             products: sums
                 .into_iter()
-                .map(|sum| of_lines.lags(sum, &mut scratch))
+                .map(|sum| weighted.lags(sum, &mut scratch))
                 .collect(),
         }
     }
 }
 
-/// Lines on their way into transforms.
+/// Weighted lines and the plan of their transforms.
 struct Lines<'a> {
     data: &'a Receptances,
     lines: Range<usize>,
-    /// Weight that known poles give every line.
-    course: Vec<f64>,
+    /// Weight of every line by the denominator of given poles.
+    denominator_weight: Vec<f64>,
     /// Error of the model relative to the response, squared.
-    model: f64,
+    model_error: f64,
     plan: ComplexPlan,
     order: usize,
 }
@@ -122,8 +127,8 @@ impl Lines<'_> {
                 .iter()
                 .map(|(_, f)| &self.data.values[*f][self.lines.clone()])
                 .collect();
-            for (place, sum) in sums.iter_mut().enumerate() {
-                let (p, q) = (functions[place / m], functions[place % m]);
+            for (position, sum) in sums.iter_mut().enumerate() {
+                let (p, q) = (functions[position / m], functions[position % m]);
                 let pairs = p.iter().zip(q).zip(&weights);
                 sum.iter_mut()
                     .zip(pairs)
@@ -151,23 +156,23 @@ impl Lines<'_> {
         let mut powers = vec![0.0; self.lines.len()];
         for (_, f) in output {
             let values = &self.data.values[*f][self.lines.clone()];
-            let own = values.iter().map(Complex64::norm_sqr);
+            let squares = values.iter().map(Complex64::norm_sqr);
             powers
                 .iter_mut()
-                .zip(own)
+                .zip(squares)
                 .for_each(|(sum, p)| *sum += p / m);
         }
         let mut weights = vec![0.0; self.lines.len()];
         for (_, f) in output {
             let variance = &self.data.variance[*f][self.lines.clone()];
             for ((sum, v), power) in weights.iter_mut().zip(variance).zip(&powers) {
-                *sum += 1.0 / (v + self.model * power);
+                *sum += 1.0 / (v + self.model_error * power);
             }
         }
         weights
             .iter()
-            .zip(&self.course)
-            .map(|(sum, course)| course * sum / m)
+            .zip(&self.denominator_weight)
+            .map(|(sum, denominator_weight)| denominator_weight * sum / m)
             .collect()
     }
 
@@ -186,19 +191,23 @@ impl Lags {
     }
 }
 
-/// `1/Π |z − z_r|²` at every line over the known poles among the lines: the noise of an equation is
-/// that of its line times the denominator (Sanathanan and Koerner 1963, IEEE Trans. Automatic
-/// Control 8(1)).
-fn course(omega: &[f64], step_s: f64, known: &[Complex64]) -> Vec<f64> {
+/// `1/Π |z − z_r|²` at every line over those of the given poles that lie among the lines: the noise
+/// of an equation is that of its line times the denominator (Sanathanan and Koerner 1963, IEEE
+/// Trans. Automatic Control 8(1)).
+fn denominator_weight(omega: &[f64], step_s: f64, weight_poles: &[Complex64]) -> Vec<f64> {
     let z = |s: Complex64| ((s - Complex64::new(0.0, omega[0])) * step_s).exp();
     let inside = |pole: &&Complex64| pole.im > omega[0] && pole.im < omega[omega.len() - 1];
-    let known: Vec<Complex64> = known.iter().filter(inside).map(|pole| z(*pole)).collect();
-    let at = |w: &f64| {
-        let own = z(Complex64::new(0.0, *w));
-        let factors = known.iter().map(|pole| (own - pole).norm_sqr());
+    let weight_poles: Vec<Complex64> = weight_poles
+        .iter()
+        .filter(inside)
+        .map(|pole| z(*pole))
+        .collect();
+    let weight = |w: &f64| {
+        let line_z = z(Complex64::new(0.0, *w));
+        let factors = weight_poles.iter().map(|pole| (line_z - pole).norm_sqr());
         factors.product::<f64>().recip()
     };
-    omega.iter().map(at).collect()
+    omega.iter().map(weight).collect()
 }
 
 #[cfg(test)]
@@ -224,30 +233,33 @@ mod tests {
         }
         let set = Structure { modes }.measured(&how);
         let data = Receptances::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
-        let (sides, order) = (Sides::new(set.functions()), 4);
-        let own = Transforms::new(&data, &sides, (0..data.lines(), order, &[]));
+        let (frf_matrix, order) = (Sides::new(set.functions()), 4);
+        let transforms = Transforms::new(&data, &frf_matrix, (0..data.lines(), order, &[]));
         let z = |k: usize, lag: i32| {
-            let angle = (data.omega[k] - own.plane.omega_0) * own.plane.step_s;
+            let angle = (data.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;
             Complex64::from_polar(1.0, angle * f64::from(lag))
         };
-        let value = |o: usize, p: usize, k: usize| data.values[sides.outputs[o][p].1][k];
+        let value = |o: usize, p: usize, k: usize| data.values[frf_matrix.outputs[o][p].1][k];
         let weight = |o: usize, k: usize| {
             let power = (value(o, 0, k).norm_sqr() + value(o, 1, k).norm_sqr()) / 2.0;
             let precision = |p: usize| {
-                let variance = data.variance[sides.outputs[o][p].1][k];
-                1.0 / (variance + MODEL * power)
+                let variance = data.variance[frf_matrix.outputs[o][p].1][k];
+                1.0 / (variance + MODEL_ERROR_VARIANCE_RATIO * power)
             };
             (precision(0) + precision(1)) / 2.0
         };
-        let near = |told: Complex64, course: &dyn Fn(usize) -> Complex64, lag: i32| {
-            let sum: Complex64 = (0..data.lines()).map(|k| course(k) * z(k, lag)).sum();
-            let size: f64 = (0..data.lines()).map(|k| course(k).norm()).sum();
-            assert!((told - sum).norm() < 1e-12 * size, "{told} {sum} {lag}");
+        let assert_near = |transform: Complex64, term: &dyn Fn(usize) -> Complex64, lag: i32| {
+            let sum: Complex64 = (0..data.lines()).map(|k| term(k) * z(k, lag)).sum();
+            let size: f64 = (0..data.lines()).map(|k| term(k).norm()).sum();
+            assert!(
+                (transform - sum).norm() < 1e-12 * size,
+                "{transform} {sum} {lag}"
+            );
         };
         for (i, j, lag) in [(0, 0, 0), (0, 4, 4), (3, 1, -2)] {
-            for (o, output) in own.outputs.iter().enumerate() {
-                near(output.weight.at(i, j), &|k| weight(o, k).into(), lag);
-                near(
+            for (o, output) in transforms.outputs.iter().enumerate() {
+                assert_near(output.weight.at(i, j), &|k| weight(o, k).into(), lag);
+                assert_near(
                     output.functions[1].at(i, j),
                     &|k| weight(o, k) * value(o, 1, k),
                     lag,
@@ -257,7 +269,7 @@ mod tests {
                 let of = |o: usize| weight(o, k) * value(o, 0, k).conj() * value(o, 1, k);
                 (0..3).map(of).sum()
             };
-            near(own.products[1].at(i, j), &product, lag);
+            assert_near(transforms.products[1].at(i, j), &product, lag);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Polyreference least-squares complex frequency domain estimator (the family of PolyMAX): poles
-//! and participation factors from a right matrix fraction in `z`.
+//! The polyreference least-squares complex frequency domain estimator (the family of PolyMAX) gives
+//! poles and participation factors from a right matrix fraction in `z`.
 //!
 //! The receptances of output o over all inputs are modelled as `H_o(z) = B_o(z) A(z)⁻¹`, `B_o = Σ
 //! b_oj z^j` (a row), `A = Σ A_j z^j` (a square matrix of the number of inputs, shared by all
@@ -7,21 +7,23 @@
 //! linear in all coefficients. Its normal equations hold `R_o = Σ w² z̄^i z^j`, `S_o = −Σ w² z̄^i
 //! z^j H_o`, `T_o = Σ w² z̄^i z^j H_o^H H_o`, all of Toeplitz structure, so that one transform of
 //! `w²`, `w² H` and, summed over all outputs first, `w² H^H H` gives them
-//! ([`transforms`](crate::identify::mdof::normal_equations)). The numerators are eliminated, `M = Σ_o (T_o − S_o^H R_o⁻¹
-//! S_o)`, and with `A_0 = I` the other coefficients follow from a positive definite system.
+//! ([`normal_equations`](crate::identify::mdof::normal_equations)). The numerators are eliminated,
+//! `M = Σ_o (T_o − S_o^H R_o⁻¹ S_o)`, and with `A_0 = I` the other coefficients follow from a
+//! positive definite system.
 //! Numerators keep the highest order for all orders of the denominator, which makes the systems of
 //! lower orders leading blocks of the highest: one Cholesky factor serves them all.
 //!
-//! *Choices.* The coefficients are complex: a band of lines knows nothing of the conjugate poles,
-//! and of the poles of a complex denominator all lie in the band. The band takes [`ARC`] of the
-//! circle, so that its two ends are not neighbours and what lies outside the band can be followed
-//! by poles in the rest of the circle. With the *lowest* coefficient fixed the poles of noise come
-//! out unstable and those of modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 +
-//! ln(z)/T`: the shift is undone before a natural frequency is formed.
+//! *Choices.* The coefficients are complex: a band of lines shows no conjugate poles, and all poles
+//! of a complex denominator lie in the band. The band takes `BAND_ARC_FRACTION` of the circle, so
+//! that its two ends are not neighbours and poles in the remaining arc can model the out-of-band
+//! terms. With the *lowest* coefficient fixed the poles of noise come out unstable and those of
+//! modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 + ln(z)/T`: the shift is
+//! undone before a natural frequency is formed.
 //!
-//! *Limit.* These are normal equations: what is below `√ε ≈ 1e-8` of the largest response is lost.
-//! The estimate is not consistent (noise is on the regressors): it starts a refinement (`refine`),
-//! and as a method of its own says how far it is off (`multi`).
+//! *Limit.* As in all normal equations, contributions below `√ε ≈ 1e-8` of the largest response are
+//! lost. The estimate is not consistent (the regressors carry noise): the maximum likelihood method
+//! refines it, and the `lscf` method adds its distance from the maximum of the likelihood to the
+//! standard deviations ([`estimator`](crate::identify::mdof::estimator)).
 //!
 //! References: Guillaume, Verboven, Vanlanduit, Van der Auweraer and Peeters (2003), A
 //! poly-reference implementation of the least-squares complex frequency-domain estimator, IMAC 21;
@@ -35,16 +37,16 @@ use rayon::prelude::*;
 use crate::linalg::{self, ComplexMatrix, LinalgError};
 
 use crate::identify::error::IdentifyError;
-use crate::identify::mdof::normal_equations::{Output, TOGETHER, Transforms};
-use crate::identify::mdof::pole_tracks::{GlobalPole, Table};
+use crate::identify::mdof::normal_equations::{CHUNK_OUTPUTS, Output, Transforms};
+use crate::identify::mdof::pole_tracks::{GlobalPole, OrderPoles};
 use crate::identify::mdof::stabilization::rising_orders;
 
-/// Share of the circle that the lines of the band take.
-const ARC: f64 = 0.8;
-/// What is added to the diagonals, relative to their mean, so that data without noise have a
-/// solution: rounding of sums at first, and no more than what the normal equations lose anyway.
-const RIDGE: f64 = 1e-15;
-const MOST_RIDGE: f64 = 1e-9;
+/// Fraction of the circle that the lines of the band take.
+const BAND_ARC_FRACTION: f64 = 0.8;
+/// Minimum and maximum ridge on the diagonals, relative to their mean, so that data without noise
+/// have a solution: the round-off of the sums, and the precision that normal equations lose.
+const MIN_RIDGE: f64 = 1e-15;
+const MAX_RIDGE: f64 = 1e-9;
 
 /// The reduced normal equations at the highest order.
 pub(in crate::identify) struct Lscf {
@@ -57,7 +59,7 @@ pub(in crate::identify) struct Lscf {
     plane: Plane,
 }
 
-/// How `z = e^{(λ − iω_0)T}` lies over the lines.
+/// Mapping `z = e^{(λ − iω_0)T}` of frequency lines to the unit circle.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::identify) struct Plane {
     /// First line, rad/s.
@@ -66,10 +68,10 @@ pub(in crate::identify) struct Plane {
     pub step_s: f64,
 }
 
-/// Points of the circle for so many lines, and more than a number.
-pub(in crate::identify) fn circle(lines: usize, least: usize) -> usize {
-    let circle = (lines as f64 / ARC).ceil() as usize;
-    circle.max(least).next_multiple_of(64)
+/// Number of points of the circle for a number of lines, with a minimum.
+pub(in crate::identify) fn circle_points(lines: usize, min_points: usize) -> usize {
+    let points = (lines as f64 / BAND_ARC_FRACTION).ceil() as usize;
+    points.max(min_points).next_multiple_of(64)
 }
 
 impl Lscf {
@@ -77,17 +79,17 @@ impl Lscf {
     ///
     /// # Errors
     /// [`LinalgError::NotPositiveDefinite`].
-    pub fn new(of: &Transforms) -> Result<Self, LinalgError> {
-        let (m, order) = (of.inputs, of.order);
+    pub fn new(transforms: &Transforms) -> Result<Self, LinalgError> {
+        let (m, order) = (transforms.inputs, transforms.order);
         let size = (order + 1) * m;
         let zero = || linalg::complex_matrix(size, size, |_, _| Complex64::ZERO);
-        let chunks: Vec<Result<ComplexMatrix, LinalgError>> = of
+        let chunks: Vec<Result<ComplexMatrix, LinalgError>> = transforms
             .outputs
-            .par_chunks(TOGETHER)
+            .par_chunks(CHUNK_OUTPUTS)
             .map(|outputs| {
                 let mut explained = zero();
                 for output in outputs {
-                    linalg::add_square(&mut explained, &output.half(order)?);
+                    linalg::add_square(&mut explained, &output.reduced_factor(order)?);
                 }
                 Ok(explained)
             })
@@ -98,13 +100,13 @@ impl Lscf {
         }
         for column in 0..size {
             for row in column..size {
-                let lags = &of.products[(row % m) * m + column % m];
+                let lags = &transforms.products[(row % m) * m + column % m];
                 sum[(row, column)] += lags.at(row / m, column / m);
             }
         }
-        let diagonal = (0..m).map(|p| of.products[p * m + p].at(0, 0).re);
+        let diagonal = (0..m).map(|p| transforms.products[p * m + p].at(0, 0).re);
         let scale = diagonal.sum::<f64>() / m as f64;
-        Self::of_reduced(&sum, (m, order), (scale, of.plane))
+        Self::of_reduced(&sum, (m, order), (scale, transforms.plane))
     }
 
     /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square
@@ -136,7 +138,7 @@ impl Lscf {
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`].
-    pub fn tables(&self) -> Result<Vec<Table>, IdentifyError> {
+    pub fn tables(&self) -> Result<Vec<OrderPoles>, IdentifyError> {
         self.tables_of(&rising_orders(self.order))
     }
 
@@ -144,9 +146,9 @@ impl Lscf {
     ///
     /// # Errors
     /// [`LinalgError::NotConverged`].
-    pub fn tables_of(&self, orders: &[usize]) -> Result<Vec<Table>, IdentifyError> {
-        // The highest takes longest: first, so that no thread is left alone with it.
-        let tables: Vec<Result<Table, IdentifyError>> = orders
+    pub fn tables_of(&self, orders: &[usize]) -> Result<Vec<OrderPoles>, IdentifyError> {
+        // The highest order takes longest: it is first, so that the other threads do not wait for it.
+        let tables: Vec<Result<OrderPoles, IdentifyError>> = orders
             .par_iter()
             .rev()
             .with_max_len(1)
@@ -203,7 +205,7 @@ impl Plane {
     /// shared by both sides.
     fn unwrapped(&self, lambda: Complex64) -> Complex64 {
         let turn = std::f64::consts::TAU / self.step_s;
-        let lowest = self.omega_0 - 0.5 * (1.0 - ARC) * turn;
+        let lowest = self.omega_0 - 0.5 * (1.0 - BAND_ARC_FRACTION) * turn;
         let mut lambda = lambda;
         while lambda.im < lowest {
             lambda.im += turn;
@@ -215,18 +217,18 @@ impl Plane {
     }
 }
 
-/// Cholesky factor with the least ridge that gives one; `scale` is that of the numbers that the
-/// matrix was made from.
+/// Cholesky factor with the smallest ridge that gives one; `scale` is the scale of the numbers that
+/// the matrix was formed from.
 fn factor(matrix: &ComplexMatrix, scale: f64) -> Result<ComplexMatrix, LinalgError> {
     let size = matrix.nrows();
-    let mut ridge = RIDGE * size as f64;
+    let mut ridge = MIN_RIDGE * size as f64;
     loop {
         let raised = linalg::complex_matrix(size, size, |i, j| {
-            let own = if i == j { ridge * scale } else { 0.0 };
-            matrix[(i, j)] + own
+            let added = if i == j { ridge * scale } else { 0.0 };
+            matrix[(i, j)] + added
         });
         match linalg::cholesky(&raised) {
-            Err(_) if ridge < MOST_RIDGE => ridge *= 10.0,
+            Err(_) if ridge < MAX_RIDGE => ridge *= 10.0,
             result => return result,
         }
     }
@@ -265,7 +267,7 @@ fn participation(
 
 impl Output {
     /// `L⁻¹ S` with the factor `R = L Lᴴ`.
-    fn half(&self, order: usize) -> Result<ComplexMatrix, LinalgError> {
+    fn reduced_factor(&self, order: usize) -> Result<ComplexMatrix, LinalgError> {
         let m = self.functions.len();
         let size = order + 1;
         let r = linalg::complex_matrix(size, size, |i, j| self.weight.at(i, j));

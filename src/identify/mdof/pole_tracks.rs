@@ -1,24 +1,24 @@
-//! Poles that stay while the model order grows: the seeds of the refinement.
+//! Pole tracks join poles of rising model orders; a track of enough orders gives a stable pole.
 //!
 //! A pole belongs to a track when it lies near the last pole of the track, one or two orders
 //! before: within half a decay rate (a quarter of the half-power width) and with the same
-//! participation factors. Tracks of three and more orders are seeds; a seed is the pole of its
-//! track with the least sum of distances to the others.
+//! participation factors. A track of three or more orders gives a stable pole: the pole of the track
+//! with the smallest sum of distances to the others.
 
 use num_complex::Complex64;
 
 use crate::modal::mac;
 
-/// Distance from order to order, in decay rates.
-const NEAR: f64 = 0.5;
-/// Least modal assurance criterion of participation factors from order to order.
-const SAME_PARTICIPATION: f64 = 0.8;
-/// Orders that a pole may be missing from.
-const MISSING: usize = 1;
-/// Fewest orders of a track.
-pub(in crate::identify) const FEWEST_ORDERS: usize = 3;
-/// The last poles of a track that choose the seed.
-const CHOOSING: usize = 7;
+/// Maximum distance from order to order, in decay rates.
+const MAX_STEP_DECAY_RATES: f64 = 0.5;
+/// Minimum modal assurance criterion of participation factors from order to order.
+const MIN_PARTICIPATION_MAC: f64 = 0.8;
+/// Maximum number of successive orders without a pole of the track.
+const MAX_MISSING_ORDERS: usize = 1;
+/// Minimum number of orders of a track.
+pub(in crate::identify) const MIN_TRACK_ORDERS: usize = 3;
+/// Number of last poles of a track among which the stable pole is chosen.
+const LAST_TRACK_POLES: usize = 7;
 
 /// A pole that all functions share, with its participation factors.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,28 +29,28 @@ pub(in crate::identify) struct GlobalPole {
     pub participation: Vec<Complex64>,
 }
 
-/// A pole that stays.
+/// A stable pole.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Seed {
+pub(in crate::identify) struct StablePole {
     /// Pole and participation factors.
     pub pole: GlobalPole,
     /// Order of that pole.
     pub order: usize,
-    /// Orders at which it was there.
+    /// Orders of its track.
     pub orders: Vec<usize>,
     /// The poles of its track, by order.
     members: Vec<(usize, Complex64)>,
 }
 
-impl Seed {
-    /// Whether a pole of an order belongs to it.
-    pub fn holds(&self, order: usize, pole: &GlobalPole) -> bool {
+impl StablePole {
+    /// Whether a pole of an order belongs to its track.
+    pub fn contains(&self, order: usize, pole: &GlobalPole) -> bool {
         self.members.contains(&(order, pole.lambda))
     }
 }
 
 /// Poles of one order.
-pub(in crate::identify) type Table = (usize, Vec<GlobalPole>);
+pub(in crate::identify) type OrderPoles = (usize, Vec<GlobalPole>);
 
 struct Track {
     poles: Vec<GlobalPole>,
@@ -58,42 +58,42 @@ struct Track {
     last: usize,
 }
 
-/// Poles that stay over the orders (ascending), in ascending frequency. `step_rad_s` is the spacing
-/// of the lines, below a tenth of which nothing differs.
-pub(in crate::identify) fn seeds(tables: &[Table], step_rad_s: f64) -> Vec<Seed> {
+/// Stable poles over the orders (ascending), in ascending frequency. `step_rad_s` is the spacing of
+/// the lines; a tenth of it is added to the tolerance.
+pub(in crate::identify) fn stable_poles(tables: &[OrderPoles], step_rad_s: f64) -> Vec<StablePole> {
     let mut tracks: Vec<Track> = Vec::new();
     for (index, (order, poles)) in tables.iter().enumerate() {
         let mut free: Vec<usize> = (0..tracks.len())
-            .filter(|t| index - tracks[*t].last <= 1 + MISSING)
+            .filter(|t| index - tracks[*t].last <= 1 + MAX_MISSING_ORDERS)
             .collect();
-        let mut new = Vec::new();
+        let mut started = Vec::started();
         for pole in poles {
             let best = nearest(&tracks, &free, pole, step_rad_s);
             match best {
-                Some(place) => {
-                    let track = &mut tracks[free.swap_remove(place)];
+                Some(position) => {
+                    let track = &mut tracks[free.swap_remove(position)];
                     track.poles.push(pole.clone());
                     track.orders.push(*order);
                     track.last = index;
                 }
-                None => new.push(Track {
+                None => started.push(Track {
                     poles: vec![pole.clone()],
                     orders: vec![*order],
                     last: index,
                 }),
             }
         }
-        tracks.extend(new);
+        tracks.extend(started);
     }
-    let stay = tracks
+    let stable = tracks
         .into_iter()
-        .filter(|track| track.orders.len() >= FEWEST_ORDERS);
-    let mut seeds: Vec<Seed> = stay
+        .filter(|track| track.orders.len() >= MIN_TRACK_ORDERS);
+    let mut seeds: Vec<StablePole> = stable
         .map(|track| {
-            let place = medoid(&track.poles);
-            Seed {
-                pole: track.poles[place].clone(),
-                order: track.orders[place],
+            let median = medoid(&track.poles);
+            StablePole {
+                pole: track.poles[median].clone(),
+                order: track.orders[median],
                 members: members(&track),
                 orders: track.orders,
             }
@@ -108,40 +108,43 @@ fn members(track: &Track) -> Vec<(usize, Complex64)> {
     track.orders.iter().copied().zip(poles).collect()
 }
 
-/// Place in `free` of the track that a pole continues.
+/// Position in `free` of the track that a pole continues.
 fn nearest(tracks: &[Track], free: &[usize], pole: &GlobalPole, step: f64) -> Option<usize> {
-    let distance = |place: &usize| {
-        let last = tracks[free[*place]].poles.last()?;
+    let distance = |position: &usize| {
+        let last = tracks[free[*position]].poles.last()?;
         let decay = pole.lambda.re.abs().max(last.lambda.re.abs());
-        let apart = (pole.lambda - last.lambda).norm();
-        let alike = mac(&pole.participation, &last.participation)?;
-        (apart <= NEAR * decay + 0.1 * step && alike >= SAME_PARTICIPATION).then_some(apart)
+        let distance_rad_s = (pole.lambda - last.lambda).norm();
+        let participation_mac = mac(&pole.participation, &last.participation)?;
+        (distance_rad_s <= MAX_STEP_DECAY_RATES * decay + 0.1 * step
+            && participation_mac >= MIN_PARTICIPATION_MAC)
+            .then_some(distance_rad_s)
     };
-    let near = (0..free.len()).filter_map(|place| Some((place, distance(&place)?)));
+    let near = (0..free.len()).filter_map(|position| Some((position, distance(&position)?)));
     near.min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(place, _)| place)
+        .map(|(position, _)| position)
 }
 
-/// Place of the pole with the least sum of distances to the others among the last.
+/// Position of the pole with the smallest sum of distances to the others among the last ones.
 fn medoid(poles: &[GlobalPole]) -> usize {
-    let first = poles.len().saturating_sub(CHOOSING);
+    let first = poles.len().saturating_sub(LAST_TRACK_POLES);
     let last = &poles[first..];
-    let sum = |place: &usize| -> f64 {
-        let own = poles[*place].lambda;
-        last.iter().map(|p| (p.lambda - own).norm()).sum()
+    let sum = |position: &usize| -> f64 {
+        let lambda = poles[*position].lambda;
+        last.iter().map(|p| (p.lambda - lambda).norm()).sum()
     };
     let best = (first..poles.len()).min_by(|a, b| sum(a).total_cmp(&sum(b)));
     best.unwrap_or(first)
 }
 
-/// The seed among others that takes the place of one: within half a decay rate, with the same
-/// participation; itself without one.
-pub(in crate::identify) fn replaced(seed: Seed, others: &[Seed]) -> Seed {
-    let distance = |other: &&Seed| {
-        let apart = (other.pole.lambda - seed.pole.lambda).norm();
-        let alike = mac(&other.pole.participation, &seed.pole.participation)?;
-        let near = apart < NEAR * seed.pole.lambda.re.abs() && alike >= SAME_PARTICIPATION;
-        near.then_some(apart)
+/// The nearest of other stable poles within half a decay rate and with the same participation, else
+/// the pole itself.
+pub(in crate::identify) fn matching_pole(seed: StablePole, others: &[StablePole]) -> StablePole {
+    let distance = |other: &&StablePole| {
+        let distance_rad_s = (other.pole.lambda - seed.pole.lambda).norm();
+        let participation_mac = mac(&other.pole.participation, &seed.pole.participation)?;
+        let near = distance_rad_s < MAX_STEP_DECAY_RATES * seed.pole.lambda.re.abs()
+            && participation_mac >= MIN_PARTICIPATION_MAC;
+        near.then_some(distance_rad_s)
     };
     let near = others
         .iter()
@@ -150,14 +153,13 @@ pub(in crate::identify) fn replaced(seed: Seed, others: &[Seed]) -> Seed {
     nearest.map_or(seed.clone(), |(_, other)| other.clone())
 }
 
-/// Seeds without those that repeat another: nearer than a fifth of a decay rate with the same
-/// participation.
-pub(in crate::identify) fn distinct(seeds: Vec<Seed>) -> Vec<Seed> {
-    let mut order: Vec<Seed> = seeds;
+/// Stable poles without duplicates: nearer than a fifth of a decay rate with the same participation.
+pub(in crate::identify) fn without_duplicates(seeds: Vec<StablePole>) -> Vec<StablePole> {
+    let mut order: Vec<StablePole> = seeds;
     order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));
-    let mut kept: Vec<Seed> = Vec::new();
+    let mut kept: Vec<StablePole> = Vec::new();
     for seed in order {
-        let repeats = |other: &Seed| {
+        let repeats = |other: &StablePole| {
             let (a, b) = (&seed.pole, &other.pole);
             let decay = a.lambda.re.abs().max(b.lambda.re.abs());
             (a.lambda - b.lambda).norm() < 0.2 * decay

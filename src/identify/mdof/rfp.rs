@@ -1,25 +1,25 @@
-//! Rational fraction polynomials with orthogonal bases: poles of the lines around every peak, from
-//! one denominator that all functions share.
+//! Rational fraction polynomials with orthogonal bases give the poles around every peak from one
+//! denominator that all FRFs share.
 //!
 //! On the lines around a peak, `x = (ω − ω_c)/r ∈ [−1, 1]`, every receptance is `H_f =
-//! N_f(x)/D(x)`. Both polynomials are sums of orthonormal ones: the numerators' under the weight of
-//! the equations, the denominator's under that which the noise gets in them, so that powers of
-//! frequency and their conditioning never appear. The equation error `w_f (H_f D − N_f)` is
-//! projected on what the numerators cannot explain; a QR of all functions leaves a triangle `R`,
-//! and `D` is the right singular vector of its smallest singular value. In this basis the noise of
-//! all coefficients is white, but for the share that the numerators' projection takes out of it,
+//! N_f(x)/D(x)`. Both polynomials are sums of orthonormal ones: the numerators under the weight of
+//! the equations, the denominator under the weight of the noise in the equations, so that the ill
+//! conditioned powers of frequency never appear. The equation error `w_f (H_f D − N_f)` is projected
+//! off the numerators; a QR of all FRFs gives a triangle `R`, and `D` is the right singular vector of
+//! its smallest singular value. In this basis the noise of all coefficients is white, but for the
+//! fraction that the projection of the numerators removes,
 //! which falls as lines per unknown grow: it is the generalised total least squares estimate in
 //! that limit, consistent there, where least squares with one coefficient fixed is not. Lower
 //! orders are leading blocks of `R`.
 //!
-//! Modes and conjugates outside the lines are followed by numerators of [`EXTRA`] degrees more than
-//! the denominator and by its own roots outside. The numerators keep their degree for all orders.
+//! Numerators of [`EXTRA_NUMERATOR_DEGREES`] degrees more than the denominator, and poles outside
+//! the lines, model out-of-band and conjugate modes. The numerators keep their degree for all orders.
 //! The roots are the eigenvalues of the Hessenberg matrix of the basis with its last row changed
 //! (comrade matrix); `λ = i(ω_c + r x)`: nothing is shifted and nothing approximated between `x`
-//! and `s`, so that without noise the poles come back to rounding.
+//! and `s`, so that without noise the poles are exact to round-off.
 //!
-//! Once poles are known, lines are weighted by one over their product, which is what a denominator
-//! makes of the noise of its line.
+//! A second estimate weights lines by one over the product of their distances to the poles of the
+//! first one, the factor that a denominator applies to the noise of its line.
 //!
 //! References: Richardson and Formenti (1982), Parameter estimation from frequency response
 //! measurements using rational fraction polynomials, IMAC 1; Forsythe (1957), J. SIAM 5(2); Van
@@ -39,26 +39,26 @@ use crate::identify::data::detection_spectrum::Indicator;
 use crate::identify::data::frf_matrix::Sides;
 use crate::identify::data::peak_detection::{self, Found};
 use crate::identify::error::IdentifyError;
-use crate::identify::mdof::pole_tracks::{FEWEST_ORDERS, GlobalPole, Table};
-use crate::identify::mdof::stabilization::{MultiModeMethod, Part};
+use crate::identify::mdof::pole_tracks::{GlobalPole, MIN_TRACK_ORDERS, OrderPoles};
+use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 use crate::identify::noise::band_profile::Profile;
 
-/// Lines on either side of a peak: half-power widths, and fewest.
-const REACH: f64 = 20.0;
-const FEWEST_SIDE: usize = 24;
+/// Lines on either side of a peak: half-power bandwidths, and minimum number.
+const HALF_WINDOW_BANDWIDTHS: f64 = 20.0;
+const MIN_SIDE_LINES: usize = 24;
 /// Degrees of the numerators beyond the highest order.
-const EXTRA: usize = 6;
-/// Highest order: so many for each peak on the lines, and beyond.
+const EXTRA_NUMERATOR_DEGREES: usize = 6;
+/// Highest order: a number for each peak on the lines, and additional ones.
 const ORDERS_PER_PEAK: usize = 2;
 const ORDERS_BEYOND: usize = 8;
-/// Lines for each unknown of a function, fewest.
-const LINES_PER_UNKNOWN: usize = 3;
-/// A leading coefficient below this part of the largest is none.
-const LEADING: f64 = 1e-12;
+/// Minimum number of lines per unknown of an FRF.
+const MIN_LINES_PER_UNKNOWN: usize = 3;
+/// Minimum leading coefficient over the largest; a smaller one counts as zero.
+const MIN_LEADING_RATIO: f64 = 1e-12;
 
 /// Global rational fraction polynomials.
 pub(in crate::identify) struct RationalFractions {
-    /// Highest order, where it is not chosen by the number of peaks.
+    /// Highest order; without it the number of peaks determines it.
     pub max_order: Option<usize>,
 }
 
@@ -75,40 +75,41 @@ impl MultiModeMethod for RationalFractions {
         true
     }
 
-    fn parts(
+    fn segments(
         &self,
         (data, _): (&Receptances, &Sides),
-        (found, known): (&Found, &[Complex64]),
-    ) -> Result<Vec<Part>, IdentifyError> {
+        (found, weight_poles): (&Found, &[Complex64]),
+    ) -> Result<Vec<BandSegment>, IdentifyError> {
         let indicator = Indicator::new(data);
         let tops: Vec<f64> = found.peaks.iter().map(|p| data.omega[p.line]).collect();
-        let part = |(j, peak): (usize, &peak_detection::Peak)| {
+        let segment_of = |(j, peak): (usize, &peak_detection::Peak)| {
             let first = peak_detection::first_pole(data, &indicator, found, peak);
             let lines = around(data, first);
             let inside = data.omega[lines.start]..data.omega[lines.end - 1];
             let peaks = tops.iter().filter(|top| inside.contains(top)).count();
-            let window = Window::new(data, lines, known);
+            let window = Window::new(data, lines, weight_poles);
             let highest = self
                 .max_order
                 .unwrap_or(ORDERS_PER_PEAK * peaks + ORDERS_BEYOND);
             let middle = |other: Option<&f64>| other.map(|other| 0.5 * (tops[j] + other));
             let before = j.checked_sub(1).and_then(|i| tops.get(i));
-            Ok(Part {
+            Ok(BandSegment {
                 from_rad_s: middle(before).unwrap_or(0.0),
                 to_rad_s: middle(tops.get(j + 1)).unwrap_or(f64::INFINITY),
                 tables: window.tables(data, (peaks, highest))?,
             })
         };
         let peaks: Vec<(usize, &peak_detection::Peak)> = found.peaks.iter().enumerate().collect();
-        let parts: Vec<Result<Part, IdentifyError>> = peaks.into_par_iter().map(part).collect();
-        parts.into_iter().collect()
+        let segments: Vec<Result<BandSegment, IdentifyError>> =
+            peaks.into_par_iter().map(segment_of).collect();
+        segments.into_iter().collect()
     }
 }
 
 /// The lines around a pole.
 fn around(data: &Receptances, lambda: Complex64) -> Range<usize> {
-    let side = (REACH * 2.0 * lambda.re.abs() / data.step).ceil() as usize;
-    let side = side.max(FEWEST_SIDE);
+    let side = (HALF_WINDOW_BANDWIDTHS * 2.0 * lambda.re.abs() / data.step).ceil() as usize;
+    let side = side.max(MIN_SIDE_LINES);
     let top = data.line_of(lambda);
     top.saturating_sub(side)..(top + side + 1).min(data.lines())
 }
@@ -121,22 +122,28 @@ struct Window {
     /// Lines from −1 to 1.
     x: Vec<f64>,
     profile: Profile,
-    /// Root of the weight that known poles give a line.
-    course: Vec<f64>,
+    /// Root of the weight of every line by the denominator of given poles.
+    denominator_weight: Vec<f64>,
 }
 
 impl Window {
-    fn new(data: &Receptances, lines: Range<usize>, known: &[Complex64]) -> Self {
+    fn new(data: &Receptances, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
         let omega = &data.omega[lines.clone()];
         let (first, last) = (omega[0], omega[omega.len() - 1]);
         let (center, half) = (0.5 * (first + last), 0.5 * (last - first));
         let x: Vec<f64> = omega.iter().map(|w| (w - center) / half).collect();
         let inside = |pole: &&Complex64| pole.im > first && pole.im < last;
         let of_pole = |pole: &Complex64| (-Complex64::I * pole - center) / half;
-        let known: Vec<Complex64> = known.iter().filter(inside).map(of_pole).collect();
-        let product = |x: &f64| known.iter().map(|pole| (x - pole).norm()).product::<f64>();
+        let weight_poles: Vec<Complex64> =
+            weight_poles.iter().filter(inside).map(of_pole).collect();
+        let product = |x: &f64| {
+            weight_poles
+                .iter()
+                .map(|pole| (x - pole).norm())
+                .product::<f64>()
+        };
         Self {
-            course: x.iter().map(|x| product(x).recip()).collect(),
+            denominator_weight: x.iter().map(|x| product(x).recip()).collect(),
             profile: Profile::new(data, lines.clone()),
             lines,
             center,
@@ -150,17 +157,20 @@ impl Window {
         &self,
         data: &Receptances,
         (lowest, highest): (usize, usize),
-    ) -> Result<Vec<Table>, IdentifyError> {
-        let most = (self.x.len() / LINES_PER_UNKNOWN).saturating_sub(EXTRA) / 2;
-        let highest = highest.min(most).max(1);
-        let of_noise = OrthogonalBasis::new(&self.x, &self.course, highest);
+    ) -> Result<Vec<OrderPoles>, IdentifyError> {
+        let max_order =
+            (self.x.len() / MIN_LINES_PER_UNKNOWN).saturating_sub(EXTRA_NUMERATOR_DEGREES) / 2;
+        let highest = highest.min(max_order).max(1);
+        let of_noise = OrthogonalBasis::new(&self.x, &self.denominator_weight, highest);
         let triangle = self.triangle(data, &of_noise, highest)?;
         let table = |order: usize| {
             let poles = self.poles(&triangle, &of_noise, order)?;
             Ok((order, poles))
         };
-        // Where the lines carry little more than the peaks, so low that a pole can stay.
-        let lowest = lowest.min(highest.saturating_sub(FEWEST_ORDERS - 1)).max(1);
+        // Where the lines support few orders, the lowest order is low enough for a pole track.
+        let lowest = lowest
+            .min(highest.saturating_sub(MIN_TRACK_ORDERS - 1))
+            .max(1);
         (lowest..=highest).map(table).collect()
     }
 
@@ -171,12 +181,17 @@ impl Window {
         of_noise: &OrthogonalBasis,
         highest: usize,
     ) -> Result<ComplexMatrix, IdentifyError> {
-        let weight = self.course.iter().zip(&self.profile.course);
-        let weight: Vec<f64> = weight.map(|(known, noise)| known / noise).collect();
-        let of_equations = OrthogonalBasis::new(&self.x, &weight, highest + EXTRA);
-        let numerators = linalg::complex_matrix(self.x.len(), highest + EXTRA + 1, |k, j| {
-            Complex64::from(of_equations.columns[j][k])
-        });
+        let weight = self.denominator_weight.iter().zip(&self.profile.course);
+        let weight: Vec<f64> = weight
+            .map(|(denominator, noise)| denominator / noise)
+            .collect();
+        let of_equations =
+            OrthogonalBasis::new(&self.x, &weight, highest + EXTRA_NUMERATOR_DEGREES);
+        let numerators = linalg::complex_matrix(
+            self.x.len(),
+            highest + EXTRA_NUMERATOR_DEGREES + 1,
+            |k, j| Complex64::from(of_equations.columns[j][k]),
+        );
         let size = highest + 1;
         let mut triangle = linalg::complex_matrix(0, size, |_, _| Complex64::ZERO);
         for (values, level) in data.values.iter().zip(&self.profile.level) {
@@ -185,7 +200,7 @@ impl Window {
             let mut columns = linalg::complex_matrix(self.x.len(), size, |k, j| {
                 scaled(k) * of_noise.columns[j][k]
             });
-            // Twice, so that rounding of the first projection is gone.
+            // Twice, to remove the round-off of the first projection.
             for _ in 0..2 {
                 let explained = numerators.adjoint() * &columns;
                 columns -= &numerators * explained;
@@ -212,11 +227,11 @@ impl Window {
         let block = linalg::complex_matrix(size, size, |i, j| triangle[(i, j)]);
         let svd = linalg::singular_vectors(&block)?;
         let denominator: Vec<Complex64> = (0..size).map(|j| svd.right[(j, order)]).collect();
-        let root = |x: Complex64| GlobalPole {
+        let to_pole = |x: Complex64| GlobalPole {
             lambda: Complex64::I * (self.center + self.half * x),
             participation: vec![Complex64::ONE],
         };
-        let roots = basis.roots(&denominator)?.into_iter().map(root);
+        let roots = basis.roots(&denominator)?.into_iter().map(to_pole);
         let mut poles: Vec<GlobalPole> = roots.filter(|pole| pole.lambda.re < 0.0).collect();
         poles.sort_by(|p, q| p.lambda.im.total_cmp(&q.lambda.im));
         Ok(poles)
@@ -242,9 +257,9 @@ impl OrthogonalBasis {
             let mut next: Vec<f64> = last.iter().zip(x).map(|(v, x)| v * x).collect();
             let mut factors = vec![0.0; j + 1];
             for _ in 0..2 {
-                for (own, factor) in columns.iter().zip(&mut factors) {
-                    let dot: f64 = own.iter().zip(&next).map(|(a, b)| a * b).sum();
-                    next.iter_mut().zip(own).for_each(|(v, a)| *v -= dot * a);
+                for (column, factor) in columns.iter().zip(&mut factors) {
+                    let dot: f64 = column.iter().zip(&next).map(|(a, b)| a * b).sum();
+                    next.iter_mut().zip(column).for_each(|(v, a)| *v -= dot * a);
                     *factor += dot;
                 }
             }
@@ -264,19 +279,19 @@ impl OrthogonalBasis {
         let order = coefficients.len() - 1;
         let largest = coefficients.iter().map(|d| d.norm()).fold(0.0, f64::max);
         let leading = coefficients[order];
-        if order == 0 || leading.norm() <= LEADING * largest {
+        if order == 0 || leading.norm() <= MIN_LEADING_RATIO * largest {
             return Ok(Vec::new());
         }
-        // Row j says what x φ_j is; φ_n is minus the others over its coefficient where the sum
-        // vanishes.
+        // Row j holds the coefficients of x φ_j; at a root, φ_n is minus the sum of the other terms
+        // over its coefficient.
         let comrade = linalg::complex_matrix(order, order, |j, i| {
-            let own = self.recurrence[j].get(i).copied().unwrap_or(0.0);
-            let over = if j + 1 == order {
+            let entry = self.recurrence[j].get(i).copied().unwrap_or(0.0);
+            let correction = if j + 1 == order {
                 self.recurrence[j][order] * coefficients[i] / leading
             } else {
                 Complex64::ZERO
             };
-            own - over
+            entry - correction
         });
         let roots = linalg::complex_eigenvalues(&comrade)?;
         Ok(roots.into_iter().filter(|x| x.is_finite()).collect())
@@ -294,7 +309,7 @@ mod tests {
     use crate::identify::mdof::rfp::*;
 
     #[test]
-    fn roots_of_a_sum_of_orthogonal_polynomials_come_back() {
+    fn roots_of_a_sum_of_orthogonal_polynomials_are_exact() {
         let x: Vec<f64> = (0..60).map(|k| k as f64 / 29.5 - 1.0).collect();
         let weight: Vec<f64> = x.iter().map(|x| 1.0 / (0.05 + (x - 0.3).abs())).collect();
         let basis = OrthogonalBasis::new(&x, &weight, 8);
@@ -311,7 +326,7 @@ mod tests {
         let found = basis.roots(&coefficients).unwrap();
         for root in roots {
             assert!(
-                found.iter().any(|own| (own - root).norm() < 1e-11),
+                found.iter().any(|value| (value - root).norm() < 1e-11),
                 "{root}"
             );
         }
