@@ -1,19 +1,18 @@
-//! Why an identification cannot start or finish. What the data merely says on the way is a finding,
-//! not an error.
+//! Errors stop an identification; observations on the data are findings, not errors.
 
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
 
-/// An identification that has no answer.
+/// Cause that stops an identification.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
-    /// A method that does not exist.
+    /// An unknown method.
     #[error("got identification method `{got}`, expected one of {}", known.join(" "))]
     UnknownMethod {
         /// As given.
         got: String,
-        /// The names that exist.
+        /// Names of all methods.
         known: Vec<&'static str>,
     },
     /// A model order for a method without one.
@@ -24,7 +23,7 @@ pub enum IdentifyError {
     NoOrder {
         /// The method.
         got: &'static str,
-        /// The methods that have one.
+        /// Methods with a model order.
         known: Vec<&'static str>,
     },
     /// A number outside its range.
@@ -34,7 +33,7 @@ pub enum IdentifyError {
         name: &'static str,
         /// As given.
         got: f64,
-        /// What would have been accepted.
+        /// Accepted range.
         expected: &'static str,
     },
     /// A band that is not inside the data.
@@ -54,7 +53,7 @@ pub enum IdentifyError {
     /// A set without functions.
     #[error("got a set of 0 functions, expected at least 1")]
     NoFunctions,
-    /// A reference that no function has.
+    /// A reference that no FRF has.
     #[error(
         "got reference {got}, expected one of the set's references: {}",
         join(known)
@@ -62,18 +61,18 @@ pub enum IdentifyError {
     UnknownReference {
         /// As given.
         got: Dof,
-        /// What the set has.
+        /// References of the set.
         known: Vec<Dof>,
     },
-    /// A band with too few lines to see a resonance in.
+    /// A band with too few lines for a resonance.
     #[error("got {got} frequency lines in the band, expected at least {expected}")]
     TooFewLines {
         /// Lines in the band.
         got: usize,
-        /// Fewest that are accepted.
+        /// Minimum number of lines.
         expected: usize,
     },
-    /// A value that is not a number.
+    /// A value that is not finite.
     #[error("{response}|{reference} at {hz} Hz: got {got}, expected a finite {what}")]
     NotFinite {
         /// Response.
@@ -82,12 +81,12 @@ pub enum IdentifyError {
         reference: Dof,
         /// Frequency of the line, Hz.
         hz: f64,
-        /// Value or variance.
+        /// Checked quantity: value or variance.
         what: &'static str,
         /// As found.
         got: String,
     },
-    /// A matrix problem without an answer.
+    /// A matrix problem without a solution.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
 }

@@ -1,5 +1,5 @@
-//! What every method gives: candidates with the poles of all model orders, and the options it is
-//! built with.
+//! The interface of all identification methods: options, candidate poles, and poles of all model
+//! orders.
 
 use num_complex::Complex64;
 
@@ -16,10 +16,10 @@ use crate::modal::{Pole, PoleSelection};
 pub struct MethodOptions {
     /// Probability of taking noise for a peak anywhere in the band, between 0 and 1.
     pub false_alarm_probability: f64,
-    /// Keep at most this many modes, the strongest; all without it. A repeated root counts as one.
+    /// Maximum number of modes, the strongest; all without it. A repeated pole counts as one.
     pub max_modes: Option<usize>,
-    /// Highest model order of a method that has one, 4 or more; chosen by the number of peaks
-    /// without it.
+    /// Highest model order of a method with orders, 4 or more; without it the number of peaks
+    /// determines it.
     pub max_order: Option<usize>,
 }
 
@@ -33,21 +33,21 @@ impl Default for MethodOptions {
     }
 }
 
-/// A pole that an estimator proposes. What a method does not give is `None`.
+/// A candidate pole of an estimator. A value that the method does not give is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// Model order at which it was found.
+    /// Model order of the pole.
     pub order: Option<usize>,
-    /// Pole as in the data: the damping of an exponential window is still in.
+    /// Pole as in the data, with the damping of an exponential window.
     pub pole: Pole,
     /// Participation of each of [`FrfSet::references`].
     pub participation: Option<Vec<Complex64>>,
     /// Receptance residue of each function of the set, in its order, m/(N s).
     pub residues: Option<Vec<Complex64>>,
-    /// Standard deviation of real and of imaginary part of each residue, m/(N s), but for a factor
-    /// that all have in common.
+    /// Standard deviation of real and of imaginary part of each residue, m/(N s), without a common
+    /// factor.
     pub residue_stds: Option<Vec<f64>>,
-    /// Modes that share this pole, as far as the residues show: 1 for a single one.
+    /// Multiplicity of the pole by its residues: 1 for a single mode.
     pub multiplicity: usize,
     /// Standard deviation of the frequency, Hz.
     pub frequency_std_hz: Option<f64>,
@@ -55,24 +55,23 @@ pub struct Candidate {
     pub damping_std: Option<f64>,
     /// Correlation of the errors of frequency and damping.
     pub frequency_damping_correlation: Option<f64>,
-    /// Size of the error in frequency that modes outside the band leave, Hz, as far as the data
-    /// tell.
+    /// Size of the frequency error by out-of-band modes, Hz, where the data determine it.
     pub frequency_bias_hz: Option<f64>,
-    /// The same of the damping ratio.
+    /// Size of the damping ratio error by out-of-band modes.
     pub damping_bias: Option<f64>,
     /// Figure of merit of the method; for the circle fit the relative standard deviation of the
     /// damping surface.
     pub quality: Option<f64>,
 }
 
-/// What became of a pole of one model order.
+/// Status of a pole of one model order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PoleStatus {
-    /// It stays over fewer than three orders.
+    /// Unstable: its track has fewer than three orders.
     Alone,
-    /// It stays over three orders or more, and no mode was made of it.
+    /// Stable over three orders or more, and not selected as a mode.
     Stable,
-    /// A mode was made of it, as [`identification`] tells.
+    /// Selected as a mode by [`identification`].
     Chosen,
 }
 
@@ -87,27 +86,27 @@ impl PoleStatus {
     }
 }
 
-/// A pole of one model order: a point of the stabilisation diagram.
+/// A pole of one model order: a point of the stabilization diagram.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoleAtOrder {
     /// Model order.
     pub order: usize,
     /// Pole as in the data.
     pub pole: Pole,
-    /// What became of it.
+    /// Status of the pole.
     pub status: PoleStatus,
 }
 
-/// What an estimator found.
+/// Candidates, findings and poles of all model orders of an estimate.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PoleTable {
     /// Poles in ascending order, then frequency.
     pub candidates: Vec<Candidate>,
-    /// What the data said on the way.
+    /// Findings of the estimate.
     pub findings: Vec<Finding>,
     /// Poles of all model orders, for a method that has orders.
     pub stabilization: Vec<PoleAtOrder>,
-    /// Modes that move from run to run.
+    /// Frequency shifts of modes between measurement runs.
     pub(in crate::identify) moved: Moved,
 }
 
@@ -119,8 +118,8 @@ pub trait PoleEstimator {
     /// Poles in a band.
     ///
     /// # Errors
-    /// [`IdentifyError`] when set, band and options do not go together or a matrix problem has no
-    /// answer.
+    /// [`IdentifyError`] when band or options do not fit the set or a matrix problem has no
+    /// solution.
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError>;
 }
 
@@ -129,15 +128,15 @@ pub trait PoleEstimator {
 pub struct IdentifyOptions {
     /// Name of an estimator, or `auto` (maximum likelihood).
     pub method: String,
-    /// Band to search, cut to the data; without it the set's valid band, and where that is unknown
-    /// the whole axis above 0 Hz.
+    /// Band to search, cut to the data; without it the valid band of the set, else the whole axis
+    /// above 0 Hz.
     pub band: Option<Band>,
     /// References to use; all without it.
     pub references: Option<Vec<Dof>>,
-    /// Whether functions with a value in the band that is no number are left out, with a finding;
-    /// an error without it.
+    /// Whether FRFs with a value in the band that is not finite are left out, with a finding; if
+    /// not, they are an error.
     pub partial: bool,
-    /// A person's choice among the poles of the method; all that the data support without it.
+    /// Poles that the user selects; without it all modes that the data support.
     pub selection: Option<PoleSelection>,
     /// Options of the estimator.
     pub estimator: MethodOptions,

@@ -1,5 +1,5 @@
-//! Modes from FRFs: poles by an estimator, residues, shapes, and the modal model that correlation
-//! works on.
+//! Identification estimates modes from FRFs: poles by an estimator, then residues, shapes and the
+//! modal model for the correlation.
 //!
 //! ```text
 //! FrfSet, band ── PoleEstimator ──▶ PoleTable ── selection ──▶ ModalModel
@@ -13,18 +13,17 @@
 //! | `rfp` | global rational fraction polynomials with orthogonal bases (Richardson and Formenti 1982) |
 //! | `lsce` | least-squares complex exponentials, polyreference (Brown et al. 1979, Vold et al. 1982) |
 //! | `lscf` | polyreference least-squares complex frequency domain (Guillaume et al. 2003) |
-//! | `ml` | maximum likelihood from the poles of the polyreference LSCF that stay (Guillaume et al. 2003), with bounds (Golub and Pereyra 1973) |
+//! | `ml` | maximum likelihood from the stable poles of the polyreference LSCF (Guillaume et al. 2003), with Cramér-Rao bounds (Golub and Pereyra 1973) |
 //!
-//! An estimator sees poles as they are in the data, the damping of an exponential window included;
-//! the window is taken out once, when candidates become modes. This stage reads no file and knows
-//! no model.
+//! An estimator gives poles as they are in the data, with the damping of an exponential window; the
+//! damping of the window is removed once, when candidates become modes. This stage reads no file and
+//! uses no theoretical model.
 //!
-//! Several responses and references show how many modes share a pole (`repeated`); such a root
-//! becomes as many modes of one group (`parts`). `ml`, which `auto` stands for, tells close modes
-//! apart by the participation of several references as well. `rfp`, `lsce` and `lscf` take the
-//! poles that stay while the model order rises, with residues by least squares (`multi`), and list
-//! the poles of all orders. A single reference or response cannot show it, and a repeated root then
-//! gives one mode.
+//! Several responses and references show the multiplicity of a pole (`repeated_poles`); a repeated
+//! pole gives as many modes of one group (`rank_one_terms`). With a single reference or response it
+//! gives one mode. `ml`, the method of `auto`, also separates close modes by the participation
+//! factors of several references. `rfp`, `lsce` and `lscf` take the poles that are stable while the
+//! model order rises, with residues by least squares (`mdof`), and list the poles of all orders.
 
 mod data;
 mod error;
@@ -143,7 +142,7 @@ pub const ESTIMATORS: &[Entry] = &[
     },
 ];
 
-/// What `auto` stands for.
+/// The method of `auto`.
 const AUTO: &str = "ml";
 
 impl IdentifyOptions {
@@ -167,7 +166,7 @@ impl IdentifyOptions {
             return Err(IdentifyError::OptionOutOfRange {
                 name: "order",
                 got: order as f64,
-                expected: "4 or more: modes are poles that stay over three orders, the lowest of which is 2",
+                expected: "4 or more: a mode is a pole that is stable over three orders, the lowest of which is 2",
             });
         }
         if self.estimator.max_modes == Some(0) {
@@ -202,9 +201,9 @@ impl IdentifyOptions {
 
 /// The modes of a set of FRFs.
 ///
-/// Poles are those of the structure: the decay rate of an exponential window that the set still
-/// carries is taken out. Residues are those of receptances, m/(N s), whatever kind the functions
-/// are. The findings are those of this stage; the set keeps its own.
+/// Poles are those of the structure, without the added decay rate of an exponential window. Residues
+/// are those of receptances, m/(N s), for every kind of FRF. The model holds the findings of this
+/// stage, not those of the set.
 ///
 /// ```
 /// use modalign::axis::FrequencyAxis;
@@ -238,23 +237,23 @@ impl IdentifyOptions {
 /// let mode = &model.modes[0];
 /// assert!((mode.frequency_hz - 50.0).abs() < 1e-6);
 /// assert!((mode.damping_ratio.unwrap() - 0.01).abs() < 1e-8);
-/// // Unit modal mass: the shape at the hit is one over the root of the mass.
+/// // Unit modal mass: the shape at the excitation point is one over the root of the mass.
 /// assert!((mode.shape.get(&dof).unwrap().re - 0.5f64.sqrt()).abs() < 1e-6);
 /// ```
 ///
 /// # Errors
-/// [`IdentifyError`] when options and set do not go together, or a matrix problem has no answer.
+/// [`IdentifyError`] when the options do not fit the set, or a matrix problem has no solution.
 pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, IdentifyError> {
     Ok(identification(set, options)?.model)
 }
 
-/// Modes with the poles of all model orders that they were taken from.
+/// Modes with the poles of all model orders.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identification {
     /// The modes.
     pub model: ModalModel,
-    /// Points of the stabilisation diagram, without the damping of an exponential window; none for
-    /// a method without orders.
+    /// Points of the stabilization diagram, without the damping of an exponential window; none for a
+    /// method without orders.
     pub stabilization: Vec<PoleAtOrder>,
 }
 
@@ -267,14 +266,14 @@ pub fn identification(
     options: &IdentifyOptions,
 ) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
-    let chosen = data::prepare::chosen(set, options)?;
-    let (set, band) = (chosen.set.as_ref(), chosen.band);
+    let prepared = data::prepare::chosen(set, options)?;
+    let (set, band) = (prepared.set.as_ref(), prepared.band);
     let estimator = (entry.build)(&options.estimator);
     let mut table = estimator.estimate(set, band)?;
     if let Some(selection) = &options.selection {
-        table = modes::pole_selection::chosen((set, band), table, selection)?;
+        table = modes::pole_selection::select_poles((set, band), table, selection)?;
     }
-    let findings = chosen.findings.into_iter();
+    let findings = prepared.findings.into_iter();
     table
         .findings
         .splice(0..0, findings.chain(sdof::findings::window_decay(set)));

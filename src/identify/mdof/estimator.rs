@@ -93,8 +93,8 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     }
 }
 
-/// The modes of given poles, rad/s, in runs aligned by given frequency shifts: residues and standard
-/// deviations are estimated, and no pole is removed.
+/// The modes of given poles, rad/s, in runs aligned by given frequency shifts: residues and
+/// standard deviations are estimated, and no pole is removed.
 ///
 /// # Errors
 /// [`IdentifyError`] when the band does not fit the set.

@@ -1,5 +1,5 @@
-//! The least-squares complex exponential method estimates poles from impulse responses; with several
-//! references it is the polyreference time domain method.
+//! The least-squares complex exponential method estimates poles from impulse responses; with
+//! several references it is the polyreference time domain method.
 //!
 //! The inverse transform of the lines of a band is a complex impulse response that runs at the
 //! width of the band: `h_m = Σ_k W_k H_k e^{i2πkm/N}`, in which a pole is `z^m` with `z = e^{(λ −
@@ -20,9 +20,9 @@
 //! *Length.* Samples are used until the responses have decayed to their noise, which is estimated
 //! before the time zero.
 //!
-//! *Limits.* As in all normal equations, contributions below `√ε ≈ 1e-8` of the largest response are
-//! lost. The estimate is not consistent. Fewer than 65 lines leave too few samples after the first
-//! ones, and give no poles.
+//! *Limits.* As in all normal equations, contributions below `√ε ≈ 1e-8` of the largest response
+//! are lost. The estimate is not consistent. Fewer than 65 lines leave too few samples after the
+//! first ones, and give no poles.
 //!
 //! References: Brown, Allemang, Zimmerman and Mergeay (1979), Parameter estimation techniques for
 //! modal analysis, SAE 790221; Vold, Kundrat, Rocklin and Russell (1982), A multi-input modal

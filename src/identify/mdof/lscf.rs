@@ -23,8 +23,8 @@ const POLES_BEYOND: usize = 30;
 /// Limits of their number.
 const TOTAL_POLES: Range<usize> = 36..160;
 /// A band whose ends differ by more than this factor has a separate estimate of its lower segment:
-/// one over the divisor of its lines, if these are enough, overlapping at the boundary by a fraction
-/// of the frequency.
+/// one over the divisor of its lines, if these are enough, overlapping at the boundary by a
+/// fraction of the frequency.
 const MIN_WIDE_BAND_RATIO: f64 = 8.0;
 const LOWER_SEGMENT_DIVISOR: usize = 4;
 const MIN_SEGMENT_LINES: usize = 100;

@@ -12,9 +12,9 @@ use crate::identify::data::band_frfs::Receptances;
 use crate::identify::data::frf_matrix::Sides;
 use crate::identify::mdof::plscf::{Plane, circle_points};
 
-/// Error of the model relative to the response, squared. Without it, strong resonances far above the
-/// noise would suppress weak ones in the normal equations. In the estimate with lines weighted by
-/// poles, weak resonances have been found already.
+/// Error of the model relative to the response, squared. Without it, strong resonances far above
+/// the noise would suppress weak ones in the normal equations. In the estimate with lines weighted
+/// by poles, weak resonances have been found already.
 const MODEL_ERROR_VARIANCE_RATIO: f64 = 1e-6;
 const REWEIGHTED_ERROR_VARIANCE_RATIO: f64 = 1e-10;
 /// Number of outputs whose sums one thread forms.
@@ -47,8 +47,8 @@ pub(in crate::identify) struct Lags(Vec<Complex64>);
 
 impl Transforms {
     /// Transforms of some lines for equations up to an order; `frf_matrix` must be complete. Every
-    /// line is weighted by one over the factor that the denominator of `weight_poles`, rad/s, applies
-    /// to its noise.
+    /// line is weighted by one over the factor that the denominator of `weight_poles`, rad/s,
+    /// applies to its noise.
     pub fn new(
         data: &Receptances,
         frf_matrix: &Sides,

@@ -147,7 +147,8 @@ impl Lscf {
     /// # Errors
     /// [`LinalgError::NotConverged`].
     pub fn tables_of(&self, orders: &[usize]) -> Result<Vec<OrderPoles>, IdentifyError> {
-        // The highest order takes longest: it is first, so that the other threads do not wait for it.
+        // The highest order takes longest: it is first, so that the other threads do not wait for
+        // it.
         let tables: Vec<Result<OrderPoles, IdentifyError>> = orders
             .par_iter()
             .rev()

@@ -2,8 +2,8 @@
 //!
 //! A pole belongs to a track when it lies near the last pole of the track, one or two orders
 //! before: within half a decay rate (a quarter of the half-power width) and with the same
-//! participation factors. A track of three or more orders gives a stable pole: the pole of the track
-//! with the smallest sum of distances to the others.
+//! participation factors. A track of three or more orders gives a stable pole: the pole of the
+//! track with the smallest sum of distances to the others.
 
 use num_complex::Complex64;
 
@@ -153,7 +153,8 @@ pub(in crate::identify) fn matching_pole(seed: StablePole, others: &[StablePole]
     nearest.map_or(seed.clone(), |(_, other)| other.clone())
 }
 
-/// Stable poles without duplicates: nearer than a fifth of a decay rate with the same participation.
+/// Stable poles without duplicates: nearer than a fifth of a decay rate with the same
+/// participation.
 pub(in crate::identify) fn without_duplicates(seeds: Vec<StablePole>) -> Vec<StablePole> {
     let mut order: Vec<StablePole> = seeds;
     order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));

@@ -4,19 +4,19 @@
 //! On the lines around a peak, `x = (ω − ω_c)/r ∈ [−1, 1]`, every receptance is `H_f =
 //! N_f(x)/D(x)`. Both polynomials are sums of orthonormal ones: the numerators under the weight of
 //! the equations, the denominator under the weight of the noise in the equations, so that the ill
-//! conditioned powers of frequency never appear. The equation error `w_f (H_f D − N_f)` is projected
-//! off the numerators; a QR of all FRFs gives a triangle `R`, and `D` is the right singular vector of
-//! its smallest singular value. In this basis the noise of all coefficients is white, but for the
-//! fraction that the projection of the numerators removes,
-//! which falls as lines per unknown grow: it is the generalised total least squares estimate in
-//! that limit, consistent there, where least squares with one coefficient fixed is not. Lower
-//! orders are leading blocks of `R`.
+//! conditioned powers of frequency never appear. The equation error `w_f (H_f D − N_f)` is
+//! projected off the numerators; a QR of all FRFs gives a triangle `R`, and `D` is the right
+//! singular vector of its smallest singular value. In this basis the noise of all coefficients is
+//! white, but for the fraction that the projection of the numerators removes, which falls as lines
+//! per unknown grow: it is the generalised total least squares estimate in that limit, consistent
+//! there, where least squares with one coefficient fixed is not. Lower orders are leading blocks of
+//! `R`.
 //!
 //! Numerators of [`EXTRA_NUMERATOR_DEGREES`] degrees more than the denominator, and poles outside
-//! the lines, model out-of-band and conjugate modes. The numerators keep their degree for all orders.
-//! The roots are the eigenvalues of the Hessenberg matrix of the basis with its last row changed
-//! (comrade matrix); `λ = i(ω_c + r x)`: nothing is shifted and nothing approximated between `x`
-//! and `s`, so that without noise the poles are exact to round-off.
+//! the lines, model out-of-band and conjugate modes. The numerators keep their degree for all
+//! orders. The roots are the eigenvalues of the Hessenberg matrix of the basis with its last row
+//! changed (comrade matrix); `λ = i(ω_c + r x)`: nothing is shifted and nothing approximated
+//! between `x` and `s`, so that without noise the poles are exact to round-off.
 //!
 //! A second estimate weights lines by one over the product of their distances to the poles of the
 //! first one, the factor that a denominator applies to the noise of its line.

@@ -1,8 +1,8 @@
 //! The stabilization diagram selects the poles that are stable while the model order rises.
 //!
-//! A method gives the poles of rising orders, of the whole band or of segments of it; poles that are
-//! stable over three or more orders ([`pole_tracks`](crate::identify::mdof::pole_tracks)) are its
-//! candidates.
+//! A method gives the poles of rising orders, of the whole band or of segments of it; poles that
+//! are stable over three or more orders ([`pole_tracks`](crate::identify::mdof::pole_tracks)) are
+//! its candidates.
 
 use num_complex::Complex64;
 
@@ -169,8 +169,8 @@ pub(in crate::identify) fn roots_of(seeds: &[StablePole], functions: usize) -> V
     seeds.iter().map(model_pole).collect()
 }
 
-/// Position of the listed pole of a mode: the nearest within [`MATCH_DECAY_RATES`] decay rates, of the
-/// order of the mode where it has one.
+/// Position of the listed pole of a mode: the nearest within [`MATCH_DECAY_RATES`] decay rates, of
+/// the order of the mode where it has one.
 fn source_pole(mode: &Candidate, listing: &[PoleAtOrder]) -> Option<usize> {
     let lambda = mode.pole.lambda;
     let distance = |position: &usize| (listing[*position].pole.lambda - lambda).norm();

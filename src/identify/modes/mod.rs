@@ -1,7 +1,5 @@
-//! Modes from poles: shapes and modal scale from residues, repeated poles taken apart, selection by
-//! the user.
-//!
-//! This room knows candidates of any method, and no method.
+//! Modes are formed from the poles of any method: shapes and modal scale from residues, the modes
+//! of repeated poles, and the selection by the user.
 //!
 //! Terms: *rank-one term*, one summand of the residue matrix of a repeated pole; *reversed
 //! polarity*, the sign of a channel opposite to what its label states.

@@ -1,5 +1,5 @@
-//! The modal model from candidates: the damping of an exponential window taken out, shapes, groups
-//! of repeated poles, modal overlap.
+//! The modal model is formed from candidates: this removes the damping of an exponential window,
+//! and adds shapes, groups of repeated poles, and modal overlap.
 
 use std::collections::BTreeMap;
 
@@ -17,11 +17,11 @@ use crate::modal::{
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleTable};
 use crate::identify::modes::rank_one_terms;
-use crate::identify::modes::reversed_polarity::turned_function;
+use crate::identify::modes::reversed_polarity::sign_reversed_frf;
 use crate::identify::modes::shape::{self, Residues, ScaledShape};
 
-/// Share of the residues of one mode that several references may leave unexplained by one shape.
-const MOST_MISFIT: f64 = 0.25;
+/// Maximum relative residual of one shape for the residues of one mode at several references.
+const MAX_SHAPE_MISFIT: f64 = 0.25;
 
 /// The modal model of a table of candidates.
 ///
@@ -35,29 +35,29 @@ pub(in crate::identify) fn modal_model(
 ) -> Result<ModalModel, IdentifyError> {
     let added = set.added_damping_rad_s;
     let mut findings = table.findings;
-    findings.extend(turned_function(set, &table.candidates));
-    let mut roots: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
-    let own: Vec<_> = table
+    findings.extend(sign_reversed_frf(set, &table.candidates));
+    let mut modes_by_pole: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
+    let results: Vec<_> = table
         .candidates
         .par_iter()
-        .map(|candidate| modes_of_root(set, method, candidate))
+        .map(|candidate| modes_of_pole(set, method, candidate))
         .collect();
-    for (candidate, own) in table.candidates.iter().zip(own) {
-        let (mut modes, finding) = own?;
+    for (candidate, result) in table.candidates.iter().zip(results) {
+        let (mut modes, finding) = result?;
         let lines = candidate.pole.half_power_width_hz() / set.axis().step_hz;
         modes
             .iter_mut()
             .for_each(|mode| mode.half_power_lines = Some(lines));
-        roots.push(modes);
+        modes_by_pole.push(modes);
         findings.extend(finding);
     }
-    roots.sort_by(|a, b| a[0].frequency_hz.total_cmp(&b[0].frequency_hz));
-    let repeated = roots.iter_mut().filter(|modes| modes.len() > 1);
+    modes_by_pole.sort_by(|a, b| a[0].frequency_hz.total_cmp(&b[0].frequency_hz));
+    let repeated = modes_by_pole.iter_mut().filter(|modes| modes.len() > 1);
     for (group, modes) in (1..).zip(repeated) {
         modes.iter_mut().for_each(|mode| mode.group = Some(group));
     }
-    put_overlap(&mut roots);
-    let modes = roots.into_iter().flatten().collect();
+    set_modal_overlap(&mut modes_by_pole);
+    let modes = modes_by_pole.into_iter().flatten().collect();
     Ok(ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: Vec::new(),
@@ -69,11 +69,14 @@ pub(in crate::identify) fn modal_model(
     })
 }
 
-/// Half-power width over the mean distance to the roots on either side, of every mode with a
-/// neighbour: 1 and more where resonances run into each other.
-fn put_overlap(roots: &mut [Vec<Mode>]) {
-    let hz: Vec<f64> = roots.iter().map(|modes| modes[0].frequency_hz).collect();
-    for (j, modes) in roots.iter_mut().enumerate() {
+/// Sets the modal overlap of every mode with a neighbour: half-power bandwidth over the mean
+/// distance to the poles on either side; 1 or more where resonances overlap.
+fn set_modal_overlap(modes_by_pole: &mut [Vec<Mode>]) {
+    let hz: Vec<f64> = modes_by_pole
+        .iter()
+        .map(|modes| modes[0].frequency_hz)
+        .collect();
+    for (j, modes) in modes_by_pole.iter_mut().enumerate() {
         let below = j.checked_sub(1).map(|i| hz[j] - hz[i]);
         let above = hz.get(j + 1).map(|next| next - hz[j]);
         let distance = match (below, above) {
@@ -90,8 +93,8 @@ fn put_overlap(roots: &mut [Vec<Mode>]) {
     }
 }
 
-/// The modes of one pole, with what is to be said of them.
-fn modes_of_root(
+/// The modes of one pole, with their findings.
+fn modes_of_pole(
     set: &FrfSet,
     method: &'static str,
     candidate: &Candidate,
@@ -99,7 +102,7 @@ fn modes_of_root(
     let pole = candidate
         .pole
         .without_added_damping(set.added_damping_rad_s);
-    let residues = by_pair(set, candidate.residues.as_deref().unwrap_or_default());
+    let residues = by_response_reference(set, candidate.residues.as_deref().unwrap_or_default());
     let residues: Residues = residues
         .into_iter()
         .map(|((response, reference), a)| ((response.clone(), reference.clone()), a))
@@ -112,19 +115,20 @@ fn modes_of_root(
     };
     let mut findings = Vec::new();
     let modes = if candidate.multiplicity > 1 {
-        let parts = rank_one_terms::parts(&residues, candidate.multiplicity, pole.lambda.im)?;
-        let shaped = parts.into_iter().map(|part| {
-            let scaled = match part.reciprocal {
-                true => shape::shape_of(&part.residues, pole.lambda.im),
-                false => shape::unit_max_shape_of(&part.residues),
+        let terms =
+            rank_one_terms::decompose_residues(&residues, candidate.multiplicity, pole.lambda.im)?;
+        let shaped = terms.into_iter().map(|term| {
+            let scaled = match term.reciprocal {
+                true => shape::shape_of(&term.residues, pole.lambda.im),
+                false => shape::unit_max_shape_of(&term.residues),
             };
-            mode((set, method), candidate, pole, (part.residues, scaled))
+            mode((set, method), candidate, pole, (term.residues, scaled))
         });
         shaped.collect()
     } else {
         let scaled = shape::shape_of(&residues, pole.lambda.im);
-        if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MOST_MISFIT) {
-            findings.push(warning(Code::CloseModes, misfit, MOST_MISFIT));
+        if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MAX_SHAPE_MISFIT) {
+            findings.push(warning(Code::CloseModes, misfit, MAX_SHAPE_MISFIT));
         }
         vec![mode((set, method), candidate, pole, (residues, scaled))]
     };
@@ -150,7 +154,8 @@ fn mode(
     let components: Vec<Complex64> = shape.iter().map(|(_, value)| value).collect();
     let damping = Some(pole.damping_ratio()).filter(|damping| *damping > 0.0);
     let stds = candidate.residue_stds.as_deref();
-    let shape_std = stds.and_then(|stds| shape::deviations(&by_pair(set, stds), &residues, &shape));
+    let shape_std = stds
+        .and_then(|stds| shape::shape_stds(&by_response_reference(set, stds), &residues, &shape));
     Mode {
         shape_std,
         frequency_std_hz: candidate.frequency_std_hz,
@@ -169,7 +174,10 @@ fn mode(
     }
 }
 
-fn by_pair<'a, T: Copy>(set: &'a FrfSet, values: &[T]) -> BTreeMap<(&'a Dof, &'a Dof), T> {
+fn by_response_reference<'a, T: Copy>(
+    set: &'a FrfSet,
+    values: &[T],
+) -> BTreeMap<(&'a Dof, &'a Dof), T> {
     let pairs = set.functions().iter().zip(values);
     pairs
         .map(|(f, a)| ((&f.response, &f.reference), *a))

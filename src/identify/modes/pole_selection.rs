@@ -1,11 +1,11 @@
-//! A person's choice among the poles of a method.
+//! The user selects poles among those of a method.
 //!
-//! Each chosen pole is the nearest one of the method in the band within the tolerance, of one order
-//! alone where the choice names it; of poles that are as near, one that stays. Poles are taken
-//! once, and those of other orders that lie on a taken one are the same mode: they are taken beside
-//! it only where their order is named. Residues are fitted anew with the chosen poles where they
-//! are, and no test undoes the choice; the other modes of the method stay in the fit, so that what
-//! they put into the data does not go to those that were chosen, and are left out of the result.
+//! Each selected pole is the nearest one of the method in the band within the tolerance, of the
+//! stated order where the user states one; of equally near poles, a stable one. A pole is selected
+//! once. A pole of another order at a selected one is the same mode: it is selected in addition
+//! only where the user states its order. The residues are fitted again with the selected poles
+//! fixed, and no test rejects these. The other modes of the method are fitted with them, so that
+//! their contributions do not bias the selected ones, and are left out of the result.
 
 use std::f64::consts::TAU;
 
@@ -20,70 +20,82 @@ use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleStatus, PoleTable};
 use crate::identify::mdof::estimator;
 
-/// A mode within so many decay rates of a chosen pole is that pole.
-const OWN: f64 = 0.5;
-/// Poles whose distances differ by so many decay rates are as near as each other.
-const AS_NEAR: f64 = 0.1;
+/// Maximum distance of a mode from the selected pole that it belongs to, in decay rates.
+const MATCH_DECAY_RATES: f64 = 0.5;
+/// Maximum difference of the distances of equally near poles, in decay rates.
+const TIE_DECAY_RATES: f64 = 0.1;
 
 /// A pole of the method, without the window's damping.
 #[derive(Clone, Copy)]
-struct Offered {
+struct SelectablePole {
     order: Option<usize>,
     as_in_data: Pole,
     pole: Pole,
     status: PoleStatus,
     /// Whether it is a mode of the method.
     mode: bool,
-    /// Whether it is meant only where its order is named: modes that left the poles of all orders
-    /// are the better answer otherwise.
-    by_order_alone: bool,
+    /// Whether it is selected only where its order is stated: a refined mode is the better answer
+    /// otherwise.
+    only_by_order: bool,
 }
 
-impl Offered {
-    /// Whether it is a mode that was taken already, seen at another order. Two modes of the method
-    /// are two, however near.
+impl SelectablePole {
+    /// Whether it is a mode that is selected already, at another order. Two modes of the method are
+    /// never the same, however near.
     fn repeats(&self, taken: &Self) -> bool {
-        let (own, other) = (self.as_in_data.lambda, taken.as_in_data.lambda);
-        (own - other).norm() < OWN * other.re.abs() && !(self.mode && taken.mode)
+        let (lambda, other) = (self.as_in_data.lambda, taken.as_in_data.lambda);
+        (lambda - other).norm() < MATCH_DECAY_RATES * other.re.abs() && !(self.mode && taken.mode)
     }
 }
 
-/// The modes of chosen poles.
+/// The modes of the selected poles.
 ///
 /// # Errors
 /// [`IdentifyError`] as for an estimate.
-pub(in crate::identify) fn chosen(
+pub(in crate::identify) fn select_poles(
     (set, band): (&FrfSet, Band),
     table: PoleTable,
     selection: &PoleSelection,
 ) -> Result<PoleTable, IdentifyError> {
-    let mut offers = offers((set, band), &table);
-    let mut taken: Vec<(SelectedPole, Offered)> = Vec::new();
-    let mut missed = Vec::new();
+    let mut selectable_poles = selectable_poles((set, band), &table);
+    let mut taken: Vec<(SelectedPole, SelectablePole)> = Vec::new();
+    let mut missed_selections = Vec::new();
     for wanted in &selection.poles {
-        match best(&offers, (wanted, &taken), selection.tolerance_of(wanted)) {
-            Ok(place) => taken.push((*wanted, offers.swap_remove(place))),
-            Err(nearest) => missed.push(miss(wanted, nearest, selection)),
+        match find_best(
+            &selectable_poles,
+            (wanted, &taken),
+            selection.tolerance_of(wanted),
+        ) {
+            Ok(position) => taken.push((*wanted, selectable_poles.swap_remove(position))),
+            Err(nearest) => missed_selections.push(missed_selection(wanted, nearest, selection)),
         }
     }
-    let frequency = |own: &(SelectedPole, Offered)| own.1.as_in_data.lambda.im;
+    let frequency = |selected: &(SelectedPole, SelectablePole)| selected.1.as_in_data.lambda.im;
     taken.sort_by(|a, b| frequency(a).total_cmp(&frequency(b)));
-    let chosen: Vec<Complex64> = taken.iter().map(|own| own.1.as_in_data.lambda).collect();
-    let modes = table.candidates.iter().map(|own| own.pole.lambda);
+    let chosen: Vec<Complex64> = taken
+        .iter()
+        .map(|selected| selected.1.as_in_data.lambda)
+        .collect();
+    let modes = table
+        .candidates
+        .iter()
+        .map(|candidate| candidate.pole.lambda);
     let replaced = |mode: &Complex64| {
-        let near = |pole: &Complex64| (pole - mode).norm() < OWN * mode.re.abs();
+        let near = |pole: &Complex64| (pole - mode).norm() < MATCH_DECAY_RATES * mode.re.abs();
         chosen.iter().any(near)
     };
     let others = modes.filter(|mode| !replaced(mode));
     let poles: Vec<Complex64> = chosen.iter().copied().chain(others).collect();
-    let mut own = estimator::at_poles((set, band), &poles, table.moved)?;
+    let mut result = estimator::at_poles((set, band), &poles, table.moved)?;
     let is_chosen = |pole: &Pole| chosen.contains(&pole.lambda);
-    own.candidates.retain(|own| is_chosen(&own.pole));
+    result
+        .candidates
+        .retain(|candidate| is_chosen(&candidate.pole));
     for (wanted, offer) in &taken {
-        let same = |own: &&mut Candidate| own.pole == offer.as_in_data;
-        match own.candidates.iter_mut().find(same) {
+        let same = |candidate: &&mut Candidate| candidate.pole == offer.as_in_data;
+        match result.candidates.iter_mut().find(same) {
             Some(candidate) => candidate.order = offer.order,
-            None => missed.push(miss(wanted, None, selection)),
+            None => missed_selections.push(missed_selection(wanted, None, selection)),
         }
     }
     let hz = |candidate: &Candidate| {
@@ -91,78 +103,91 @@ pub(in crate::identify) fn chosen(
         pole.without_added_damping(set.added_damping_rad_s)
             .natural_frequency_hz()
     };
-    let own_hz: Vec<f64> = own.candidates.iter().map(hz).collect();
-    own.findings.retain(|finding| match finding.place {
-        Place::Mode(at) => own_hz.iter().any(|hz| (hz - at).abs() <= 1e-9 * hz),
+    let mode_hz: Vec<f64> = result.candidates.iter().map(hz).collect();
+    result.findings.retain(|finding| match finding.place {
+        Place::Mode(at) => mode_hz.iter().any(|hz| (hz - at).abs() <= 1e-9 * hz),
         _ => true,
     });
-    own.findings.extend(missed);
-    own.stabilization = table.stabilization;
-    Ok(own)
+    result.findings.extend(missed_selections);
+    result.stabilization = table.stabilization;
+    Ok(result)
 }
 
 /// All poles of a method in the band: those of all orders, and its modes.
-fn offers((set, band): (&FrfSet, Band), table: &PoleTable) -> Vec<Offered> {
+fn selectable_poles((set, band): (&FrfSet, Band), table: &PoleTable) -> Vec<SelectablePole> {
     let (modes, points) = (&table.candidates, table.stabilization.iter());
     let is_mode = |pole: Pole| modes.iter().any(|mode| mode.pole == pole);
     let refined = !modes.is_empty() && !points.clone().any(|point| is_mode(point.pole));
-    let offer = |order, pole: Pole, status| Offered {
+    let offer = |order, pole: Pole, status| SelectablePole {
         order,
         as_in_data: pole,
         pole: pole.without_added_damping(set.added_damping_rad_s),
         status,
         mode: is_mode(pole),
-        by_order_alone: refined && !is_mode(pole),
+        only_by_order: refined && !is_mode(pole),
     };
-    let mut offers: Vec<Offered> = points
+    let mut selectable_poles: Vec<SelectablePole> = points
         .map(|point| offer(Some(point.order), point.pole, point.status))
         .collect();
     for mode in modes {
-        if !offers.iter().any(|own| own.as_in_data == mode.pole) {
-            offers.push(offer(mode.order, mode.pole, PoleStatus::Chosen));
+        if !selectable_poles
+            .iter()
+            .any(|selectable| selectable.as_in_data == mode.pole)
+        {
+            selectable_poles.push(offer(mode.order, mode.pole, PoleStatus::Chosen));
         }
     }
-    let hz = |own: &Offered| own.as_in_data.natural_frequency_hz();
-    offers.retain(|own| hz(own) >= band.lo_hz && hz(own) <= band.hi_hz);
-    offers
+    let hz = |selectable: &SelectablePole| selectable.as_in_data.natural_frequency_hz();
+    selectable_poles
+        .retain(|selectable| hz(selectable) >= band.lo_hz && hz(selectable) <= band.hi_hz);
+    selectable_poles
 }
 
-/// Place of the best offer within the tolerance, else the distance of the nearest pole.
-fn best(
-    offers: &[Offered],
-    (wanted, taken): (&SelectedPole, &[(SelectedPole, Offered)]),
+/// Position of the best pole within the tolerance, else the distance of the nearest one, Hz.
+fn find_best(
+    selectable_poles: &[SelectablePole],
+    (wanted, taken): (&SelectedPole, &[(SelectedPole, SelectablePole)]),
     tolerance_hz: f64,
 ) -> Result<usize, Option<f64>> {
-    let fits = |offer: &Offered| match wanted.order {
-        None => !offer.by_order_alone && !taken.iter().any(|(_, own)| offer.repeats(own)),
+    let fits = |offer: &SelectablePole| match wanted.order {
+        None => !offer.only_by_order && !taken.iter().any(|(_, selected)| offer.repeats(selected)),
         order => offer.order == order,
     };
-    let hz = |offer: &Offered| (offer.pole.natural_frequency_hz() - wanted.frequency_hz).abs();
-    let distance_rad_s = |place: &usize| match wanted.damping_ratio {
+    let hz =
+        |offer: &SelectablePole| (offer.pole.natural_frequency_hz() - wanted.frequency_hz).abs();
+    let distance_rad_s = |position: &usize| match wanted.damping_ratio {
         Some(zeta) => {
-            let own = Pole::from_frequency(wanted.frequency_hz, zeta);
-            (own.lambda - offers[*place].pole.lambda).norm()
+            let wanted_pole = Pole::from_frequency(wanted.frequency_hz, zeta);
+            (wanted_pole.lambda - selectable_poles[*position].pole.lambda).norm()
         }
-        None => TAU * hz(&offers[*place]),
+        None => TAU * hz(&selectable_poles[*position]),
     };
     let nearer = |a: &usize, b: &usize| distance_rad_s(a).total_cmp(&distance_rad_s(b));
-    let fitting: Vec<usize> = (0..offers.len()).filter(|i| fits(&offers[*i])).collect();
+    let fitting: Vec<usize> = (0..selectable_poles.len())
+        .filter(|i| fits(&selectable_poles[*i]))
+        .collect();
     let near = fitting.iter().copied();
-    let near: Vec<usize> = near.filter(|i| hz(&offers[*i]) <= tolerance_hz).collect();
+    let near: Vec<usize> = near
+        .filter(|i| hz(&selectable_poles[*i]) <= tolerance_hz)
+        .collect();
     let Some(nearest) = near.iter().copied().min_by(nearer) else {
-        let distances = fitting.iter().map(|i| hz(&offers[*i]));
+        let distances = fitting.iter().map(|i| hz(&selectable_poles[*i]));
         return Err(distances.min_by(f64::total_cmp));
     };
-    let as_near = |place: &usize| {
-        let slack = AS_NEAR * offers[*place].pole.lambda.re.abs();
-        distance_rad_s(place) <= distance_rad_s(&nearest) + slack
+    let is_tied = |position: &usize| {
+        let slack = TIE_DECAY_RATES * selectable_poles[*position].pole.lambda.re.abs();
+        distance_rad_s(position) <= distance_rad_s(&nearest) + slack
     };
-    let stays = |place: &usize| offers[*place].status != PoleStatus::Alone;
-    let staying = near.into_iter().filter(|i| stays(i) && as_near(i));
-    Ok(staying.min_by(nearer).unwrap_or(nearest))
+    let is_stable = |position: &usize| selectable_poles[*position].status != PoleStatus::Alone;
+    let stable = near.into_iter().filter(|i| is_stable(i) && is_tied(i));
+    Ok(stable.min_by(nearer).unwrap_or(nearest))
 }
 
-fn miss(wanted: &SelectedPole, nearest_hz: Option<f64>, selection: &PoleSelection) -> Finding {
+fn missed_selection(
+    wanted: &SelectedPole,
+    nearest_hz: Option<f64>,
+    selection: &PoleSelection,
+) -> Finding {
     let place = Place::Mode(wanted.frequency_hz);
     let finding = Finding::new(Severity::Error, Code::SelectionMissed, place);
     let finding = match nearest_hz {
@@ -176,15 +201,15 @@ fn miss(wanted: &SelectedPole, nearest_hz: Option<f64>, selection: &PoleSelectio
 mod tests {
     use crate::identify::modes::pole_selection::*;
 
-    fn offered(hz: f64, status: PoleStatus) -> Offered {
+    fn selectable(hz: f64, status: PoleStatus) -> SelectablePole {
         let pole = Pole::from_frequency(hz, 0.01);
-        Offered {
+        SelectablePole {
             order: Some(12),
             as_in_data: pole,
             pole,
             status,
             mode: status == PoleStatus::Chosen,
-            by_order_alone: false,
+            only_by_order: false,
         }
     }
 
@@ -197,14 +222,14 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_pole_is_taken_and_of_poles_as_near_one_that_stays() {
+    fn nearest_pole_is_selected_and_of_equally_near_ones_a_stable_one() {
         // A decay rate is 1 Hz.
-        let at = |alone: f64| {
+        let at = |other_hz: f64| {
             let offers = [
-                offered(100.0, PoleStatus::Stable),
-                offered(alone, PoleStatus::Alone),
+                selectable(100.0, PoleStatus::Stable),
+                selectable(other_hz, PoleStatus::Alone),
             ];
-            best(&offers, (&wanted(alone), &[]), 1.0)
+            find_best(&offers, (&wanted(other_hz), &[]), 1.0)
         };
         assert_eq!(at(100.5), Ok(1));
         assert_eq!(at(100.15), Ok(1));
@@ -212,21 +237,21 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_a_taken_pole_is_taken_where_its_order_is_named_or_both_are_modes() {
-        let near = |status| [offered(100.3, status)];
-        let of = |status, order, offers: &[Offered]| {
-            let taken = [(wanted(100.0), offered(100.0, status))];
+    fn pole_at_a_selected_one_is_selected_only_where_its_order_is_stated_or_both_are_modes() {
+        let near = |status| [selectable(100.3, status)];
+        let of = |status, order, offers: &[SelectablePole]| {
+            let taken = [(wanted(100.0), selectable(100.0, status))];
             let wanted = SelectedPole {
                 order,
                 ..wanted(100.3)
             };
-            best(offers, (&wanted, &taken), 1.0)
+            find_best(offers, (&wanted, &taken), 1.0)
         };
         let (stable, mode) = (PoleStatus::Stable, PoleStatus::Chosen);
         assert_eq!(of(mode, None, &near(stable)), Err(None));
         assert_eq!(of(stable, None, &near(mode)), Err(None));
         assert_eq!(of(mode, None, &near(mode)), Ok(0));
         assert_eq!(of(mode, Some(12), &near(stable)), Ok(0));
-        assert_eq!(of(mode, None, &[offered(100.6, stable)]), Ok(0));
+        assert_eq!(of(mode, None, &[selectable(100.6, stable)]), Ok(0));
     }
 }

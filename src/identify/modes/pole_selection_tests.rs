@@ -1,4 +1,4 @@
-//! A person's choice of poles.
+//! Tests of the selection of poles by the user.
 
 use crate::finding::Code;
 use crate::identify::estimator::{IdentifyOptions, PoleStatus};
@@ -38,13 +38,13 @@ fn measured() -> (Structure, Measurement, crate::frf::FrfSet) {
 }
 
 #[test]
-fn chosen_modes_alone_come_with_residues_of_their_own() {
+fn result_has_only_the_selected_modes_with_unbiased_residues() {
     let (structure, how, set) = measured();
     for method in ["peak", "circle", "lscf", "ml"] {
-        // In any order, and somewhat beside the pole.
+        // In any order, and at some distance from the pole.
         let wanted = [2, 0].map(|j: usize| selected(1.003 * structure.modes[j].0));
-        let own = identification(&set, &options(method, wanted.to_vec())).unwrap();
-        let modes = &own.model.modes;
+        let result = identification(&set, &options(method, wanted.to_vec())).unwrap();
+        let modes = &result.model.modes;
         assert_eq!(modes.len(), 2, "{method}");
         for (mode, j) in modes.iter().zip([0, 2]) {
             let (hz, zeta, _) = structure.modes[j];
@@ -63,25 +63,25 @@ fn chosen_modes_alone_come_with_residues_of_their_own() {
 }
 
 #[test]
-fn a_choice_that_no_pole_meets_is_told() {
+fn selection_without_a_pole_within_the_tolerance_is_reported() {
     let (structure, _, set) = measured();
     let hz = structure.modes[1].0;
     let wanted = vec![selected(hz), selected(1.2 * hz)];
-    let own = identification(&set, &options("circle", wanted)).unwrap();
-    assert_eq!(own.model.modes.len(), 1);
-    let findings = &own.model.findings;
-    let told = findings.iter().find(|f| f.code == Code::SelectionMissed);
-    let told = told.unwrap();
-    assert!((told.limit.unwrap() - 0.012 * hz).abs() < 1e-9);
+    let result = identification(&set, &options("circle", wanted)).unwrap();
+    assert_eq!(result.model.modes.len(), 1);
+    let findings = &result.model.findings;
+    let missed = findings.iter().find(|f| f.code == Code::SelectionMissed);
+    let missed = missed.unwrap();
+    assert!((missed.limit.unwrap() - 0.012 * hz).abs() < 1e-9);
     let others = structure.modes.iter().map(|mode| mode.0);
     let distances = others.filter(|other| (other - hz).abs() > 0.01 * hz);
     let nearest = distances.map(|other| (other - 1.2 * hz).abs());
     let nearest = nearest.fold(f64::INFINITY, f64::min);
-    assert!((told.value.unwrap() - nearest).abs() < 0.01 * hz);
+    assert!((missed.value.unwrap() - nearest).abs() < 0.01 * hz);
 }
 
 #[test]
-fn a_pole_of_one_order_is_taken_from_that_order() {
+fn pole_of_a_stated_order_is_selected_from_that_order() {
     let (structure, _, set) = measured();
     let free = IdentifyOptions {
         method: "lscf".to_owned(),
@@ -98,18 +98,18 @@ fn a_pole_of_one_order_is_taken_from_that_order() {
         damping_ratio: Some(structure.modes[3].1),
         ..selected(hz)
     };
-    let own = identification(&set, &options("lscf", vec![wanted])).unwrap();
-    assert_eq!(own.model.modes[0].order, Some(point.order));
-    let off = own.model.modes[0].frequency_hz - point.pole.natural_frequency_hz();
+    let result = identification(&set, &options("lscf", vec![wanted])).unwrap();
+    assert_eq!(result.model.modes[0].order, Some(point.order));
+    let off = result.model.modes[0].frequency_hz - point.pole.natural_frequency_hz();
     assert!(off.abs() < 1e-9);
     let chosen = |p: &&crate::identify::estimator::PoleAtOrder| p.status == PoleStatus::Chosen;
-    assert_eq!(own.stabilization.iter().filter(chosen).count(), 1);
+    assert_eq!(result.stabilization.iter().filter(chosen).count(), 1);
     let elsewhere = SelectedPole {
         order: Some(999),
         ..wanted
     };
-    let own = identification(&set, &options("lscf", vec![elsewhere])).unwrap();
-    assert!(own.model.modes.is_empty());
+    let result = identification(&set, &options("lscf", vec![elsewhere])).unwrap();
+    assert!(result.model.modes.is_empty());
 }
 
 /// A pole of the listing of `lscf` near a mode, of its order.
@@ -121,8 +121,8 @@ fn listed(
         method: "lscf".to_owned(),
         ..IdentifyOptions::default()
     };
-    let own = identification(set, &free).unwrap();
-    own.stabilization.into_iter().filter(choose).collect()
+    let result = identification(set, &free).unwrap();
+    result.stabilization.into_iter().filter(choose).collect()
 }
 
 fn named(point: &crate::identify::estimator::PoleAtOrder, order: Option<usize>) -> SelectedPole {
@@ -134,7 +134,7 @@ fn named(point: &crate::identify::estimator::PoleAtOrder, order: Option<usize>) 
 }
 
 #[test]
-fn poles_of_one_mode_at_two_orders_are_taken_only_where_the_orders_are_named() {
+fn poles_of_one_mode_at_two_orders_are_both_selected_only_where_the_orders_are_stated() {
     let (structure, _, set) = measured();
     let hz = structure.modes[3].0;
     let stays = |p: &crate::identify::estimator::PoleAtOrder| {
@@ -144,26 +144,26 @@ fn poles_of_one_mode_at_two_orders_are_taken_only_where_the_orders_are_named() {
     let both = [&points[0], points.last().unwrap()];
     assert_ne!(both[0].pole, both[1].pole);
     let free = both.map(|point| named(point, None)).to_vec();
-    let own = identification(&set, &options("lscf", free)).unwrap();
-    assert_eq!(own.model.modes.len(), 1);
+    let result = identification(&set, &options("lscf", free)).unwrap();
+    assert_eq!(result.model.modes.len(), 1);
     let missed = |f: &&crate::finding::Finding| f.code == Code::SelectionMissed;
-    assert_eq!(own.model.findings.iter().filter(missed).count(), 1);
-    // Two poles that cannot be told apart stay two, each where it was.
+    assert_eq!(result.model.findings.iter().filter(missed).count(), 1);
+    // Two poles that cannot be separated are both kept, at their frequencies.
     let exact = both.map(|point| named(point, Some(point.order))).to_vec();
-    let own = identification(&set, &options("lscf", exact)).unwrap();
-    assert_eq!(own.model.modes.len(), 2);
+    let result = identification(&set, &options("lscf", exact)).unwrap();
+    assert_eq!(result.model.modes.len(), 2);
     for point in both {
         let off = |mode: &crate::modal::Mode| {
             (mode.frequency_hz - point.pole.natural_frequency_hz()).abs() < 1e-9
         };
-        assert!(own.model.modes.iter().any(off));
+        assert!(result.model.modes.iter().any(off));
     }
 }
 
 #[test]
-fn every_named_pole_becomes_a_mode_or_is_told() {
+fn every_selected_pole_gives_a_mode_or_a_finding() {
     let (structure, mut how, _) = measured();
-    // The upper mode lies beside the band on lines that are used with it.
+    // The upper mode lies outside the band, on its guard lines.
     let hz = structure.modes[2].0;
     let band = crate::axis::Band::new(0.7 * structure.modes[1].0, 0.99 * hz).ok();
     for second in [false, true] {
@@ -186,20 +186,20 @@ fn every_named_pole_becomes_a_mode_or_is_told() {
             poles: vec![inside, named(outside, Some(outside.order))],
             tolerance_hz: None,
         });
-        let own = identification(&set, &options).unwrap();
-        assert_eq!(own.model.modes.len(), 1);
-        let missed = own.model.findings.iter();
+        let result = identification(&set, &options).unwrap();
+        assert_eq!(result.model.modes.len(), 1);
+        let missed = result.model.findings.iter();
         let missed = missed.filter(|f| f.code == Code::SelectionMissed).count();
         assert_eq!(missed, 1, "{second}");
     }
 }
 
 #[test]
-fn poles_that_stay_where_they_are_are_all_kept() {
+fn fixed_poles_are_all_kept() {
     let (structure, mut how, _) = measured();
     let true_pole = |mode: &(f64, f64, Vec<f64>)| Pole::from_frequency(mode.0, mode.1).lambda;
     let mut poles: Vec<_> = structure.modes.iter().map(true_pole).collect();
-    // One that cannot be told from the first, and one where there is nothing but noise.
+    // One that cannot be separated from the first, and one where there is only noise.
     poles.push(poles[0] - 0.05 * poles[0].re);
     let between = 0.5 * (structure.modes[0].0 + structure.modes[1].0);
     poles.push(Pole::from_frequency(between, structure.modes[0].1).lambda);
@@ -216,7 +216,7 @@ fn poles_that_stay_where_they_are_are_all_kept() {
                 .unwrap();
         for pole in &poles {
             let kept = table.candidates.iter();
-            let kept = kept.filter(|own| own.pole.lambda == *pole);
+            let kept = kept.filter(|candidate| candidate.pole.lambda == *pole);
             assert_eq!(kept.count(), 1, "{second} {pole}");
         }
     }

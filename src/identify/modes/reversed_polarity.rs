@@ -1,9 +1,11 @@
-//! A function of the wrong sign: it turns every mode that several references see into two.
+//! A sign-reversed FRF, in data of several references, makes every single mode look like a repeated
+//! pole.
 //!
-//! The residues of a single mode, responses × references, are of rank one. With one entry turned
-//! they are of rank two, and so they are at all modes; a structure has some repeated roots, seldom
-//! half of all. Where turning one function back makes single modes of all of them, that function is
-//! named; of two references the response alone, for its whole row turned changes no rank.
+//! The residue matrix of a single mode, responses × references, is of rank one. With the sign of
+//! one entry reversed it is of rank two, at all modes; a structure has few repeated poles, seldom
+//! half of all. Where reversing one FRF again makes single modes of all double poles, a finding
+//! names that FRF. With two references it names only the response, because reversing its whole row
+//! changes no rank.
 
 use std::collections::HashMap;
 
@@ -16,39 +18,48 @@ use crate::linalg::{complex_matrix, singular_values};
 
 use crate::identify::estimator::Candidate;
 
-/// Fewest double roots, and responses of all references, that tell a sign.
-const FEWEST_ROOTS: usize = 2;
-const FEWEST_RESPONSES: usize = 3;
-/// What turning back leaves beside one shape is no more than this share of the residues' power, and
-/// of what was there before.
-const LEFT: f64 = 0.01;
-const OF_BEFORE: f64 = 0.1;
+/// Minimum number of double poles, and of responses with all references, for a test of signs.
+const MIN_DOUBLE_POLES: usize = 2;
+const MIN_RESPONSES: usize = 3;
+/// Maximum power beyond the first shape after the reversal, over the power of the residues, and
+/// over the same power before.
+const MAX_REMAINING_FRACTION: f64 = 0.01;
+const MAX_REMAINING_OVER_INITIAL: f64 = 0.1;
 
-/// The finding of a function that, turned, makes single modes of all double ones; nothing where
-/// these are not half of all roots.
-pub(in crate::identify) fn turned_function(
+/// The finding of an FRF whose reversal makes single modes of all double poles; `None` where these
+/// are fewer than half of all poles.
+pub(in crate::identify) fn sign_reversed_frf(
     set: &FrfSet,
     candidates: &[Candidate],
 ) -> Option<Finding> {
-    let double = candidates.iter().filter(|own| own.multiplicity == 2);
-    let double: Vec<&[Complex64]> = double.filter_map(|own| own.residues.as_deref()).collect();
-    if double.len() < FEWEST_ROOTS.max(candidates.len().div_ceil(2)) {
+    let double = candidates
+        .iter()
+        .filter(|candidate| candidate.multiplicity == 2);
+    let double: Vec<&[Complex64]> = double
+        .filter_map(|candidate| candidate.residues.as_deref())
+        .collect();
+    if double.len() < MIN_DOUBLE_POLES.max(candidates.len().div_ceil(2)) {
         return None;
     }
-    let block = Block::new(set);
-    if block.rows.len() < FEWEST_RESPONSES {
+    let table = FunctionTable::new(set);
+    if table.rows.len() < MIN_RESPONSES {
         return None;
     }
-    let before: Option<Vec<f64>> = double.iter().map(|own| block.beside(own, None)).collect();
-    let before = before?;
+    let initial: Option<Vec<f64>> = double
+        .iter()
+        .map(|residues| table.power_beyond_first_shape(residues, None))
+        .collect();
+    let initial = initial?;
     let all_single = |function: &usize| {
-        let roots = double.iter().zip(&before);
-        roots.into_iter().all(|(residues, before)| {
-            let after = block.beside(residues, Some(*function));
-            after.is_some_and(|after| after < LEFT.min(OF_BEFORE * before))
+        let poles = double.iter().zip(&initial);
+        poles.into_iter().all(|(residues, initial)| {
+            let remaining = table.power_beyond_first_shape(residues, Some(*function));
+            remaining.is_some_and(|remaining| {
+                remaining < MAX_REMAINING_FRACTION.min(MAX_REMAINING_OVER_INITIAL * initial)
+            })
         })
     };
-    let all = block.rows.iter().flatten().copied();
+    let all = table.rows.iter().flatten().copied();
     let found: Vec<usize> = all.filter(all_single).collect();
     let first = &set.functions()[*found.first()?];
     let elsewhere = |i: &usize| set.functions()[*i].response != first.response;
@@ -63,17 +74,17 @@ pub(in crate::identify) fn turned_function(
     Some(finding.value(double.len() as f64, "roots"))
 }
 
-/// Numbers of the functions by response and reference, of the responses that all references have.
-struct Block {
+/// Indices of the FRFs by response and reference, of the responses that all references have.
+struct FunctionTable {
     rows: Vec<Vec<usize>>,
 }
 
-impl Block {
+impl FunctionTable {
     fn new(set: &FrfSet) -> Self {
         let references = set.references();
         let functions = set.functions().iter().enumerate();
         let numbers: HashMap<(&Dof, &Dof), usize> = functions
-            .map(|(i, own)| ((&own.response, &own.reference), i))
+            .map(|(i, function)| ((&function.response, &function.reference), i))
             .collect();
         let row = |response: &Dof| {
             let number = |reference| numbers.get(&(response, reference)).copied();
@@ -84,13 +95,21 @@ impl Block {
         }
     }
 
-    /// Share of the power of a root's residues beside their first singular vectors, one function
-    /// turned.
-    fn beside(&self, residues: &[Complex64], turned: Option<usize>) -> Option<f64> {
+    /// Fraction of the power of the residues of a pole beyond their first singular vectors, with
+    /// the sign of one FRF reversed.
+    fn power_beyond_first_shape(
+        &self,
+        residues: &[Complex64],
+        reversed: Option<usize>,
+    ) -> Option<f64> {
         let references = self.rows.first()?.len();
         let matrix = complex_matrix(self.rows.len(), references, |row, column| {
             let function = self.rows[row][column];
-            let sign = if turned == Some(function) { -1.0 } else { 1.0 };
+            let sign = if reversed == Some(function) {
+                -1.0
+            } else {
+                1.0
+            };
             sign * residues[function]
         });
         let powers = singular_values(&matrix).ok()?;
@@ -108,7 +127,7 @@ mod tests {
     use crate::modal::Pole;
     use crate::quantity::FrfKind;
 
-    /// Functions of four responses to hits at so many points, without values.
+    /// FRFs of four responses to hits at a number of points, without values.
     fn set(references: usize) -> FrfSet {
         let axis = FrequencyAxis {
             start_hz: 0.0,
@@ -137,15 +156,19 @@ mod tests {
         set
     }
 
-    /// A double root of these two shapes, with the sign of one function turned.
-    fn root(shapes: [[f64; 4]; 2], references: usize, turned: Option<usize>) -> Candidate {
+    /// A double pole of these two shapes, with the sign of one FRF reversed.
+    fn root(shapes: [[f64; 4]; 2], references: usize, reversed: Option<usize>) -> Candidate {
         let residue = |function: usize| {
             let (response, reference) = (function / references, function % references);
-            let own = shapes
+            let products = shapes
                 .iter()
                 .map(|shape| shape[response] * shape[reference]);
-            let sign = if turned == Some(function) { -1.0 } else { 1.0 };
-            Complex64::new(1e-9, sign * own.sum::<f64>())
+            let sign = if reversed == Some(function) {
+                -1.0
+            } else {
+                1.0
+            };
+            Complex64::new(1e-9, sign * products.sum::<f64>())
         };
         Candidate {
             order: None,
@@ -170,38 +193,38 @@ mod tests {
     const NONE: [f64; 4] = [0.0; 4];
 
     #[test]
-    fn the_function_that_doubles_every_mode_is_named() {
+    fn sign_reversed_frf_is_reported() {
         for references in [2, 3] {
             let set = set(references);
-            for turned in 0..4 * references {
-                let root = |shape| root([shape, NONE], references, Some(turned));
-                let told = turned_function(&set, &[ONE, OTHER].map(root));
-                let told = told.expect("both roots are double by one sign");
-                let function = &set.functions()[turned];
+            for reversed in 0..4 * references {
+                let root = |shape| root([shape, NONE], references, Some(reversed));
+                let finding = sign_reversed_frf(&set, &[ONE, OTHER].map(root));
+                let finding = finding.expect("both roots are double by one sign");
+                let function = &set.functions()[reversed];
                 let expected = Place::Function {
                     response: Some(function.response.clone()),
                     reference: (references > 2).then(|| function.reference.clone()),
                 };
-                assert_eq!((told.place, told.value), (expected, Some(2.0)));
+                assert_eq!((finding.place, finding.value), (expected, Some(2.0)));
             }
         }
     }
 
     #[test]
-    fn true_repeated_roots_and_few_double_ones_name_none() {
+    fn true_repeated_poles_and_few_double_poles_report_no_sign_reversal() {
         let set = set(2);
         let third = [0.2, 0.9, 0.6, -0.7];
         let repeated = [[ONE, OTHER], [OTHER, third]].map(|shapes| root(shapes, 2, None));
-        assert_eq!(turned_function(&set, &repeated), None);
+        assert_eq!(sign_reversed_frf(&set, &repeated), None);
         let doubled = |shape| root([shape, NONE], 2, Some(3));
-        assert_eq!(turned_function(&set, &[doubled(ONE)]), None);
+        assert_eq!(sign_reversed_frf(&set, &[doubled(ONE)]), None);
         let mut single = doubled(third);
         single.multiplicity = 1;
         let mut roots = vec![doubled(ONE), doubled(OTHER)];
         roots.extend(vec![single; 3]);
-        assert_eq!(turned_function(&set, &roots), None);
-        // One of the double ones is a repeated root by itself.
+        assert_eq!(sign_reversed_frf(&set, &roots), None);
+        // One of the double poles is a true repeated pole.
         let mixed = [doubled(ONE), root([OTHER, third], 2, None)];
-        assert_eq!(turned_function(&set, &mixed), None);
+        assert_eq!(sign_reversed_frf(&set, &mixed), None);
     }
 }

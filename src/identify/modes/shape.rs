@@ -1,22 +1,21 @@
-//! Shapes from residues: `A_rk = ψ_r L_k`, as a vector over responses or over references, scaled
-//! where possible.
+//! Mode shapes follow from residues, `A_rk = ψ_r L_k`, over responses or over references, scaled to
+//! unit modal mass where a driving point allows.
 //!
 //! By reciprocity `A_rk = φ_r φ_k/(2iω_d m)` for a mode with a nearly real shape, so that the
 //! residues of one mode are a matrix of rank one over responses × references. The side with more
 //! degrees of freedom carries the shape: the responses of a fixed hammer with many sensors, the
 //! references of a roving hammer with one sensor (ties go to the responses). The column with most
-//! functions, the strongest of them, begins; every other one that shares a degree of freedom with
-//! it is brought to it by its modal scale factor and the shape is their least-squares mean; missing
-//! pairs are no obstacle. A column that shares nothing is left out.
+//! FRFs, the strongest of them, is the first; every other one that shares a degree of freedom with
+//! it is scaled to it by its modal scale factor, and the shape is their least-squares mean, also
+//! with missing pairs. A column without a shared degree of freedom is left out.
 //!
 //! Values stay at the degree of freedom *as labelled*: `3:-Z` keeps its key and its sign, whether
 //! it labels a sensor or a hit.
 //!
 //! *Scale.* Where a function's response and reference are the same point and axis (a driving point,
 //! signs `s_r s_k` free), `φ_r² = 2iω_d m s_r s_k A_rk` gives unit modal mass with `m = 1 kg`,
-//! provided that this square has a phase within 20° of zero, so that the mode is as real as the
-//! formula assumes. Without such a function, or with another phase, nothing is known of the mass
-//! and the largest component is made 1.
+//! provided that this square has a phase within 20° of zero, as of a nearly real mode. Without such
+//! an FRF, or with another phase, the modal mass is undetermined and the largest component is 1.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,10 +24,11 @@ use num_complex::Complex64;
 use crate::dof::Dof;
 use crate::modal::{ModeShape, Scaling, modal_scale_factor};
 
-/// Largest phase of a driving-point residue away from that of a real mode, rad.
-const MOST_PHASE: f64 = 20.0 * std::f64::consts::PI / 180.0;
-/// Alternations between shape and factors; the misfit falls by the square of the noise each time.
-const ROUNDS: usize = 4;
+/// Maximum phase of a driving-point residue relative to that of a real mode, rad.
+const MAX_REAL_MODE_PHASE_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
+/// Minimum number of alternations between shape and factors; each reduces the misfit by the square
+/// of the noise.
+const ALTERNATIONS: usize = 4;
 
 /// Residues by (response, reference).
 pub(in crate::identify) type Residues = BTreeMap<(Dof, Dof), Complex64>;
@@ -42,31 +42,31 @@ pub(in crate::identify) struct ScaledShape {
     pub scaling: Scaling,
     /// Modal mass for that scale, kg.
     pub modal_mass_kg: Option<f64>,
-    /// Residues that one shape does not explain over all residues, where several columns meet.
+    /// Relative residual of the residues for one shape, where it has several columns.
     pub misfit: Option<f64>,
 }
 
 /// The shape of a mode from its residues and its damped frequency, rad/s.
 pub(in crate::identify) fn shape_of(residues: &Residues, damped_rad_s: f64) -> ScaledShape {
-    let (shape, misfit) = Columns::new(residues).merged();
-    match driving_point(residues, &shape, damped_rad_s) {
+    let (shape, misfit) = Columns::new(residues).merge();
+    match unit_mass_factor(residues, &shape, damped_rad_s) {
         Some(scale) => ScaledShape {
             shape: ModeShape::new(shape.into_iter().map(|(dof, v)| (dof, scale * v))),
             scaling: Scaling::UnitModalMass,
             modal_mass_kg: Some(1.0),
             misfit,
         },
-        None => of_unit_max(shape, misfit),
+        None => scaled_to_unit_max(shape, misfit),
     }
 }
 
-/// The shape of a mode from residues whose driving points say nothing of its modal mass.
+/// The shape of a mode from residues whose driving points do not determine its modal mass.
 pub(in crate::identify) fn unit_max_shape_of(residues: &Residues) -> ScaledShape {
-    let (shape, misfit) = Columns::new(residues).merged();
-    of_unit_max(shape, misfit)
+    let (shape, misfit) = Columns::new(residues).merge();
+    scaled_to_unit_max(shape, misfit)
 }
 
-fn of_unit_max(shape: BTreeMap<Dof, Complex64>, misfit: Option<f64>) -> ScaledShape {
+fn scaled_to_unit_max(shape: BTreeMap<Dof, Complex64>, misfit: Option<f64>) -> ScaledShape {
     ScaledShape {
         shape: ModeShape::new(shape).unit_max(),
         scaling: Scaling::UnitMax,
@@ -83,13 +83,13 @@ pub(in crate::identify) fn driving_point_sign(response: &Dof, reference: &Dof) -
 }
 
 /// Whether a squared shape component has the phase of a real mode.
-pub(in crate::identify) fn as_of_a_real_mode(square: Complex64) -> bool {
-    square.norm() > 0.0 && square.arg().abs() <= MOST_PHASE
+pub(in crate::identify) fn has_real_mode_phase(square: Complex64) -> bool {
+    square.norm() > 0.0 && square.arg().abs() <= MAX_REAL_MODE_PHASE_RAD
 }
 
-/// Standard deviation of each component of a shape, in its scale, from those of the residues: of
-/// the column that tells it best. `None` where a component has none.
-pub(in crate::identify) fn deviations(
+/// Standard deviation of each component of a shape, in its scale, from those of the residues: the
+/// smallest over the columns. `None` where a component has none.
+pub(in crate::identify) fn shape_stds(
     stds: &BTreeMap<(&Dof, &Dof), f64>,
     residues: &Residues,
     shape: &ModeShape,
@@ -105,7 +105,7 @@ pub(in crate::identify) fn deviations(
             if value.is_none() {
                 continue;
             }
-            let pair = match columns.turned {
+            let pair = match columns.references_carry_shape {
                 true => (*other, *row),
                 false => (*row, *other),
             };
@@ -114,20 +114,20 @@ pub(in crate::identify) fn deviations(
         }
     }
     let of_shape = columns.rows.iter().zip(&best).zip(&values);
-    let own: BTreeMap<Dof, f64> = of_shape
+    let component_stds: BTreeMap<Dof, f64> = of_shape
         .filter(|(_, value)| value.is_some())
         .filter_map(|((row, std), _)| Some(((*row).clone(), (*std)?)))
         .collect();
-    (own.len() == shape.len()).then_some(own)
+    (component_stds.len() == shape.len()).then_some(component_stds)
 }
 
 /// The residue matrix as columns along the longer side.
 struct Columns<'a> {
     /// Whether the references carry the shape.
-    turned: bool,
+    references_carry_shape: bool,
     /// Degrees of freedom of the longer side, in order.
     rows: Vec<&'a Dof>,
-    /// By those of the other side, in order.
+    /// Columns by degree of freedom of the other side, in order.
     by_other: Vec<(&'a Dof, Column)>,
 }
 
@@ -141,8 +141,8 @@ impl<'a> Columns<'a> {
         responses.dedup();
         let references: BTreeSet<&Dof> = residues.keys().map(|(_, reference)| reference).collect();
         let references: Vec<&Dof> = references.into_iter().collect();
-        let turned = references.len() > responses.len();
-        let (rows, others) = if turned {
+        let references_carry_shape = references.len() > responses.len();
+        let (rows, others) = if references_carry_shape {
             (references, responses)
         } else {
             (responses, references)
@@ -153,26 +153,26 @@ impl<'a> Columns<'a> {
             .map(|other| (other, nothing.clone()))
             .collect();
         for ((response, reference), value) in residues {
-            let (row, other) = if turned {
+            let (row, other) = if references_carry_shape {
                 (reference, response)
             } else {
                 (response, reference)
             };
             let row = rows.binary_search(&row);
-            let other = by_other.binary_search_by(|(own, _)| (*own).cmp(other));
+            let other = by_other.binary_search_by(|(dof, _)| (*dof).cmp(other));
             if let (Ok(row), Ok(other)) = (row, other) {
                 by_other[other].1[row] = Some(*value);
             }
         }
         Self {
-            turned,
+            references_carry_shape,
             rows,
             by_other,
         }
     }
 
-    /// Least-squares shape of all columns that hang together, and what it does not explain.
-    fn merged(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
+    /// Least-squares shape of all columns that share degrees of freedom, and its relative residual.
+    fn merge(&self) -> (BTreeMap<Dof, Complex64>, Option<f64>) {
         let mut order: Vec<&Column> = self.by_other.iter().map(|(_, column)| column).collect();
         let length = |column: &Column| column.iter().flatten().count();
         let power =
@@ -185,27 +185,27 @@ impl<'a> Columns<'a> {
             .first()
             .map_or_else(Column::new, |column| (*column).clone());
         let mut factors = vec![None; order.len()];
-        for _ in 0..ROUNDS.max(order.len()) {
+        for _ in 0..ALTERNATIONS.max(order.len()) {
             for (factor, column) in factors.iter_mut().zip(&order) {
                 *factor = factor_of(&shape, column).or(*factor);
             }
             shape = mean_shape(&order, &factors);
         }
         let misfit = misfit(&order, &factors, &shape);
-        let known = self.rows.iter().zip(shape);
-        let known = known.filter_map(|(dof, value)| Some(((*dof).clone(), value?)));
-        (known.collect(), misfit)
+        let components = self.rows.iter().zip(shape);
+        let components = components.filter_map(|(dof, value)| Some(((*dof).clone(), value?)));
+        (components.collect(), misfit)
     }
 }
 
-/// Factor that brings the shape to a column, from the degrees of freedom that both have.
+/// Factor from the shape to a column, from the degrees of freedom that both have.
 fn factor_of(shape: &Column, column: &Column) -> Option<Complex64> {
     let common = shape
         .iter()
         .zip(column)
         .filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-    let (own, other): (Vec<Complex64>, Vec<Complex64>) = common.unzip();
-    modal_scale_factor(&own, &other)
+    let (shape_values, column_values): (Vec<Complex64>, Vec<Complex64>) = common.unzip();
+    modal_scale_factor(&shape_values, &column_values)
 }
 
 /// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the columns that have the row.
@@ -226,22 +226,22 @@ fn mean_shape(columns: &[&Column], factors: &[Option<Complex64>]) -> Column {
 }
 
 fn misfit(columns: &[&Column], factors: &[Option<Complex64>], shape: &Column) -> Option<f64> {
-    let (mut left, mut all) = (0.0, 0.0);
+    let (mut unexplained, mut all) = (0.0, 0.0);
     for (column, factor) in columns.iter().zip(factors) {
         let Some(factor) = factor else { continue };
         for (value, shape) in column.iter().zip(shape) {
             let Some(value) = value else { continue };
-            left += (value - factor * (*shape)?).norm_sqr();
+            unexplained += (value - factor * (*shape)?).norm_sqr();
             all += value.norm_sqr();
         }
     }
-    (columns.len() >= 2 && all > 0.0).then(|| (left / all).sqrt())
+    (columns.len() >= 2 && all > 0.0).then(|| (unexplained / all).sqrt())
 }
 
 /// Factor from the shape to unit modal mass: the least-squares `κ` of `κ² ψ_r² = 2iω_d s_r s_k
 /// A_rk` over all driving points, the largest component turned to a positive real part. `None`
 /// without one or with a phase that is not that of a real mode.
-fn driving_point(
+fn unit_mass_factor(
     residues: &Residues,
     shape: &BTreeMap<Dof, Complex64>,
     damped_rad_s: f64,
@@ -251,15 +251,15 @@ fn driving_point(
         let Some(sign) = driving_point_sign(response, reference) else {
             continue;
         };
-        let Some(own) = shape.get(response).or_else(|| shape.get(reference)) else {
+        let Some(component) = shape.get(response).or_else(|| shape.get(reference)) else {
             continue;
         };
         let phi_squared = Complex64::new(0.0, 2.0 * damped_rad_s * sign) * residue;
-        product += (own * own).conj() * phi_squared;
-        square += own.norm_sqr().powi(2);
+        product += (component * component).conj() * phi_squared;
+        square += component.norm_sqr().powi(2);
         total += phi_squared;
     }
-    if square <= 0.0 || !as_of_a_real_mode(total) {
+    if square <= 0.0 || !has_real_mode_phase(total) {
         return None;
     }
     let scale = (product / square).sqrt();

@@ -1,4 +1,4 @@
-//! Shapes: which side carries them, how columns meet, signs, and modal mass.
+//! Tests of mode shapes: over responses or references, several columns, signs, and modal mass.
 
 use num_complex::Complex64;
 
@@ -47,7 +47,7 @@ fn assert_values(scaled: &ScaledShape, expected: &[(&str, f64)]) {
 }
 
 #[test]
-fn a_driving_point_gives_unit_modal_mass() {
+fn driving_point_gives_unit_modal_mass() {
     let scaled = shape(
         &[("1:+Z", "1:+Z"), ("2:+Z", "1:+Z"), ("3:+Z", "1:+Z")],
         Complex64::ONE,
@@ -61,7 +61,7 @@ fn a_driving_point_gives_unit_modal_mass() {
 }
 
 #[test]
-fn sensors_and_hits_against_the_axis_keep_their_labels() {
+fn sensors_against_the_axis_keep_their_labels_and_signs() {
     let scaled = shape(
         &[("1:-Z", "1:+Z"), ("2:+Z", "1:+Z"), ("3:-Z", "1:+Z")],
         Complex64::ONE,
@@ -71,7 +71,7 @@ fn sensors_and_hits_against_the_axis_keep_their_labels() {
 }
 
 #[test]
-fn a_roving_hammer_gives_the_shape_at_the_hit_points() {
+fn roving_hammer_gives_the_shape_at_the_excitation_points() {
     let pairs = [
         ("4:-Z", "1:+Z"),
         ("4:-Z", "2:+Z"),
@@ -108,7 +108,7 @@ fn without_a_driving_point_the_largest_component_is_one() {
 }
 
 #[test]
-fn a_driving_point_of_another_phase_gives_no_mass() {
+fn driving_point_without_the_phase_of_a_real_mode_gives_no_mass() {
     let pairs = [("1:+Z", "1:+Z"), ("2:+Z", "1:+Z")];
     for (degrees, expected) in [
         (19.0, Scaling::UnitModalMass),
@@ -145,7 +145,7 @@ fn columns_with_missing_pairs_become_one_shape() {
 }
 
 #[test]
-fn two_shapes_at_one_frequency_are_no_rank_one() {
+fn two_shapes_at_one_frequency_have_a_large_misfit() {
     let other = Structure {
         modes: vec![(80.0, 0.01, vec![0.9, 0.7, -0.4, 1.0])],
     };
@@ -166,7 +166,7 @@ fn two_shapes_at_one_frequency_are_no_rank_one() {
 }
 
 #[test]
-fn complex_columns_with_a_missing_pair_have_one_shape_and_leave_nothing() {
+fn complex_columns_with_a_missing_pair_have_one_shape_without_misfit() {
     let value = |k: usize, turn: f64| Complex64::from_polar(1.0 + 0.3 * k as f64, turn * k as f64);
     let (shape, factor) = (|r: usize| value(r, 0.7), |k: usize| value(k, 1.9));
     let point = |k: usize| dof(&format!("{}:+Z", 1 + k));
@@ -180,12 +180,12 @@ fn complex_columns_with_a_missing_pair_have_one_shape_and_leave_nothing() {
         .get(&point(4))
         .expect("every point is in the shape");
     for r in 0..5 {
-        let own = scaled
+        let ratio = scaled
             .shape
             .get(&point(r))
             .expect("every point is in the shape")
             / largest;
-        assert!((own - shape(r) / shape(4)).norm() < 1e-12, "{r}: {own}");
+        assert!((ratio - shape(r) / shape(4)).norm() < 1e-12, "{r}: {ratio}");
     }
     assert!(
         scaled.misfit.expect("more pairs than factors") < 1e-12,

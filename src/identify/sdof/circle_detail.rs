@@ -31,10 +31,10 @@ const MAX_ANGLE_RAD: f64 = 0.95 * std::f64::consts::PI;
 
 /// Circle and damping surface of the receptances in a window, with all other modes subtracted.
 ///
-/// `first` is the initial pole, rad/s, as in the data. A line below the resonance at the angle `θ_a`
-/// and one above at `θ_b`, seen from the centre, give the decay rate `(ω_b − ω_a)/(tan(θ_b/2) −
-/// tan(θ_a/2))`; divided by the frequency of the resonance it is a damping ratio. `None` where the
-/// points lie on no circle or the resonance is outside the window.
+/// `first` is the initial pole, rad/s, as in the data. A line below the resonance at the angle
+/// `θ_a` and one above at `θ_b`, seen from the centre, give the decay rate `(ω_b − ω_a)/(tan(θ_b/2)
+/// − tan(θ_a/2))`; divided by the frequency of the resonance it is a damping ratio. `None` where
+/// the points lie on no circle or the resonance is outside the window.
 ///
 /// # Reference
 /// Ewins (2000), Modal Testing, 2nd ed., section 4.3.

@@ -4,9 +4,9 @@
 //! A single-mode method fits one resonance in a window of frequency lines. Neighbouring modes bias
 //! the fit: a mode ten half-power bandwidths away contributes 5 % of the peak. The initial poles
 //! come from the peaks of the detection spectrum. Every pass solves for the residues of all poles,
-//! subtracts from every FRF the contributions of all other modes and the conjugate pole of the mode,
-//! and fits again (the classical refinement of single-mode curve fitting, Ewins 2000, section 4.4).
-//! A method implements only [`SingleModeMethod::fit`].
+//! subtracts from every FRF the contributions of all other modes and the conjugate pole of the
+//! mode, and fits again (the classical refinement of single-mode curve fitting, Ewins 2000, section
+//! 4.4). A method implements only [`SingleModeMethod::fit`].
 
 use std::f64::consts::TAU;
 use std::ops::Range;

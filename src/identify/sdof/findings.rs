@@ -55,10 +55,10 @@ pub(in crate::identify) struct SdofVerdict {
     pub residues: Vec<Complex64>,
 }
 
-/// Tests every mode for a second pole under its peak (a visible neighbour, FRFs that disagree on the
-/// frequency, a frequency dependence of more than one pole), then for several shapes with one pole.
-/// Above a highest frequency, where the anti-alias filter falls off, shapes are not counted: its
-/// truncated ringing would show many.
+/// Tests every mode for a second pole under its peak (a visible neighbour, FRFs that disagree on
+/// the frequency, a frequency dependence of more than one pole), then for several shapes with one
+/// pole. Above a highest frequency, where the anti-alias filter falls off, shapes are not counted:
+/// its truncated ringing would show many.
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.

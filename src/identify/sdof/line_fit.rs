@@ -1,5 +1,5 @@
-//! The line fit estimates a pole from two straight lines: the inverse of a difference of receptances
-//! over frequency, and the slope of that line over the reference frequency.
+//! The line fit estimates a pole from two straight lines: the inverse of a difference of
+//! receptances over frequency, and the slope of that line over the reference frequency.
 //!
 //! Around one pole `λ` the isolated receptance is `P(ω) = A/(iω − λ) + c`. The constant falls out
 //! of a difference from a fixed frequency Ω, and

@@ -8,9 +8,9 @@
 //! interpolated on it between the two lines that enclose it, linearly in `(ω − ω_d)²`, which is
 //! exact too: no bias from the line spacing, however coarse.
 //!
-//! The estimate is made on the weighted sum over FRFs; the scatter of the estimates from single FRFs
-//! gives its standard deviation. (Averaging the estimates from single FRFs by peak energy has the
-//! same accuracy, but must leave out FRFs near a node, which have no peak.)
+//! The estimate is made on the weighted sum over FRFs; the scatter of the estimates from single
+//! FRFs gives its standard deviation. (Averaging the estimates from single FRFs by peak energy has
+//! the same accuracy, but must leave out FRFs near a node, which have no peak.)
 //!
 //! Reference: Ewins (2000), Modal Testing, 2nd ed., section 4.2.
 
@@ -112,8 +112,8 @@ fn vertex(omega: &[f64], power: &[f64], top: usize) -> Option<Vertex> {
         .or_else(|| vertex_of(omega, power, (top, top - 1..top + 2)))
 }
 
-/// Weighted least squares of the parabola. The noise of a power `S` is proportional to `√S`, that of
-/// its inverse to `S^{-3/2}`, so that the weight is `S^{3/2}`.
+/// Weighted least squares of the parabola. The noise of a power `S` is proportional to `√S`, that
+/// of its inverse to `S^{-3/2}`, so that the weight is `S^{3/2}`.
 fn vertex_of(omega: &[f64], power: &[f64], (top, lines): (usize, Range<usize>)) -> Option<Vertex> {
     let (first, last) = (omega[lines.start], omega[lines.end - 1]);
     let scale = last - first;

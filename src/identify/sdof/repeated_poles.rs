@@ -14,10 +14,10 @@
 //!   rank: `t² = −ln p` with p false alarms per mode. The standard deviation of `b` is that of the
 //!   FRF times the gain of the least squares; that of the FRF is estimated from its variance where
 //!   the data supply it, else from the residual of the fit;
-//! - a fraction of the first singular value, because other effects also differ from the first shape:
-//!   skirts of modes outside the band leave up to 2 % (see `single_mode_test`), and hits that are
-//!   repeated for every group of sensors scatter by some per cent in position and direction, which
-//!   raises the second singular value by that scatter times `n^{-½} + k^{-½}`.
+//! - a fraction of the first singular value, because other effects also differ from the first
+//!   shape: skirts of modes outside the band leave up to 2 % (see `single_mode_test`), and hits
+//!   that are repeated for every group of sensors scatter by some per cent in position and
+//!   direction, which raises the second singular value by that scatter times `n^{-½} + k^{-½}`.
 //!
 //! *One pole.* Shapes whose poles differ by `δ_j` give `D = Σ_j ψ_j L_jᵀ δ_j/σ`, so that `U^H D V
 //! S^{-1}` has the eigenvalues `δ_j/σ`. Its largest singular value, the mean of its diagonal

@@ -69,8 +69,8 @@ fn columns(rows: usize, shapes: &[Vec<Complex64>]) -> ComplexMatrix {
     linalg::complex_matrix(rows, shapes.len(), |i, j| shapes[j][i])
 }
 
-/// Sine of the largest principal angle of two spaces: the norm of the orthonormal basis of one after
-/// projection off the other.
+/// Sine of the largest principal angle of two spaces: the norm of the orthonormal basis of one
+/// after projection off the other.
 fn largest_angle(a: &[Vec<Complex64>], b: &[Vec<Complex64>]) -> f64 {
     let rows = a[0].len();
     let basis = |shapes| {
@@ -101,8 +101,8 @@ fn true_shapes(structure: &Structure, mode: &Mode) -> Vec<Vec<Complex64>> {
     repeated.map(|(_, _, shape)| at(shape)).collect()
 }
 
-/// The modes of the repeated pole: as many as stated, one group, one pole; the two single modes have no
-/// group.
+/// The modes of the repeated pole: as many as stated, one group, one pole; the two single modes
+/// have no group.
 fn repeated_modes(model: &ModalModel, multiplicity: usize) -> Vec<&Mode> {
     assert_eq!(model.modes.len(), multiplicity + 2, "{:?}", model.findings);
     let modes: Vec<&Mode> = model.modes[1..=multiplicity].iter().collect();

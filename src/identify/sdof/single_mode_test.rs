@@ -99,8 +99,8 @@ fn without_line(row: &[Complex64]) -> Vec<Complex64> {
         .collect()
 }
 
-/// Root mean square residual of one pole over the peak where it exceeds its limit; `None` below, and
-/// with too few lines for the test.
+/// Root mean square residual of one pole over the peak where it exceeds its limit; `None` below,
+/// and with too few lines for the test.
 pub(in crate::identify) fn second_pole(
     data: &Receptances,
     resonance: &Resonance,

@@ -1,4 +1,5 @@
-//! Tests of the single-mode tests: two modes under one peak are resolved or reported as close modes.
+//! Tests of the single-mode tests: two modes under one peak are resolved or reported as close
+//! modes.
 
 use crate::finding::{Code, Place};
 use crate::identify::estimator::IdentifyOptions;

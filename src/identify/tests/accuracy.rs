@@ -1,5 +1,5 @@
-//! Round trips through random structures with modes ten half-power widths apart: what is found, how
-//! well, and nothing that is not there.
+//! Tests of accuracy on random structures with modes ten half-power bandwidths apart: all modes are
+//! found with small errors, and no spurious ones.
 
 use crate::axis::Band;
 use crate::finding::Code;
@@ -24,8 +24,8 @@ fn identified(set: &FrfSet, method: &str, band: Option<Band>) -> ModalModel {
     identify(set, &options).unwrap()
 }
 
-/// Each true mode with the one found within its half-power width; no mode more or less, none called
-/// close.
+/// Each true mode with the one found within its half-power bandwidth; as many modes as true ones,
+/// and no finding of close modes.
 fn partners<'a>(truth: &'a [Truth], model: &'a ModalModel) -> Vec<Partners<'a>> {
     assert_eq!(model.modes.len(), truth.len(), "{:?}", model.findings);
     let close = model.findings.iter().find(|f| f.code == Code::CloseModes);
@@ -47,7 +47,7 @@ fn worst(pairs: &[Partners]) -> (f64, f64) {
 }
 
 #[test]
-fn sixty_decibels_give_frequency_and_damping_far_inside_the_target() {
+fn frequency_and_damping_at_sixty_decibels_are_far_within_the_target() {
     // The target is 5e-4 in frequency for all and 3 % in damping for the circle fit.
     for (method, damping_limit) in [("peak", 5e-3), ("circle", 1e-3), ("line", 1e-3)] {
         let mut squares = Vec::new();
@@ -81,14 +81,14 @@ fn sixty_decibels_give_frequency_and_damping_far_inside_the_target() {
 }
 
 #[test]
-fn separated_modes_are_never_called_close_and_noise_is_never_a_mode() {
+fn separated_modes_are_never_reported_close_and_noise_is_never_a_mode() {
     for (snr_db, variance_given) in [
         (None, true),
         (Some(80.0), true),
         (Some(40.0), false),
         (Some(30.0), true),
     ] {
-        // Seed 296 once took a ripple of 1e-6 at the top of a peak for a second one.
+        // With seed 296 a ripple of 1e-6 at the top of a peak was once detected as a second peak.
         for seed in (20..26).chain([296]) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
@@ -124,7 +124,7 @@ fn inner_band(modes: &[(f64, f64, Vec<f64>)]) -> Band {
 }
 
 #[test]
-fn modes_outside_the_band_tilt_the_result_little_and_raise_no_alarm() {
+fn modes_outside_the_band_bias_the_result_little_and_cause_no_finding() {
     for (snr_db, method, limits) in [
         (None, "peak", (1e-4, 1e-2)),
         (None, "circle", (1e-5, 1.5e-2)),
@@ -146,7 +146,7 @@ fn modes_outside_the_band_tilt_the_result_little_and_raise_no_alarm() {
 }
 
 #[test]
-fn every_kind_gives_the_same_and_the_window_is_taken_out() {
+fn every_frf_kind_gives_the_same_modes_without_the_damping_of_the_window() {
     let (structure, how) = separated_modes(3);
     let narrowest = structure
         .modes
@@ -174,7 +174,7 @@ fn every_kind_gives_the_same_and_the_window_is_taken_out() {
 }
 
 #[test]
-fn few_lines_across_a_resonance_are_told_and_fitted_all_the_same() {
+fn resonance_of_few_lines_is_reported_and_fitted() {
     let (structure, mut how) = separated_modes(5);
     how.axis.step_hz *= 4.0;
     how.axis.len /= 4;
@@ -186,17 +186,20 @@ fn few_lines_across_a_resonance_are_told_and_fitted_all_the_same() {
         assert!(frequency < 3e-5 && damping < 5e-3);
         let narrow = |mode: &&(f64, f64, Vec<f64>)| width_hz(mode) < 5.0 * how.axis.step_hz;
         let expected = structure.modes.iter().filter(narrow).count();
-        let told = model
+        let few_lines = model
             .findings
             .iter()
             .filter(|f| f.code == Code::FewLines)
             .count();
-        assert!(expected > 0 && told == expected, "{told} of {expected}");
+        assert!(
+            expected > 0 && few_lines == expected,
+            "{few_lines} of {expected}"
+        );
     }
 }
 
 #[test]
-fn pure_noise_gives_no_mode_and_no_word() {
+fn pure_noise_gives_no_mode_and_no_finding() {
     let (structure, how) = separated_modes(1);
     let silent = Structure {
         modes: vec![(1e6, 0.5, structure.modes[0].2.clone())],

@@ -1,5 +1,4 @@
-//! A decomposition that fails its check gives an error, or modes that are right; never a wrong
-//! number.
+//! Tests of failed decompositions: the result is an error or correct modes, never a wrong number.
 
 use crate::finding::{Code, Place};
 use crate::identify::estimator::IdentifyOptions;
@@ -8,18 +7,17 @@ use crate::identify::synthetic::{Structure, separated_modes};
 use crate::linalg::faults::with_failing;
 use crate::modal::{ModalModel, Pole};
 
-/// Largest error of a pole over its magnitude: noise at 50 dB leaves 1e-4, a first estimate that is
-/// not refined ten times as much.
+/// Maximum error of a pole over its magnitude: 1e-4 by noise at 50 dB, ten times as much for an
+/// initial estimate without refinement.
 const POLE_ERROR: f64 = 2e-3;
-/// Number of calls, of all, that fail by themselves and with all that follow.
+/// Number of calls that fail, each singly and with all calls after it.
 const FAILING: usize = 24;
 
-/// Every number of every mode is one, and every pole that of a true mode, but for modes that a
-/// finding calls initial estimates.
+/// Asserts that every value of every mode is finite and every pole that of a true mode, except for
+/// modes that a finding reports as initial estimates.
 fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
     let is_first_estimate = |hz: f64| {
-        let is_at =
-            |place: &Place| matches!(place, Place::Mode(own) if (own / hz - 1.0).abs() < 1e-6);
+        let is_at = |place: &Place| matches!(place, Place::Mode(mode_hz) if (mode_hz / hz - 1.0).abs() < 1e-6);
         let mut findings = model.findings.iter();
         findings.any(|finding| finding.code == Code::NotFitted && is_at(&finding.place))
     };
@@ -29,8 +27,8 @@ fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
         .filter(|mode| !is_first_estimate(mode.frequency_hz))
     {
         let lambda = mode.pole().unwrap().lambda;
-        let distance = |own: &(f64, f64, Vec<f64>)| {
-            let exact = Pole::from_frequency(own.0, own.1).lambda;
+        let distance = |truth: &(f64, f64, Vec<f64>)| {
+            let exact = Pole::from_frequency(truth.0, truth.1).lambda;
             (lambda - exact).norm() / exact.norm()
         };
         let nearest = structure
@@ -51,11 +49,11 @@ fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
 }
 
 #[test]
-fn a_failed_decomposition_gives_an_error_or_right_modes() {
+fn failed_decomposition_gives_an_error_or_correct_modes() {
     let (structure, mut how) = separated_modes(3);
     how.snr_db = Some(50.0);
     let set = structure.measured(&how);
-    // Everything on this thread, where the calls are counted.
+    // All computation runs on this thread, where the calls are counted.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread();

@@ -1,5 +1,5 @@
-//! Little noise, light damping and modes beyond both ends of the data: what is left to the
-//! background must not pull the modes away.
+//! Test with little noise, light damping and modes beyond both ends of the data: the out-of-band
+//! terms must not bias the modes.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,7 +44,7 @@ fn lightly_damped(seed: u64) -> (Structure, Measurement) {
 }
 
 #[test]
-fn modes_far_above_the_noise_are_all_found_beside_modes_beyond_the_data() {
+fn modes_far_above_the_noise_are_all_found_with_modes_beyond_the_data() {
     let options = IdentifyOptions {
         band: Some(Band {
             lo_hz: 50.0,
@@ -59,16 +59,20 @@ fn modes_far_above_the_noise_are_all_found_beside_modes_beyond_the_data() {
             .modes
             .iter()
             .filter(|mode| mode.0 > 50.0 && mode.0 < 500.0);
-        let mut known: Vec<f64> = inside.map(|mode| mode.0).collect();
-        known.sort_by(f64::total_cmp);
-        let told: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
-        assert_eq!(told.len(), known.len(), "{seed}: {told:?} {known:?}");
-        for (mode, hz) in model.modes.iter().zip(known) {
-            let away = (mode.frequency_hz - hz).abs();
+        let mut true_hz: Vec<f64> = inside.map(|mode| mode.0).collect();
+        true_hz.sort_by(f64::total_cmp);
+        let found_hz: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
+        assert_eq!(
+            found_hz.len(),
+            true_hz.len(),
+            "{seed}: {found_hz:?} {true_hz:?}"
+        );
+        for (mode, hz) in model.modes.iter().zip(true_hz) {
+            let error_hz = (mode.frequency_hz - hz).abs();
             let std = mode.frequency_std_hz.unwrap();
             assert!(
-                away < 5.0 * std && std < 1e-4,
-                "{seed}: {hz} {away:e} {std:e}"
+                error_hz < 5.0 * std && std < 1e-4,
+                "{seed}: {hz} {error_hz:e} {std:e}"
             );
         }
     }

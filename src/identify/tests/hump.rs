@@ -1,4 +1,4 @@
-//! A smooth rise of the background between a minimum and an antiresonance is not a mode.
+//! Test that a smooth rise of the response between a minimum and an antiresonance is not a mode.
 
 use crate::axis::{Band, FrequencyAxis};
 use crate::finding::{Code, Finding, Place};
@@ -8,7 +8,7 @@ use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Structure};
 
 #[test]
-fn the_hump_before_an_antiresonance_is_dropped_with_a_finding() {
+fn rise_before_an_antiresonance_is_rejected_with_a_finding() {
     // Residues of both signs: between 1300 and 2100 Hz the mobility passes a minimum, rises by less
     // than half power, and falls into an antiresonance.
     let axis = FrequencyAxis {

@@ -1,5 +1,5 @@
-//! What every method of several modes owes: poles without noise, poles in noise, bands that do not
-//! begin at 0 Hz.
+//! Tests of all multi-mode methods: poles without and with noise, standard deviations, and bands
+//! that do not begin at 0 Hz.
 
 use num_complex::Complex64;
 
@@ -27,7 +27,7 @@ fn error(truth: &Truth, mode: &Mode) -> f64 {
     (mode.pole().unwrap().lambda - lambda).norm() / lambda.norm()
 }
 
-/// True modes with those found, as many.
+/// Each true mode with the identified one of the same rank; as many modes as true ones.
 fn pairs<'a>(structure: &'a Structure, model: &'a ModalModel) -> Vec<(&'a Truth, &'a Mode)> {
     let found: Vec<_> = model
         .modes
@@ -44,9 +44,9 @@ fn pairs<'a>(structure: &'a Structure, model: &'a ModalModel) -> Vec<(&'a Truth,
 }
 
 #[test]
-fn without_noise_the_poles_come_back_within_the_bound_of_the_method() {
-    // In the s domain to 1e-8. The edges of the band ring on in impulse responses: 1e-5, and no
-    // more than the stated deviation allows.
+fn poles_without_noise_are_exact_within_the_limit_of_the_method() {
+    // In the s domain the limit is 1e-8. Impulse responses contain the ringing of the band edges:
+    // 1e-5, and no more than the stated standard deviation allows.
     for (method, limit) in [("rfp", 1e-8), ("line", 1e-8), ("ml", 1e-8), ("lsce", 1e-5)] {
         for seed in 0..6 {
             let (structure, how) = separated_modes(seed);
@@ -65,7 +65,7 @@ fn without_noise_the_poles_come_back_within_the_bound_of_the_method() {
 }
 
 #[test]
-fn noise_moves_poles_little_and_as_far_as_is_stated() {
+fn pole_errors_by_noise_are_small_and_match_their_standard_deviations() {
     for snr_db in [60.0, 40.0] {
         for (method, limit) in [("line", 3e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
             let mut squares = Vec::new();
@@ -87,8 +87,8 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
                 }
             }
             // 0.455 is the median of a squared normal deviate; that of the magnitude of 30 has a
-            // deviation of 0.144 about 0.674, of which three are allowed above, and two and a half
-            // below.
+            // standard deviation of 0.144 about 0.674; three of these are allowed above, and two
+            // and a half below.
             squares.sort_by(f64::total_cmp);
             let median = squares[squares.len() / 2];
             assert!((0.1..1.23).contains(&median), "{method} {snr_db} {median}");
@@ -97,9 +97,9 @@ fn noise_moves_poles_little_and_as_far_as_is_stated() {
 }
 
 #[test]
-fn a_band_that_begins_above_zero_shifts_nothing() {
-    // Scaling of lines by their number instead of their frequency puts these 8 % off; adding the
-    // shift to a natural frequency 2 %.
+fn band_that_begins_above_zero_does_not_shift_frequencies() {
+    // Scaling lines by their number instead of their frequency would cause an error of 8 %; adding
+    // the shift to a natural frequency 2 %.
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz: 0.25,
@@ -133,9 +133,8 @@ fn a_band_that_begins_above_zero_shifts_nothing() {
 
 #[test]
 fn no_method_fails_on_a_band_of_few_lines() {
-    // Eight lines are the fewest that are accepted; the whole axis is the band, so that nothing
-    // beside it helps. The impulse responses of fewer than 65 lines are too short for lsce, which
-    // then has no poles.
+    // Eight lines are the minimum; the band is the whole axis, so that there are no guard lines.
+    // The impulse responses of fewer than 65 lines are too short for lsce, which then has no poles.
     for lines in [8, 12, 24, 64, 65] {
         let axis = FrequencyAxis {
             start_hz: 55.0,
@@ -167,8 +166,8 @@ fn no_method_fails_on_a_band_of_few_lines() {
     }
 }
 
-/// Squares of the errors of shape components over their deviations, but for the factor that all
-/// have in common, and how many of mean 1 these are.
+/// Sum of the squared errors of shape components over their standard deviations, without a common
+/// factor, and its expected value.
 fn shape_errors(structure: &Structure, model: &ModalModel) -> (f64, f64) {
     let (mut sum, mut numbers) = (0.0, 0.0);
     for ((_, _, shape), mode) in pairs(structure, model) {
@@ -190,14 +189,14 @@ fn shape_errors(structure: &Structure, model: &ModalModel) -> (f64, f64) {
     (sum, numbers)
 }
 
-fn hold_shape_errors(drawn: impl Iterator<Item = (Structure, Measurement)>) {
+fn assert_shape_errors(tests: impl Iterator<Item = (Structure, Measurement)>) {
     let (mut sum, mut numbers) = (0.0, 0.0);
-    for (structure, how) in drawn {
+    for (structure, how) in tests {
         let snr_db = Some(40.0);
         let set = structure.measured(&Measurement { snr_db, ..how });
         let model = identify(&set, &with_band("ml", None)).unwrap();
-        let own = shape_errors(&structure, &model);
-        (sum, numbers) = (sum + own.0, numbers + own.1);
+        let errors = shape_errors(&structure, &model);
+        (sum, numbers) = (sum + errors.0, numbers + errors.1);
     }
     let ratio: f64 = sum / numbers;
     let spread = 4.0 / numbers.sqrt();
@@ -205,27 +204,27 @@ fn hold_shape_errors(drawn: impl Iterator<Item = (Structure, Measurement)>) {
 }
 
 #[test]
-fn deviations_of_shapes_are_those_of_their_errors() {
-    hold_shape_errors((0..20).map(separated_modes));
+fn shape_standard_deviations_match_the_errors() {
+    assert_shape_errors((0..20).map(separated_modes));
 }
 
-/// Two modes a little more than the sum of their widths apart, hit at two points through noise
-/// whose ratio differs from sensor to sensor.
+/// Two modes are separated by little more than the sum of their bandwidths and excited at two
+/// points; the noise differs between sensors.
 #[test]
-fn deviations_of_shapes_reckon_with_errors_of_poles_and_participation() {
+fn shape_standard_deviations_include_errors_of_poles_and_participation() {
     let pair = Pair {
         spacing_widths: 2.2,
         difference: None,
         ratio: 1.0,
         lines_per_width: (5.5, 12.0),
     };
-    hold_shape_errors((0..40).map(|seed| {
+    assert_shape_errors((0..40).map(|seed| {
         let (structure, mut how) = close_pair(seed, pair);
         let second: Dof = "2:+Z".parse().unwrap();
         let again: Vec<(Dof, Dof)> = how
             .pairs
             .iter()
-            .map(|own| (own.0.clone(), second.clone()))
+            .map(|pair| (pair.0.clone(), second.clone()))
             .collect();
         how.pairs.extend(again);
         (structure, how)

@@ -1,5 +1,5 @@
-//! The maximum likelihood method against known truth: exact without noise, at its bound with it,
-//! and silent without modes.
+//! Tests of the maximum likelihood method: exact without noise, at the Cramér-Rao bound with noise,
+//! and without spurious modes.
 
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
@@ -26,7 +26,7 @@ fn ml(set: &FrfSet) -> ModalModel {
     identify(set, &options).unwrap()
 }
 
-/// Hits at the first so many sensors.
+/// Adds hits at the first sensors, up to a number.
 fn with_references(measurement: &mut Measurement, count: usize) {
     let sensors: Vec<_> = measurement
         .pairs
@@ -42,7 +42,7 @@ fn with_references(measurement: &mut Measurement, count: usize) {
 }
 
 #[test]
-fn without_noise_every_pole_comes_back_to_eight_digits() {
+fn poles_without_noise_are_exact_to_eight_digits() {
     for seed in 0..6 {
         let (structure, mut how) = separated_modes(seed);
         with_references(&mut how, 1 + seed as usize % 2);
@@ -56,15 +56,15 @@ fn without_noise_every_pole_comes_back_to_eight_digits() {
                 "{pole} {truth}"
             );
             let found: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();
-            let known: Vec<Complex64> = shape.iter().map(|v| Complex64::from(*v)).collect();
+            let truth_shape: Vec<Complex64> = shape.iter().map(|v| Complex64::from(*v)).collect();
             // Degrees of freedom in numeric order, as the points.
-            assert!(mac(&found, &known).unwrap() > 1.0 - 1e-9);
+            assert!(mac(&found, &truth_shape).unwrap() > 1.0 - 1e-9);
         }
     }
 }
 
 #[test]
-fn with_noise_errors_are_what_the_stated_deviations_say() {
+fn errors_with_noise_match_their_standard_deviations() {
     let (mut squares, mut count) = (0.0, 0.0);
     for seed in 0..40 {
         let (structure, mut how) = separated_modes(seed);
@@ -78,7 +78,7 @@ fn with_noise_errors_are_what_the_stated_deviations_say() {
             count += 2.0;
         }
     }
-    // A chi-squared of so many degrees of freedom, over them: five deviations of sqrt(2/n).
+    // A chi-squared over its n degrees of freedom: five standard deviations of sqrt(2/n).
     let bound = 5.0 * (2.0f64 / count).sqrt();
     assert!(
         (squares / count - 1.0).abs() < bound,
@@ -88,7 +88,7 @@ fn with_noise_errors_are_what_the_stated_deviations_say() {
 }
 
 #[test]
-fn two_references_tell_a_pair_within_a_half_power_width() {
+fn two_references_separate_a_pair_within_a_half_power_bandwidth() {
     for seed in 0..6 {
         let pair = Pair {
             spacing_widths: 0.3,
@@ -108,7 +108,7 @@ fn two_references_tell_a_pair_within_a_half_power_width() {
 }
 
 #[test]
-fn a_repeated_root_is_one_group_with_both_its_modes() {
+fn repeated_pole_gives_one_group_with_both_modes() {
     let axis = FrequencyAxis {
         start_hz: 0.0,
         step_hz: 0.1,
@@ -152,7 +152,7 @@ fn noise_alone_has_no_modes() {
 }
 
 #[test]
-fn bands_of_a_few_lines_have_an_answer() {
+fn bands_of_few_lines_give_a_result() {
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&Measurement {
         snr_db: Some(60.0),
@@ -190,20 +190,20 @@ fn bands_of_a_few_lines_have_an_answer() {
     }
 }
 
-/// The functions of a set with noise that lines within `reach` share, 60 dB below each function,
-/// and its variance.
-fn with_shared_noise(set: &FrfSet, (reach, seed): (usize, u64)) -> FrfSet {
+/// The FRFs of a set with noise correlated over `correlated_lines` lines, 60 dB below each FRF, and
+/// its variance.
+fn with_shared_noise(set: &FrfSet, (correlated_lines, seed): (usize, u64)) -> FrfSet {
     let lines = set.axis().len;
     let mut noisy = FrfSet::new(*set.axis());
     for (i, function) in set.functions().iter().enumerate() {
         let power = set.values(i).iter().map(Complex64::norm_sqr).sum::<f64>() / lines as f64;
         let variance = 1e-6 * power;
         let white = white_noise(
-            lines + reach,
-            variance / reach as f64,
+            lines + correlated_lines,
+            variance / correlated_lines as f64,
             100 * seed + i as u64,
         );
-        let shared = |k: usize| white[k..k + reach].iter().sum::<Complex64>();
+        let shared = |k: usize| white[k..k + correlated_lines].iter().sum::<Complex64>();
         let data = FunctionData {
             values: (0..lines).map(|k| set.values(i)[k] + shared(k)).collect(),
             coherence: None,
@@ -215,7 +215,7 @@ fn with_shared_noise(set: &FrfSet, (reach, seed): (usize, u64)) -> FrfSet {
 }
 
 #[test]
-fn noise_that_lines_share_makes_no_modes() {
+fn noise_correlated_between_lines_gives_no_spurious_modes() {
     for seed in 0..4 {
         let (structure, mut how) = separated_modes(seed);
         how.pairs.truncate(1);
@@ -223,14 +223,14 @@ fn noise_that_lines_share_makes_no_modes() {
         let model = ml(&set);
         assert_eq!(model.modes.len(), structure.modes.len(), "{seed}");
         for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
-            let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
-            assert!(apart.abs() < 5.0, "{seed}: {apart} at {hz} Hz");
+            let ratio = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            assert!(ratio.abs() < 5.0, "{seed}: {ratio} at {hz} Hz");
         }
     }
 }
 
-/// The functions of a set without variances, and with noise 40 dB below each that a window left of
-/// white noise.
+/// The FRFs of a set without variances, with noise 40 dB below each: white noise under an
+/// exponential window.
 fn with_windowed_noise(set: &FrfSet, (at_end, seed): (f64, u64)) -> FrfSet {
     let lines = set.axis().len;
     let power = |of: &[Complex64]| of.iter().map(Complex64::norm_sqr).sum::<f64>();
@@ -249,7 +249,7 @@ fn with_windowed_noise(set: &FrfSet, (at_end, seed): (f64, u64)) -> FrfSet {
 }
 
 #[test]
-fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
+fn noise_under_an_unreported_window_gives_no_spurious_modes() {
     let shape = |n: usize| vec![1.0, 0.4 - 0.7 * (n % 2) as f64, 0.8, 0.3 * n as f64 - 0.5];
     let structure = Structure {
         modes: vec![
@@ -269,21 +269,23 @@ fn noise_under_a_window_that_is_not_stated_makes_no_modes() {
         let set = with_windowed_noise(&structure.measured(&how), (at_end, seed));
         let model = ml(&set);
         assert_eq!(model.modes.len(), 3, "{at_end}");
-        let told = |own: &&Finding| own.code == Code::LinesShareNoise;
-        let told = model.findings.iter().find(told).unwrap();
+        let noise_finding = |finding: &&Finding| finding.code == Code::LinesShareNoise;
+        let noise_finding = model.findings.iter().find(noise_finding).unwrap();
         // A record of 2 s.
-        let ratio = told.value.as_ref().unwrap() / (0.5 * at_end);
+        let ratio = noise_finding.value.as_ref().unwrap() / (0.5 * at_end);
         assert!((0.7..1.4).contains(&ratio), "{at_end}: {ratio}");
         for (mode, (hz, _, _)) in model.modes.iter().zip(&structure.modes) {
-            let apart = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
-            assert!(apart.abs() < 5.0, "{at_end}: {apart} at {hz} Hz");
+            let error_over_std = (mode.frequency_hz - hz) / mode.frequency_std_hz.unwrap();
+            assert!(
+                error_over_std.abs() < 5.0,
+                "{at_end}: {error_over_std} at {hz} Hz"
+            );
         }
     }
 }
 
-/// The functions of a set without variances, each value off by a share that goes smoothly over the
-/// lines, much the same in all functions: echoes within a sixtieth of the record, as a joint or a
-/// filter leaves them.
+/// The FRFs of a set without variances and with a relative error that is smooth over the lines and
+/// similar in all FRFs: echoes within a sixtieth of the record, as a joint or a filter causes them.
 fn with_echoes(set: &FrfSet, (share, seed): (f64, u64)) -> FrfSet {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (axis, echoes) = (*set.axis(), 40);
@@ -296,14 +298,14 @@ fn with_echoes(set: &FrfSet, (share, seed): (f64, u64)) -> FrfSet {
         .collect();
     let mut echoing = FrfSet::new(axis);
     for (i, function) in set.functions().iter().enumerate() {
-        let own: Vec<(Complex64, f64)> = common
+        let echoes_of_frf: Vec<(Complex64, f64)> = common
             .iter()
             .map(|(a, delay)| (a * (1.0 + 0.3 * component()), *delay))
             .collect();
         let size = share / (2.0 / 3.0 * f64::from(echoes)).sqrt();
         let value = |(k, h): (usize, &Complex64)| {
             let echo = |(a, delay): &(Complex64, f64)| a * Complex64::cis(-axis.rad_s(k) * delay);
-            h * (1.0 + size * own.iter().map(echo).sum::<Complex64>())
+            h * (1.0 + size * echoes_of_frf.iter().map(echo).sum::<Complex64>())
         };
         let data = FunctionData {
             values: set.values(i).iter().enumerate().map(value).collect(),
@@ -315,7 +317,7 @@ fn with_echoes(set: &FrfSet, (share, seed): (f64, u64)) -> FrfSet {
 }
 
 #[test]
-fn what_no_few_modes_describe_makes_no_modes() {
+fn data_that_few_modes_cannot_describe_give_no_spurious_modes() {
     let shape = |n: usize| -> Vec<f64> {
         (0..4)
             .map(|p| (0.9 * (n * p) as f64 + 0.5 * n as f64).cos() + 0.2)
@@ -338,12 +340,12 @@ fn what_no_few_modes_describe_makes_no_modes() {
         how.kind = FrfKind::Receptance;
         (how.snr_db, how.seed) = (Some(80.0), seed);
         let model = ml(&with_echoes(&structure.measured(&how), (0.03, seed)));
-        let told = |finding: &Finding| finding.code == Code::PhasesScatter;
-        assert!(model.findings.iter().any(told), "{seed}");
+        let scattered = |finding: &Finding| finding.code == Code::PhasesScatter;
+        assert!(model.findings.iter().any(scattered), "{seed}");
         assert_eq!(model.modes.len(), 3, "{seed}");
         for (mode, (hz, zeta, _)) in model.modes.iter().zip(&structure.modes) {
-            let apart = (mode.frequency_hz - hz).abs();
-            assert!(apart < 0.01 * hz, "{seed}: {apart} at {hz} Hz");
+            let error_hz = (mode.frequency_hz - hz).abs();
+            assert!(error_hz < 0.01 * hz, "{seed}: {error_hz} at {hz} Hz");
             let damping = mode.damping_ratio.unwrap() / zeta;
             assert!(
                 (0.85..1.15).contains(&damping),
@@ -353,17 +355,17 @@ fn what_no_few_modes_describe_makes_no_modes() {
     }
 }
 
-/// How the force of three hits errs: a share of every value, alike for all functions or for each by
-/// itself, over so many lines together.
+/// Force noise of three hits: relative standard deviation, whether it is common to all FRFs, and
+/// the number of correlated lines.
 #[derive(Clone, Copy)]
 struct ForceNoise {
-    share: f64,
-    shared: bool,
+    relative_std: f64,
+    common: bool,
     lines: usize,
 }
 
-/// The functions of a set with noise of the response, 80 dB below each function, and of the force;
-/// with variances as three hits tell them.
+/// The FRFs of a set with response noise, 80 dB below each FRF, and force noise, with variances
+/// estimated from three hits.
 fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     const DEGREES_OF_FREEDOM: f64 = 4.0;
     const EVEN: f64 = 1e-4;
@@ -375,14 +377,14 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
         let clean = set.values(i);
         let power = clean.iter().map(Complex64::norm_sqr).sum::<f64>() / lines as f64;
         let response = white_noise(lines, EVEN * EVEN * power, 1000 * seed + i as u64);
-        let own = if force.shared { 0 } else { i as u64 };
+        let stream = if force.common { 0 } else { i as u64 };
         let white = white_noise(
             lines + force.lines,
-            force.share.powi(2) / force.lines as f64,
-            1000 * seed + 500 + own,
+            force.relative_std.powi(2) / force.lines as f64,
+            1000 * seed + 500 + stream,
         );
         let error = |k: usize| white[k..k + force.lines].iter().sum::<Complex64>();
-        let truth = |h: &Complex64| EVEN * EVEN * power + force.share.powi(2) * h.norm_sqr();
+        let truth = |h: &Complex64| EVEN * EVEN * power + force.relative_std.powi(2) * h.norm_sqr();
         let values = clean.iter().enumerate();
         let values = values.map(|(k, h)| h * (1.0 + error(k)) + response[k]);
         let mut estimated = |h| truth(h) * scatter.sample(&mut random) / DEGREES_OF_FREEDOM;
@@ -401,8 +403,8 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     noisy
 }
 
-/// Mean square of the errors of frequency and damping over the stated deviations; no mode more or
-/// less, and no word of a misfit.
+/// Mean square of the errors of frequency and damping over their standard deviations; as many modes
+/// as true ones, and no finding of a misfit.
 fn errors_over_stated(force: ForceNoise) -> f64 {
     let (mut squares, mut count) = (0.0, 0.0);
     for seed in 0..30 {
@@ -425,29 +427,29 @@ fn errors_over_stated(force: ForceNoise) -> f64 {
 }
 
 #[test]
-fn noise_of_the_force_in_resonances_of_few_lines_is_noise() {
+fn force_noise_in_resonances_of_few_lines_is_estimated_as_noise() {
     let ratio = errors_over_stated(ForceNoise {
-        share: 0.02,
-        shared: false,
+        relative_std: 0.02,
+        common: false,
         lines: 1,
     });
-    // A chi-squared over its degrees of freedom; variances told from three hits widen it.
+    // A chi-squared over its degrees of freedom; variances estimated from three hits widen it.
     assert!((0.7..1.6).contains(&ratio), "{ratio}");
 }
 
 #[test]
-fn noise_of_the_force_that_all_functions_share_makes_no_modes() {
-    let shared = |lines| ForceNoise {
-        share: 0.01,
-        shared: true,
+fn force_noise_common_to_all_frfs_gives_no_spurious_modes() {
+    let common_error = |lines| ForceNoise {
+        relative_std: 0.01,
+        common: true,
         lines,
     };
-    // As if it were each function's own, these would be 5 to 12, the number of functions, or more.
-    // Under a window that the data do not state the fit takes much of the force's error in, and
-    // what is left over hangs together less than it did.
+    // Treated as independent noise of each FRF, these would be 5 to 12, the number of FRFs, or
+    // more. Under an unreported window the fit absorbs much of the force noise, and the residual is
+    // less correlated than the noise.
     let (white, windowed) = (
-        errors_over_stated(shared(1)),
-        errors_over_stated(shared(12)),
+        errors_over_stated(common_error(1)),
+        errors_over_stated(common_error(12)),
     );
     assert!((0.5..2.0).contains(&white), "{white}");
     assert!((0.5..2.5).contains(&windowed), "{windowed}");

@@ -1,4 +1,4 @@
-//! Options, errors and the findings of one mode.
+//! Tests of options, errors and the findings of one mode.
 
 use num_complex::Complex64;
 
@@ -48,7 +48,7 @@ fn has(model: &ModalModel, code: Code) -> bool {
 }
 
 #[test]
-fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
+fn every_estimator_runs_by_its_name_and_finds_both_modes() {
     assert_eq!(ESTIMATORS.len(), 7);
     for name in ESTIMATORS.iter().map(|entry| entry.name).chain(["auto"]) {
         let options = IdentifyOptions {
@@ -61,11 +61,12 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
         assert_eq!((model.modes.len(), model.references.len()), (2, 1));
         assert_eq!(model.band, Band::new(0.1, 200.0).ok());
         assert!(model.added_damping_rad_s.is_none());
-        // At 60 dB the errors of these two stand above the noise, which they say.
+        // At 60 dB the errors of these two exceed the noise, which a finding reports.
         let inexact = ["lsce", "lscf"].contains(&name);
-        let told = |f: &Finding| !(inexact && f.code == Code::ModelMisfit);
-        let told: Vec<&Finding> = model.findings.iter().filter(|f| told(f)).collect();
-        assert!(told.is_empty(), "{name} {told:?}");
+        let is_unexpected = |f: &Finding| !(inexact && f.code == Code::ModelMisfit);
+        let unexpected: Vec<&Finding> =
+            model.findings.iter().filter(|f| is_unexpected(f)).collect();
+        assert!(unexpected.is_empty(), "{name} {unexpected:?}");
         assert!(
             model
                 .modes
@@ -76,7 +77,7 @@ fn every_estimator_is_reached_by_its_name_and_finds_both_modes() {
 }
 
 #[test]
-fn an_unknown_method_is_told_the_known_ones() {
+fn error_of_an_unknown_method_lists_the_methods() {
     let options = IdentifyOptions {
         method: "prony".to_owned(),
         ..IdentifyOptions::default()
@@ -110,12 +111,15 @@ fn bands_and_numbers_outside_their_range_are_errors() {
         let model = identify(&set, &with_band(10.0, hi)).expect("a sound set and legal options");
         assert_eq!((model.modes.len(), has(&model, Code::BandCut)), (2, cut));
         let mut findings = model.findings.iter();
-        if let Some(told) = findings.find(|finding| finding.code == Code::BandCut) {
-            assert_eq!((told.value, told.limit), (Some(hi), Some(200.0)));
+        if let Some(cut_finding) = findings.find(|finding| finding.code == Code::BandCut) {
+            assert_eq!(
+                (cut_finding.value, cut_finding.limit),
+                (Some(hi), Some(200.0))
+            );
         }
-        let told = model.band.expect("the band was stated");
+        let used_band = model.band.expect("the band was stated");
         let expected = if cut { 200.0 } else { hi };
-        assert!((told.hi_hz - expected).abs() < 1e-9 && (told.lo_hz - 10.0).abs() < 1e-9);
+        assert!((used_band.hi_hz - expected).abs() < 1e-9 && (used_band.lo_hz - 10.0).abs() < 1e-9);
     }
     let error = identify(&set, &with_band(60.0, 60.3)).unwrap_err();
     assert_eq!(
@@ -181,23 +185,24 @@ fn bad_sets_are_errors() {
 
 /// Values of functions i at lines k changed, without variances.
 fn changed(set: &FrfSet, change: impl Fn(usize, usize, Complex64) -> Complex64) -> FrfSet {
-    let mut own = FrfSet::new(*set.axis());
+    let mut result = FrfSet::new(*set.axis());
     for i in 0..set.len() {
         let values = set.values(i).iter().enumerate();
         let data = FunctionData {
             values: values.map(|(k, v)| change(i, k, *v)).collect(),
             ..FunctionData::default()
         };
-        own.push(set.functions()[i].clone(), data)
+        result
+            .push(set.functions()[i].clone(), data)
             .expect("one value for each line");
     }
-    own
+    result
 }
 
 #[test]
-fn lines_without_any_response_have_no_poles_and_cost_none() {
-    // As a high-pass leaves them: more than the lower quarter of the lines, which has an estimate
-    // of its own.
+fn lines_without_any_response_have_no_poles_and_hide_none() {
+    // As after a high-pass filter: more than the lower quarter of the lines, which has a separate
+    // estimate.
     let measured = set(0.01);
     let whole = Band::new(0.1, 200.0).expect("a band");
     let lines = |set: &FrfSet| {
@@ -226,7 +231,7 @@ fn lines_without_any_response_have_no_poles_and_cost_none() {
 }
 
 #[test]
-fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
+fn value_whose_square_is_not_finite_is_an_error_or_left_out_with_a_finding() {
     let measured = set(0.01);
     let huge = changed(&measured, |i, k, v| match (i, k) {
         (2, 700) => Complex64::from(f64::MAX),
@@ -238,7 +243,7 @@ fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
         text.starts_with("3:+Z|1:+Z at 70 Hz: got 1.797") && text.ends_with("square of the value"),
         "{text}"
     );
-    // With a choice of poles as well, and the finding stays.
+    // With a selection of poles the result keeps the finding.
     let selection = PoleSelection {
         poles: vec![SelectedPole {
             frequency_hz: 60.0,
@@ -260,7 +265,7 @@ fn a_value_whose_square_is_not_finite_is_named_and_may_be_left_out() {
 }
 
 #[test]
-fn mains_far_above_the_modes_hide_none_of_them() {
+fn mains_hum_far_above_the_modes_hides_none_of_them() {
     let clean = changed(&set(0.01), |_, _, v| v);
     let hum = |k: usize| if [280, 300].contains(&k) { 40.0 } else { 0.0 };
     let highest = |set: &FrfSet| {
@@ -274,26 +279,29 @@ fn mains_far_above_the_modes_hide_none_of_them() {
     let model = identify(&with, &IdentifyOptions::default()).expect("a sound set");
     let expected = identify(&clean, &IdentifyOptions::default()).expect("a sound set");
     assert_eq!(model.modes.len(), expected.modes.len());
-    for (own, other) in model.modes.iter().zip(&expected.modes) {
-        let off = own.frequency_hz - other.frequency_hz;
+    for (mode, other) in model.modes.iter().zip(&expected.modes) {
+        let off = mode.frequency_hz - other.frequency_hz;
         assert!(off.abs() < 1e-3, "{off}");
     }
-    let told = model.findings.iter();
-    let told = told.filter(|finding| finding.code == Code::SpikeReplaced);
-    let told: Vec<_> = told.filter_map(|finding| finding.value).collect();
-    assert_eq!(told, [280, 300].map(|k| with.axis().hz(k)));
+    let replaced = model.findings.iter();
+    let replaced = replaced.filter(|finding| finding.code == Code::SpikeReplaced);
+    let replaced: Vec<_> = replaced.filter_map(|finding| finding.value).collect();
+    assert_eq!(replaced, [280, 300].map(|k| with.axis().hz(k)));
     assert!(!has(&expected, Code::SpikeReplaced));
 }
 
 #[test]
-fn lines_at_the_ends_that_hold_no_number_in_any_function_are_left_out() {
+fn missing_lines_at_the_ends_are_left_out_with_a_finding() {
     let clean = set(0.01);
     let last = clean.axis().len - 3;
     let with = changed(&clean, |_, k, v| if k >= last { v * f64::NAN } else { v });
     let model = identify(&with, &IdentifyOptions::default()).expect("the rest is sound");
     assert_eq!(model.modes.len(), 2);
-    let cut = model.findings.iter().find(|own| own.code == Code::BandCut);
-    let cut = cut.map(|own| (own.value, own.limit));
+    let cut = model
+        .findings
+        .iter()
+        .find(|finding| finding.code == Code::BandCut);
+    let cut = cut.map(|finding| (finding.value, finding.limit));
     let hz = |k: usize| Some(clean.axis().hz(k));
     assert_eq!(cut, Some((hz(last + 2), hz(last - 1))));
     let with = changed(
@@ -304,7 +312,7 @@ fn lines_at_the_ends_that_hold_no_number_in_any_function_are_left_out() {
 }
 
 #[test]
-fn a_dead_channel_is_no_obstacle() {
+fn channel_without_signal_hides_no_mode() {
     let live = set(0.01);
     let with_dead = changed(&live, |i, _, v| if i == 1 { 0.0 * v } else { v });
     for method in ESTIMATORS.iter().map(|entry| entry.name) {
@@ -324,7 +332,7 @@ fn a_dead_channel_is_no_obstacle() {
 }
 
 #[test]
-fn references_choose_functions_and_must_exist() {
+fn stated_references_select_frfs_and_must_exist() {
     let mut how = Measurement::of_sensors(3, AXIS);
     let second = how.pairs.iter().map(|(r, _)| {
         (
@@ -365,23 +373,23 @@ fn the_strongest_modes_are_kept() {
 }
 
 #[test]
-fn a_short_record_is_told() {
+fn short_record_is_reported() {
     // Time constants: 2π f ζ T = 2π · 60 · 0.01 · T = 3.77 T, and 8.17 T for the second mode.
     let mut set = set(0.01);
     for (duration, expected) in [(0.7, 2), (1.0, 1), (1.7, 0)] {
         set.record_duration_s = Some(duration);
         let model =
             identify(&set, &IdentifyOptions::default()).expect("a sound set and legal options");
-        let told = model
+        let short_records = model
             .findings
             .iter()
             .filter(|f| f.code == Code::FewTimeConstants);
-        assert_eq!(told.count(), expected, "{duration}");
+        assert_eq!(short_records.count(), expected, "{duration}");
     }
 }
 
 #[test]
-fn a_mode_at_the_edge_of_the_band_is_told() {
+fn mode_near_an_edge_of_the_band_is_reported() {
     let set = set(0.01);
     // Half-power width 1.2 Hz.
     for (lo, near) in [(58.0, false), (59.0, true), (59.7, true)] {
@@ -405,16 +413,16 @@ fn a_mode_at_the_edge_of_the_band_is_told() {
 }
 
 #[test]
-fn negative_damping_is_dropped_with_a_word() {
+fn negative_damping_is_rejected_with_a_finding() {
     let model =
         identify(&set(-0.01), &IdentifyOptions::default()).expect("a sound set and legal options");
     assert!(model.modes.is_empty() && has(&model, Code::PeakDropped));
 }
 
 #[test]
-fn damping_that_vanishes_with_the_window_is_not_known() {
+fn damping_below_that_of_the_window_is_undetermined() {
     let mut set = set(0.01);
-    // The window is said to have added more than there is.
+    // The stated damping of the window exceeds that of the data.
     set.added_damping_rad_s = 6.0;
     let model = identify(&set, &IdentifyOptions::default()).expect("a sound set and legal options");
     assert_eq!(model.modes[0].damping_ratio, None);
@@ -423,7 +431,7 @@ fn damping_that_vanishes_with_the_window_is_not_known() {
 }
 
 #[test]
-fn a_hidden_second_mode_spreads_the_damping() {
+fn hidden_second_mode_is_reported_by_the_damping_spread() {
     let spread = |second: f64| {
         let shape = vec![second, 0.8 * second, -second];
         let pair = Structure {

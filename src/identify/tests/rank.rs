@@ -1,4 +1,4 @@
-//! The judgement on its own: rank, noise, and poles of weak shapes.
+//! Tests of the number of shapes of one pole: rank, noise, and poles of weak shapes.
 
 use num_complex::Complex64;
 
@@ -33,13 +33,13 @@ fn shape(number: usize, index: usize, count: usize) -> f64 {
     (std::f64::consts::PI * number as f64 * (index as f64 + 0.5) / count as f64).cos()
 }
 
-/// A shape's strength, and its shift of the pole, rad/s, by response and reference.
-type Part<'a> = (f64, &'a dyn Fn(usize, usize) -> f64);
+/// Strength of a shape, and the shift of its pole, rad/s, by response and reference.
+type ShapeTerm<'a> = (f64, &'a dyn Fn(usize, usize) -> f64);
 
 /// Values of all functions.
-fn values(shapes: &[Part<'_>]) -> Vec<Vec<Complex64>> {
+fn values(shapes: &[ShapeTerm<'_>]) -> Vec<Vec<Complex64>> {
     let value = |r: usize, k: usize, w: f64| {
-        let term = |(j, (strength, shift)): (usize, &Part<'_>)| {
+        let term = |(j, (strength, shift)): (usize, &ShapeTerm<'_>)| {
             let residue = strength * shape(j, r, ROWS) * shape(j, k, COLUMNS);
             residue / (Complex64::new(0.0, w - shift(r, k)) - LAMBDA)
         };
@@ -61,13 +61,13 @@ fn judged(values: &[Vec<Complex64>], variance: Option<&[f64]>) -> ShapeCount {
 }
 
 #[test]
-fn shapes_of_one_pole_are_counted_down_to_the_least_share() {
-    let none = |_: usize, _: usize| 0.0;
+fn shapes_of_one_pole_are_counted_down_to_the_minimum_singular_value() {
+    let no_shift = |_: usize, _: usize| 0.0;
     // The first shape is constant, with a norm √2 times that of each other wave on either side.
-    for (share, expected) in [(0.06, 3), (0.04, 2)] {
-        let rest = values(&[(1.0, &none), (1.0, &none), (2.0 * share, &none)]);
+    for (ratio, expected) in [(0.06, 3), (0.04, 2)] {
+        let frfs = values(&[(1.0, &no_shift), (1.0, &no_shift), (2.0 * ratio, &no_shift)]);
         assert_eq!(
-            judged(&rest, None),
+            judged(&frfs, None),
             ShapeCount::OnePole(expected),
             "{share}"
         );
@@ -75,8 +75,8 @@ fn shapes_of_one_pole_are_counted_down_to_the_least_share() {
 }
 
 #[test]
-fn a_weak_shape_with_a_pole_of_its_own_is_no_repeated_root() {
-    let none = |_: usize, _: usize| 0.0;
+fn weak_shape_with_another_pole_is_no_repeated_pole() {
+    let no_shift = |_: usize, _: usize| 0.0;
     // Half a half-power width of 2 · 2 rad/s: too weak a second shape for the functions to disagree
     // on the frequency.
     for (widths, repeated) in [(0.5, false), (0.05, true)] {
@@ -95,7 +95,7 @@ fn a_weak_shape_with_a_pole_of_its_own_is_no_repeated_root() {
 }
 
 #[test]
-fn a_frequency_that_moves_from_hit_to_hit_is_no_second_shape() {
+fn frequency_shift_between_excitation_points_is_no_second_shape() {
     let moved = |_: usize, k: usize| 0.1 * k as f64;
     assert_eq!(
         judged(&values(&[(1.0, &moved)]), None),
@@ -104,16 +104,16 @@ fn a_frequency_that_moves_from_hit_to_hit_is_no_second_shape() {
 }
 
 #[test]
-fn a_shape_within_the_noise_does_not_count() {
-    let none = |_: usize, _: usize| 0.0;
-    let rest = values(&[(1.0, &none), (0.2, &none)]);
+fn shape_within_the_noise_is_not_counted() {
+    let no_shift = |_: usize, _: usize| 0.0;
+    let frfs = values(&[(1.0, &no_shift), (0.2, &no_shift)]);
     // Peaks of the first shape are 1/2 high, those of the second 1/10.
-    for (deviation, expected) in [(1e-4, 2), (0.3, 1)] {
-        let variance = vec![deviation * deviation; ROWS * COLUMNS];
-        let noisy: Vec<Vec<Complex64>> = (0..rest.len())
+    for (noise_std, expected) in [(1e-4, 2), (0.3, 1)] {
+        let variance = vec![noise_std * noise_std; ROWS * COLUMNS];
+        let noisy: Vec<Vec<Complex64>> = (0..frfs.len())
             .map(|f| {
-                let noise = white_noise(rest[f].len(), variance[f], f as u64);
-                rest[f].iter().zip(noise).map(|(h, z)| h + z).collect()
+                let noise = white_noise(frfs[f].len(), variance[f], f as u64);
+                frfs[f].iter().zip(noise).map(|(h, z)| h + z).collect()
             })
             .collect();
         for given in [Some(variance.as_slice()), None] {
@@ -128,7 +128,7 @@ fn a_shape_within_the_noise_does_not_count() {
 }
 
 #[test]
-fn a_table_needs_two_responses_two_references_and_every_pair() {
+fn pair_table_needs_two_responses_two_references_and_every_pair() {
     let all = functions();
     assert!(PairTable::complete(&all).is_some());
     assert!(PairTable::complete(&all[1..]).is_none());
