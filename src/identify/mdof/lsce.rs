@@ -11,7 +11,7 @@
 //!
 //! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`,
 //! the shift undone before a natural frequency is formed. A band that is cut off sharply would ring
-//! in its impulse responses; its edges fall off as squared cosines `W` over [`TAPER`] of the lines,
+//! in its impulse responses; its edges fall off as squared cosines `W` over [`EDGE_FRACTION`] of the lines,
 //! and the first samples, which contain the edges and all terms smooth over the band, are left out.
 //! The other samples are exponentials and the remaining ringing of the edges. This ringing limits
 //! the accuracy without noise, and modes that decay within the first samples are not detected. The
@@ -46,7 +46,7 @@ use crate::identify::mdof::plscf::{Lscf, Plane, circle_points};
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 
 /// Fraction of the lines over which each edge of the band falls off.
-const TAPER: f64 = 0.1;
+const EDGE_FRACTION: f64 = 0.1;
 /// Samples that are left out, in inverse widths of an edge: there the transform of a squared cosine
 /// has fallen to 1e-3 of its first sample, and responses exceed it by their number of lines.
 const RINGING_INVERSE_EDGES: f64 = 2.5;
@@ -91,7 +91,7 @@ impl MultiModeMethod for ComplexExponentials {
         });
         // The taper removes the outer third of an edge; the lowest segment has the lowest edge.
         let mut segments = segments?;
-        let margin = |lines: usize| (TAPER / 3.0 * lines as f64) as usize;
+        let margin = |lines: usize| (EDGE_FRACTION / 3.0 * lines as f64) as usize;
         let last = data.lines() - 1 - margin(data.lines());
         for segment in &mut segments {
             segment.to_rad_s = segment.to_rad_s.min(data.omega[last]);
@@ -117,7 +117,7 @@ impl Responses {
         let count = lines.len();
         let points = circle_points(count, 0);
         let plan = ComplexPlan::inverse(points);
-        let edge = ((TAPER * count as f64).round() as usize).max(1);
+        let edge = ((EDGE_FRACTION * count as f64).round() as usize).max(1);
         let levels = levels((data, frf_matrix), &lines);
         let response = |f: usize| {
             let value =

@@ -19,7 +19,7 @@ use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 
 /// Poles of the highest order: a number for each detected peak, and additional ones.
 const POLES_PER_PEAK: usize = 5;
-const POLES_BEYOND: usize = 30;
+const ADDITIONAL_POLES: usize = 30;
 /// Limits of their number.
 const TOTAL_POLES: Range<usize> = 36..160;
 /// A band whose ends differ by more than this factor has a separate estimate of its lower segment:
@@ -75,7 +75,8 @@ pub(in crate::identify) fn highest_order(
     stated: Option<usize>,
 ) -> usize {
     let peaks = found.peaks.iter().filter(|peak| peak.line < end).count();
-    let poles = (POLES_PER_PEAK * peaks + POLES_BEYOND).clamp(TOTAL_POLES.start, TOTAL_POLES.end);
+    let poles =
+        (POLES_PER_PEAK * peaks + ADDITIONAL_POLES).clamp(TOTAL_POLES.start, TOTAL_POLES.end);
     let max_order = end / MIN_LINES_PER_ORDER;
     match stated {
         Some(top) => top.min(max_order).max(1),

@@ -152,12 +152,12 @@ fn orders_stay_below_the_stated_one_and_each_mode_has_its_selected_pole() {
             // Maximum likelihood moves its modes away from the poles that they were made of.
             let decay_hz = mode.frequency_hz * mode.damping_ratio.unwrap();
             let near = if method == "ml" { 0.5 * decay_hz } else { 1e-9 };
-            let at = poles.iter().filter(|point| {
+            let selected = poles.iter().filter(|point| {
                 point.status == PoleStatus::Chosen
                     && Some(point.order) == mode.order
                     && (point.pole.natural_frequency_hz() - mode.frequency_hz).abs() < near
             });
-            assert_eq!(at.count(), 1, "{method} {:?}", mode.frequency_hz);
+            assert_eq!(selected.count(), 1, "{method} {:?}", mode.frequency_hz);
         }
         let chosen = poles.iter().filter(|p| p.status == PoleStatus::Chosen);
         assert_eq!(chosen.count(), result.model.modes.len(), "{method}");
@@ -232,7 +232,7 @@ fn peak_without_a_mode_is_reported_where_the_order_is_too_low() {
 #[test]
 fn poles_are_estimated_per_frf_where_those_of_all_references_leave_a_residual() {
     let (_, set) = of_two_references();
-    let one = IdentifyOptions {
+    let one_reference = IdentifyOptions {
         references: Some(vec![dof("1:+Z")]),
         ..options("ml", None)
     };
@@ -245,8 +245,8 @@ fn poles_are_estimated_per_frf_where_those_of_all_references_leave_a_residual() 
     };
     // The polynomials of two inputs have half the order for as many poles, and explain these data.
     let result = identification(&set, &options("ml", None)).unwrap();
-    let of_one = identification(&set, &one).unwrap();
-    let top = orders(&of_one).into_iter().max().unwrap();
+    let single = identification(&set, &one_reference).unwrap();
+    let top = orders(&single).into_iter().max().unwrap();
     assert_eq!(orders(&result).into_iter().max(), Some(top / 2));
     assert!(falls(&orders(&result)).is_empty());
     for mode in &result.model.modes {

@@ -50,7 +50,7 @@ const MIN_SIDE_LINES: usize = 24;
 const EXTRA_NUMERATOR_DEGREES: usize = 6;
 /// Highest order: a number for each peak on the lines, and additional ones.
 const ORDERS_PER_PEAK: usize = 2;
-const ORDERS_BEYOND: usize = 8;
+const ADDITIONAL_ORDERS: usize = 8;
 /// Minimum number of lines per unknown of an FRF.
 const MIN_LINES_PER_UNKNOWN: usize = 3;
 /// Minimum leading coefficient over the largest; a smaller one counts as zero.
@@ -90,7 +90,7 @@ impl MultiModeMethod for RationalFractions {
             let window = Window::new(data, lines, weight_poles);
             let highest = self
                 .max_order
-                .unwrap_or(ORDERS_PER_PEAK * peaks + ORDERS_BEYOND);
+                .unwrap_or(ORDERS_PER_PEAK * peaks + ADDITIONAL_ORDERS);
             let middle = |other: Option<&f64>| other.map(|other| 0.5 * (tops[j] + other));
             let before = j.checked_sub(1).and_then(|i| tops.get(i));
             Ok(BandSegment {

@@ -208,9 +208,9 @@ fn poles_inside(
     (lo, hi): (f64, f64),
 ) -> Vec<GlobalPole> {
     let widest = WIDEST * data.range();
-    let keeps = |pole: &GlobalPole| {
+    let is_inside = |pole: &GlobalPole| {
         let inside = pole.lambda.im > lo && pole.lambda.im < hi;
         inside && -2.0 * pole.lambda.re < widest && resonates(pole.lambda)
     };
-    poles.into_iter().filter(keeps).collect()
+    poles.into_iter().filter(is_inside).collect()
 }

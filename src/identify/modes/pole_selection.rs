@@ -224,22 +224,22 @@ mod tests {
     #[test]
     fn nearest_pole_is_selected_and_of_equally_near_ones_a_stable_one() {
         // A decay rate is 1 Hz.
-        let at = |other_hz: f64| {
+        let best_near = |other_hz: f64| {
             let offers = [
                 selectable(100.0, PoleStatus::Stable),
                 selectable(other_hz, PoleStatus::Alone),
             ];
             find_best(&offers, (&wanted(other_hz), &[]), 1.0)
         };
-        assert_eq!(at(100.5), Ok(1));
-        assert_eq!(at(100.15), Ok(1));
-        assert_eq!(at(100.05), Ok(0));
+        assert_eq!(best_near(100.5), Ok(1));
+        assert_eq!(best_near(100.15), Ok(1));
+        assert_eq!(best_near(100.05), Ok(0));
     }
 
     #[test]
     fn pole_at_a_selected_one_is_selected_only_where_its_order_is_stated_or_both_are_modes() {
         let near = |status| [selectable(100.3, status)];
-        let of = |status, order, offers: &[SelectablePole]| {
+        let best_beside = |status, order, offers: &[SelectablePole]| {
             let taken = [(wanted(100.0), selectable(100.0, status))];
             let wanted = SelectedPole {
                 order,
@@ -248,10 +248,10 @@ mod tests {
             find_best(offers, (&wanted, &taken), 1.0)
         };
         let (stable, mode) = (PoleStatus::Stable, PoleStatus::Chosen);
-        assert_eq!(of(mode, None, &near(stable)), Err(None));
-        assert_eq!(of(stable, None, &near(mode)), Err(None));
-        assert_eq!(of(mode, None, &near(mode)), Ok(0));
-        assert_eq!(of(mode, Some(12), &near(stable)), Ok(0));
-        assert_eq!(of(mode, None, &[selectable(100.6, stable)]), Ok(0));
+        assert_eq!(best_beside(mode, None, &near(stable)), Err(None));
+        assert_eq!(best_beside(stable, None, &near(mode)), Err(None));
+        assert_eq!(best_beside(mode, None, &near(mode)), Ok(0));
+        assert_eq!(best_beside(mode, Some(12), &near(stable)), Ok(0));
+        assert_eq!(best_beside(mode, None, &[selectable(100.6, stable)]), Ok(0));
     }
 }

@@ -55,8 +55,8 @@ fn result_has_only_the_selected_modes_with_unbiased_residues() {
             assert_eq!(mode.method.as_deref(), Some(method));
             for pair in &how.pairs {
                 let truth = structure.residue(j, pair);
-                let off = (mode.residues[pair] - truth).norm() / truth.norm();
-                assert!(off < 0.02, "{method} {off}");
+                let error = (mode.residues[pair] - truth).norm() / truth.norm();
+                assert!(error < 0.02, "{method} {error}");
             }
         }
     }
@@ -100,8 +100,8 @@ fn pole_of_a_stated_order_is_selected_from_that_order() {
     };
     let result = identification(&set, &options("lscf", vec![wanted])).unwrap();
     assert_eq!(result.model.modes[0].order, Some(point.order));
-    let off = result.model.modes[0].frequency_hz - point.pole.natural_frequency_hz();
-    assert!(off.abs() < 1e-9);
+    let error_hz = result.model.modes[0].frequency_hz - point.pole.natural_frequency_hz();
+    assert!(error_hz.abs() < 1e-9);
     let chosen = |p: &&crate::identify::estimator::PoleAtOrder| p.status == PoleStatus::Chosen;
     assert_eq!(result.stabilization.iter().filter(chosen).count(), 1);
     let elsewhere = SelectedPole {
@@ -137,10 +137,10 @@ fn named(point: &crate::identify::estimator::PoleAtOrder, order: Option<usize>) 
 fn poles_of_one_mode_at_two_orders_are_both_selected_only_where_the_orders_are_stated() {
     let (structure, _, set) = measured();
     let hz = structure.modes[3].0;
-    let stays = |p: &crate::identify::estimator::PoleAtOrder| {
+    let is_stable = |p: &crate::identify::estimator::PoleAtOrder| {
         p.status == PoleStatus::Stable && (p.pole.natural_frequency_hz() / hz - 1.0).abs() < 1e-3
     };
-    let points = listed(&set, stays);
+    let points = listed(&set, is_stable);
     let both = [&points[0], points.last().unwrap()];
     assert_ne!(both[0].pole, both[1].pole);
     let free = both.map(|point| named(point, None)).to_vec();
@@ -153,10 +153,10 @@ fn poles_of_one_mode_at_two_orders_are_both_selected_only_where_the_orders_are_s
     let result = identification(&set, &options("lscf", exact)).unwrap();
     assert_eq!(result.model.modes.len(), 2);
     for point in both {
-        let off = |mode: &crate::modal::Mode| {
+        let has_frequency = |mode: &crate::modal::Mode| {
             (mode.frequency_hz - point.pole.natural_frequency_hz()).abs() < 1e-9
         };
-        assert!(result.model.modes.iter().any(off));
+        assert!(result.model.modes.iter().any(has_frequency));
     }
 }
 
@@ -177,10 +177,10 @@ fn every_selected_pole_gives_a_mode_or_a_finding() {
         options.band = band;
         options.selection = None;
         let all = identification(&set, &options).unwrap().stabilization;
-        let beside = |p: &&crate::identify::estimator::PoleAtOrder| {
+        let is_near_edge = |p: &&crate::identify::estimator::PoleAtOrder| {
             (p.pole.natural_frequency_hz() / hz - 1.0).abs() < 1e-3
         };
-        let outside = all.iter().find(beside).unwrap();
+        let outside = all.iter().find(is_near_edge).unwrap();
         let inside = selected(structure.modes[1].0);
         options.selection = Some(PoleSelection {
             poles: vec![inside, named(outside, Some(outside.order))],

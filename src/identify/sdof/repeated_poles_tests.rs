@@ -94,11 +94,11 @@ fn true_shapes(structure: &Structure, mode: &Mode) -> Vec<Vec<Complex64>> {
         .modes
         .iter()
         .filter(|m| (m.0 - REPEATED_POLE.0).abs() < 1e-9);
-    let at = |shape: &Vec<f64>| {
+    let components = |shape: &Vec<f64>| {
         let value = |dof: &Dof| Complex64::from(shape[dof.node().unwrap() as usize - 1]);
         mode.shape.iter().map(|(dof, _)| value(dof)).collect()
     };
-    repeated.map(|(_, _, shape)| at(shape)).collect()
+    repeated.map(|(_, _, shape)| components(shape)).collect()
 }
 
 /// The modes of the repeated pole: as many as stated, one group, one pole; the two single modes
@@ -181,8 +181,8 @@ fn driving_points_give_all_modes_of_a_repeated_pole_unit_modal_mass() {
         let truth: f64 = (0..4).map(|j| wave(j, 9)[a - 1] * wave(j, 9)[b - 1]).sum();
         assert!((found - truth).norm() < 1e-4, "{a} {b} {found} {truth}");
     }
-    let apart = grid(&[1, 2, 3, 5, 6, 8], &[4, 7, 9, 10], None);
-    let model = identified(&ring(10, 3), &apart, "circle");
+    let without_driving_points = grid(&[1, 2, 3, 5, 6, 8], &[4, 7, 9, 10], None);
+    let model = identified(&ring(10, 3), &without_driving_points, "circle");
     for mode in repeated_modes(&model, 3) {
         assert_eq!((mode.scaling, mode.modal_mass_kg), (Scaling::UnitMax, None));
         let (_, largest) = mode.shape.largest().unwrap();

@@ -25,9 +25,9 @@ use crate::identify::data::peak_detection::noise_limit;
 use crate::identify::sdof::estimator::Resonance;
 
 /// Maximum ratio of the second to the first singular value that modes far outside the band explain.
-const RANK_LIMIT: f64 = 0.02;
+const MAX_SINGULAR_VALUE_RATIO: f64 = 0.02;
 /// Maximum root mean square residual over the peak that modes far outside the band explain.
-const MISFIT_LIMIT: f64 = 0.002;
+const MAX_RELATIVE_RESIDUAL: f64 = 0.002;
 /// Factor on the largest singular value of noise, `√n + √L`, for its scatter and for the scatter of
 /// the variances.
 const NOISE_NORM_MARGIN: f64 = 1.3;
@@ -70,7 +70,7 @@ pub(in crate::identify) fn second_shape(
     let noise = NOISE_NORM_MARGIN * (((n - 1) as f64).sqrt() + ((l - 3) as f64).sqrt());
     let excess = Excess {
         value: s[1] / s[0],
-        limit: RANK_LIMIT.max(noise / s[0]),
+        limit: MAX_SINGULAR_VALUE_RATIO.max(noise / s[0]),
     };
     Ok((excess.value > excess.limit).then_some(excess))
 }
@@ -138,7 +138,7 @@ pub(in crate::identify) fn second_pole(
     let relative_rms = |energy: f64| (energy / omega.len() as f64 / peak).sqrt();
     let excess = Excess {
         value: relative_rms(energy),
-        limit: MISFIT_LIMIT.max(relative_rms(noise)),
+        limit: MAX_RELATIVE_RESIDUAL.max(relative_rms(noise)),
     };
     (excess.value > excess.limit).then_some(excess)
 }

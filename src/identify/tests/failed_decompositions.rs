@@ -9,9 +9,9 @@ use crate::modal::{ModalModel, Pole};
 
 /// Maximum error of a pole over its magnitude: 1e-4 by noise at 50 dB, ten times as much for an
 /// initial estimate without refinement.
-const POLE_ERROR: f64 = 2e-3;
+const MAX_POLE_ERROR: f64 = 2e-3;
 /// Number of calls that fail, each singly and with all calls after it.
-const FAILING: usize = 24;
+const FAILED_CALLS: usize = 24;
 
 /// Asserts that every value of every mode is finite and every pole that of a true mode, except for
 /// modes that a finding reports as initial estimates.
@@ -37,7 +37,7 @@ fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
             .map(distance)
             .fold(f64::INFINITY, f64::min);
         assert!(
-            nearest < POLE_ERROR,
+            nearest < MAX_POLE_ERROR,
             "{what}: {} Hz, {nearest:e}",
             mode.frequency_hz
         );
@@ -68,10 +68,10 @@ fn failed_decomposition_gives_an_error_or_correct_modes() {
         let right = right.unwrap();
         assert_eq!(right.modes.len(), structure.modes.len());
         assert_right(&structure, &right, method);
-        assert!(calls >= FAILING, "{method}: {calls} decompositions");
+        assert!(calls >= FAILED_CALLS, "{method}: {calls} decompositions");
         let mut changed = 0;
-        for part in 0..FAILING {
-            let first = calls * part / FAILING;
+        for part in 0..FAILED_CALLS {
+            let first = calls * part / FAILED_CALLS;
             // One call, and all from there on.
             for end in [first + 1, usize::MAX] {
                 let (result, _) = with_failing(first..end, run);
@@ -82,7 +82,7 @@ fn failed_decomposition_gives_an_error_or_correct_modes() {
             }
         }
         assert!(
-            changed >= FAILING / 2,
+            changed >= FAILED_CALLS / 2,
             "{method}: {changed} runs saw the failure"
         );
     }

@@ -182,11 +182,11 @@ fn bands_of_few_lines_give_a_result() {
             };
             short.push(function.clone(), data).unwrap();
         }
-        let alone = IdentifyOptions {
+        let options = IdentifyOptions {
             method: "ml".to_owned(),
             ..IdentifyOptions::default()
         };
-        assert!(identify(&short, &alone).unwrap().modes.len() <= 1);
+        assert!(identify(&short, &options).unwrap().modes.len() <= 1);
     }
 }
 
@@ -368,7 +368,7 @@ struct ForceNoise {
 /// estimated from three hits.
 fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     const DEGREES_OF_FREEDOM: f64 = 4.0;
-    const EVEN: f64 = 1e-4;
+    const RESPONSE_NOISE_RATIO: f64 = 1e-4;
     let lines = set.axis().len;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let scatter = ChiSquared::new(DEGREES_OF_FREEDOM).unwrap();
@@ -376,7 +376,11 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
     for (i, function) in set.functions().iter().enumerate() {
         let clean = set.values(i);
         let power = clean.iter().map(Complex64::norm_sqr).sum::<f64>() / lines as f64;
-        let response = white_noise(lines, EVEN * EVEN * power, 1000 * seed + i as u64);
+        let response = white_noise(
+            lines,
+            RESPONSE_NOISE_RATIO * RESPONSE_NOISE_RATIO * power,
+            1000 * seed + i as u64,
+        );
         let stream = if force.common { 0 } else { i as u64 };
         let white = white_noise(
             lines + force.lines,
@@ -384,7 +388,10 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
             1000 * seed + 500 + stream,
         );
         let error = |k: usize| white[k..k + force.lines].iter().sum::<Complex64>();
-        let truth = |h: &Complex64| EVEN * EVEN * power + force.relative_std.powi(2) * h.norm_sqr();
+        let truth = |h: &Complex64| {
+            RESPONSE_NOISE_RATIO * RESPONSE_NOISE_RATIO * power
+                + force.relative_std.powi(2) * h.norm_sqr()
+        };
         let values = clean.iter().enumerate();
         let values = values.map(|(k, h)| h * (1.0 + error(k)) + response[k]);
         let mut estimated = |h| truth(h) * scatter.sample(&mut random) / DEGREES_OF_FREEDOM;

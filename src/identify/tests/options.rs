@@ -280,8 +280,8 @@ fn mains_hum_far_above_the_modes_hides_none_of_them() {
     let expected = identify(&clean, &IdentifyOptions::default()).expect("a sound set");
     assert_eq!(model.modes.len(), expected.modes.len());
     for (mode, other) in model.modes.iter().zip(&expected.modes) {
-        let off = mode.frequency_hz - other.frequency_hz;
-        assert!(off.abs() < 1e-3, "{off}");
+        let error_hz = mode.frequency_hz - other.frequency_hz;
+        assert!(error_hz.abs() < 1e-3, "{error_hz}");
     }
     let replaced = model.findings.iter();
     let replaced = replaced.filter(|finding| finding.code == Code::SpikeReplaced);

@@ -50,7 +50,7 @@ fn values(shapes: &[ShapeTerm<'_>]) -> Vec<Vec<Complex64>> {
     pairs.map(function).collect()
 }
 
-fn judged(values: &[Vec<Complex64>], variance: Option<&[f64]>) -> ShapeCount {
+fn counted_shapes(values: &[Vec<Complex64>], variance: Option<&[f64]>) -> ShapeCount {
     let isolated = IsolatedLines {
         omega: &omega(),
         lambda: LAMBDA,
@@ -67,9 +67,9 @@ fn shapes_of_one_pole_are_counted_down_to_the_minimum_singular_value() {
     for (ratio, expected) in [(0.06, 3), (0.04, 2)] {
         let frfs = values(&[(1.0, &no_shift), (1.0, &no_shift), (2.0 * ratio, &no_shift)]);
         assert_eq!(
-            judged(&frfs, None),
+            counted_shapes(&frfs, None),
             ShapeCount::OnePole(expected),
-            "{share}"
+            "{ratio}"
         );
     }
 }
@@ -77,12 +77,12 @@ fn shapes_of_one_pole_are_counted_down_to_the_minimum_singular_value() {
 #[test]
 fn weak_shape_with_another_pole_is_no_repeated_pole() {
     let no_shift = |_: usize, _: usize| 0.0;
-    // Half a half-power width of 2 · 2 rad/s: too weak a second shape for the functions to disagree
-    // on the frequency.
-    for (widths, repeated) in [(0.5, false), (0.05, true)] {
-        let apart = move |_: usize, _: usize| 4.0 * widths;
-        let rest = values(&[(1.0, &none), (0.15, &apart)]);
-        match judged(&rest, None) {
+    // Half a half-power bandwidth of 2 · 2 rad/s: the second shape is too weak for the FRFs to
+    // disagree on the frequency.
+    for (bandwidths, repeated) in [(0.5, false), (0.05, true)] {
+        let shift = move |_: usize, _: usize| 4.0 * bandwidths;
+        let frfs = values(&[(1.0, &no_shift), (0.15, &shift)]);
+        match counted_shapes(&frfs, None) {
             ShapeCount::OnePole(multiplicity) => assert!(repeated && multiplicity == 2),
             ShapeCount::SeparatePoles(excess) => {
                 assert!(
@@ -96,9 +96,9 @@ fn weak_shape_with_another_pole_is_no_repeated_pole() {
 
 #[test]
 fn frequency_shift_between_excitation_points_is_no_second_shape() {
-    let moved = |_: usize, k: usize| 0.1 * k as f64;
+    let shift = |_: usize, k: usize| 0.1 * k as f64;
     assert_eq!(
-        judged(&values(&[(1.0, &moved)]), None),
+        counted_shapes(&values(&[(1.0, &shift)]), None),
         ShapeCount::OnePole(1)
     );
 }
@@ -118,9 +118,9 @@ fn shape_within_the_noise_is_not_counted() {
             .collect();
         for given in [Some(variance.as_slice()), None] {
             assert_eq!(
-                judged(&noisy, given),
+                counted_shapes(&noisy, given),
                 ShapeCount::OnePole(expected),
-                "{deviation} {}",
+                "{noise_std} {}",
                 given.is_some()
             );
         }
