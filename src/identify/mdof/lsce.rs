@@ -163,7 +163,7 @@ impl Responses {
             sum += product;
         }
         let scale =
-            (0..sides.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / frf_matrix.inputs as f64;
+            (0..frf_matrix.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / frf_matrix.inputs as f64;
         Ok(Lscf::of_reduced(
             &sum,
             (frf_matrix.inputs, order),

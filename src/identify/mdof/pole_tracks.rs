@@ -66,7 +66,7 @@ pub(in crate::identify) fn stable_poles(tables: &[OrderPoles], step_rad_s: f64) 
         let mut free: Vec<usize> = (0..tracks.len())
             .filter(|t| index - tracks[*t].last <= 1 + MAX_MISSING_ORDERS)
             .collect();
-        let mut started = Vec::started();
+        let mut started = Vec::new();
         for pole in poles {
             let best = nearest(&tracks, &free, pole, step_rad_s);
             match best {
