@@ -11,11 +11,12 @@
 //!
 //! *Band.* The first line is ω_0, whatever its frequency: a pole goes back by `λ = iω_0 + ln(z)/T`,
 //! the shift undone before a natural frequency is formed. A band that is cut off sharply would ring
-//! in its impulse responses; its edges fall off as squared cosines `W` over [`EDGE_FRACTION`] of the lines,
-//! and the first samples, which contain the edges and all terms smooth over the band, are left out.
-//! The other samples are exponentials and the remaining ringing of the edges. This ringing limits
-//! the accuracy without noise, and modes that decay within the first samples are not detected. The
-//! taper weakens modes within the edges; poles in the outer third of an edge are not reported.
+//! in its impulse responses; its edges fall off as squared cosines `W` over [`EDGE_FRACTION`] of
+//! the lines, and the first samples, which contain the edges and all terms smooth over the band,
+//! are left out. The other samples are exponentials and the remaining ringing of the edges. This
+//! ringing limits the accuracy without noise, and modes that decay within the first samples are not
+//! detected. The taper weakens modes within the edges; poles in the outer third of an edge are not
+//! reported.
 //!
 //! *Length.* Samples are used until the responses have decayed to their noise, which is estimated
 //! before the time zero.

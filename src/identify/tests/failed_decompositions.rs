@@ -17,7 +17,8 @@ const FAILED_CALLS: usize = 24;
 /// modes that a finding reports as initial estimates.
 fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
     let is_first_estimate = |hz: f64| {
-        let is_at = |place: &Place| matches!(place, Place::Mode(mode_hz) if (mode_hz / hz - 1.0).abs() < 1e-6);
+        let is_at =
+            |place: &Place| matches!(place, Place::Mode(at) if (at / hz - 1.0).abs() < 1e-6);
         let mut findings = model.findings.iter();
         findings.any(|finding| finding.code == Code::NotFitted && is_at(&finding.place))
     };
