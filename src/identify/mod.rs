@@ -54,7 +54,7 @@ pub use estimator::{
     Candidate, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus, PoleTable,
 };
 pub use mode_indicators::{Indicators, cmif_at, indicators};
-pub use order_selection::{Foretold, Support, Tried, support};
+pub use order_selection::{OrderSelection, OrderStep, PredictiveScore, support};
 pub use sdof::circle_detail::{CircleDetail, circle_detail};
 
 /// An estimator by name.
@@ -138,7 +138,7 @@ pub const ESTIMATORS: &[Entry] = &[
     Entry {
         name: "ml",
         has_order: true,
-        build: |options| Box::new(ml::estimator::Automatic { options: *options }),
+        build: |options| Box::new(ml::estimator::MaximumLikelihood { options: *options }),
     },
 ];
 

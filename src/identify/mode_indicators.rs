@@ -20,7 +20,7 @@ use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
 use crate::linalg::{self, ThinQr};
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::prepare::{Chosen, chosen};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::IdentifyOptions;
@@ -54,7 +54,7 @@ pub struct Indicators {
 pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators, IdentifyError> {
     let Chosen { set, band, .. } = chosen(set, options)?;
     let set = set.as_ref();
-    let data = Receptances::new(set, band)?;
+    let data = BandFrfs::new(set, band)?;
     let matrix = Matrix::new(set);
     let mut indicators = Indicators {
         frequency_hz: Vec::with_capacity(data.lines()),

@@ -33,12 +33,12 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
 
 use crate::identify::Identification;
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::out_of_band_basis::{Background, Outside};
-use crate::identify::data::residual::Rest;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::out_of_band_basis::{OutOfBandBasis, OutOfBandTerms};
+use crate::identify::data::residual::Residual;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::PoleStatus;
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Minimum length of a profile after orthogonalisation, over its length before.
 const MIN_PROFILE_LENGTH: f64 = 1e-6;
@@ -59,7 +59,7 @@ const MAX_RESIDUAL_RATIO: f64 = 1.1;
 /// without error. Lines at the ends of the band with a high leverage of the out-of-band terms do
 /// not count.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foretold {
+pub struct PredictiveScore {
     /// Mean.
     pub mean: f64,
     /// Standard error of its difference from the minimum, by the scatter of the differences over
@@ -69,7 +69,7 @@ pub struct Foretold {
 
 /// Quality of the model of the first poles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tried {
+pub struct OrderStep {
     /// The last of them; `None` for the out-of-band terms alone.
     pub pole: Option<Pole>,
     /// Whether that pole was identified, and is not just a stable pole.
@@ -80,7 +80,7 @@ pub struct Tried {
     pub bic: f64,
     /// Score of held-out lines; `None` where a pole depends on the held-out lines alone, or where
     /// too few lines are predicted.
-    pub predicted: Option<Foretold>,
+    pub predicted: Option<PredictiveScore>,
     /// Reduced chi-square: mean square of the residual per degree of freedom. Below 1 where force
     /// noise is correlated between lines: the fit absorbs part of it.
     pub rest: f64,
@@ -88,7 +88,7 @@ pub struct Tried {
 
 /// Result of the order selection.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Support {
+pub struct OrderSelection {
     /// Number of FRFs.
     pub functions: usize,
     /// Number of lines.
@@ -100,10 +100,10 @@ pub struct Support {
     /// Number of identified poles; a repeated one counts once.
     pub identified: usize,
     /// Models with no pole, one, two, ...
-    pub tried: Vec<Tried>,
+    pub tried: Vec<OrderStep>,
 }
 
-impl Support {
+impl OrderSelection {
     /// Number of poles with the minimum BIC.
     pub fn by_bic(&self) -> usize {
         let all = self.tried.iter().enumerate();
@@ -117,7 +117,7 @@ impl Support {
     pub fn by_prediction(&self) -> Option<usize> {
         let scores = self.tried.iter().filter_map(|step| step.predicted);
         let minimum = scores.map(|score| score.mean).reduce(f64::min)?;
-        let as_good = |step: &Tried| {
+        let as_good = |step: &OrderStep| {
             let score = step.predicted;
             score.is_some_and(|score| score.mean - minimum <= score.std)
         };
@@ -126,14 +126,14 @@ impl Support {
 
     /// Minimum number of poles whose residual is at most a tenth above that of any number up to the
     /// one with the minimum BIC.
-    pub fn by_rest(&self) -> usize {
+    pub fn by_residual(&self) -> usize {
         let minimum = self
             .tried
             .iter()
             .take(self.by_bic() + 1)
             .map(|step| step.rest);
         let minimum = minimum.fold(f64::INFINITY, f64::min);
-        let small = |step: &Tried| step.rest <= MAX_RESIDUAL_RATIO * minimum;
+        let small = |step: &OrderStep| step.rest <= MAX_RESIDUAL_RATIO * minimum;
         self.tried.iter().position(small).unwrap_or(0)
     }
 }
@@ -147,8 +147,8 @@ pub fn support(
     set: &FrfSet,
     band: Band,
     identification: &Identification,
-) -> Result<Support, IdentifyError> {
-    let mut data = Receptances::new(set, band)?;
+) -> Result<OrderSelection, IdentifyError> {
+    let mut data = BandFrfs::new(set, band)?;
     let identified = identified_poles(identification, set.added_damping_rad_s);
     let others = other_stable_poles(identification, (set.added_damping_rad_s, band), &identified);
     // The residual of the identified poles gives the noise level and its line correlation.
@@ -157,8 +157,8 @@ pub fn support(
         first.add_pole(Candidate::of(*lambda, &first));
     }
     let mut rest = first.over_noise();
-    data.tell_noise(&mut rest);
-    data.lines_share_noise(&mut rest);
+    data.estimate_noise_and_correlation(&mut rest);
+    data.detect_correlated_noise(&mut rest);
     let mut fitted = Fitted::new(&data);
     let mut tried = vec![fitted.order_step(None)];
     let mut scores = vec![fitted.scores()];
@@ -179,7 +179,7 @@ pub fn support(
     for (tried, predicted) in tried.iter_mut().zip(predictive_scores(&scores)) {
         tried.predicted = predicted;
     }
-    Ok(Support {
+    Ok(OrderSelection {
         functions: data.functions(),
         lines: data.lines(),
         stretch: fitted.segment_lines,
@@ -190,7 +190,7 @@ pub fn support(
 }
 
 /// Means of `−ln p − ln π`, with the standard error of each difference from the minimum.
-fn predictive_scores(scores: &[Option<Vec<f64>>]) -> Vec<Option<Foretold>> {
+fn predictive_scores(scores: &[Option<Vec<f64>>]) -> Vec<Option<PredictiveScore>> {
     let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
     let valid = scores.iter().flatten();
     let minimum = valid.min_by(|a, b| mean(a).total_cmp(&mean(b)));
@@ -199,7 +199,7 @@ fn predictive_scores(scores: &[Option<Vec<f64>>]) -> Vec<Option<Foretold>> {
         let differences: Vec<f64> = score.iter().zip(minimum).map(|(a, b)| a - b).collect();
         let (count, middle) = (score.len() as f64, mean(&differences));
         let square: f64 = differences.iter().map(|d| (d - middle).powi(2)).sum();
-        (score.len() >= MIN_SEGMENTS).then(|| Foretold {
+        (score.len() >= MIN_SEGMENTS).then(|| PredictiveScore {
             mean: mean(score),
             std: (square / (count - 1.0) / count).sqrt(),
         })
@@ -300,7 +300,7 @@ impl Candidate {
 
 /// Fit of out-of-band terms and poles to all lines.
 struct Fitted<'a> {
-    data: &'a Receptances,
+    data: &'a BandFrfs,
     /// Relative profile of the noise over the lines.
     noise_profile: Vec<f64>,
     /// Variance of every value over that of level and profile: by FRF and line.
@@ -320,13 +320,13 @@ struct Fitted<'a> {
 }
 
 impl<'a> Fitted<'a> {
-    fn new(data: &'a Receptances) -> Self {
+    fn new(data: &'a BandFrfs) -> Self {
         let (lines, functions) = (data.lines(), data.functions());
-        let Profile {
+        let BandProfile {
             level,
             course: noise_profile,
-        } = Profile::new(data, 0..lines);
-        let background = Background::new(&data.omega, &(0..lines), &Outside::Anywhere);
+        } = BandProfile::new(data, 0..lines);
+        let background = OutOfBandBasis::new(&data.omega, &(0..lines), &OutOfBandTerms::Anywhere);
         let ratio = |f: usize| {
             let pairs = data.variance[f].iter().zip(&noise_profile);
             let ratios = pairs.map(|(v, c)| v / (level[f] * c).powi(2));
@@ -418,7 +418,7 @@ impl<'a> Fitted<'a> {
     /// Variance of the amplitude of a pole over that in white noise.
     fn noise_factor(&self, lambda: Complex64) -> f64 {
         let correlation = &self.data.correlation;
-        correlation.of_amplitude(-lambda.re, self.data.step)
+        correlation.amplitude_noise_factor(-lambda.re, self.data.step)
     }
 
     /// Decrease of BIC by a pole with these gains.
@@ -433,11 +433,11 @@ impl<'a> Fitted<'a> {
         self.bic -= self.bic_decrease(gains);
     }
 
-    fn order_step(&self, last: Option<(Pole, bool, &[f64])>) -> Tried {
+    fn order_step(&self, last: Option<(Pole, bool, &[f64])>) -> OrderStep {
         let free = (self.rest.nrows() as f64 - self.used_freedom).max(1.0);
         let energy = self.over_noise().energy();
         let contains_pole = |gain: &&f64| **gain > 2.0 * self.ln_count;
-        Tried {
+        OrderStep {
             pole: last.map(|(pole, _, _)| pole),
             identified: last.is_some_and(|(_, identified, _)| identified),
             holding: last.map_or(0, |(_, _, gains)| {
@@ -450,14 +450,14 @@ impl<'a> Fitted<'a> {
     }
 
     /// Residual over the noise of each value.
-    fn over_noise(&self) -> Rest {
+    fn over_noise(&self) -> Residual {
         let mut values = self.rest.clone();
         linalg::by_column(&mut values, |f, column| {
             for (value, ratio) in column.iter_mut().zip(&self.ratio[f]) {
                 *value /= ratio.sqrt();
             }
         });
-        Rest {
+        Residual {
             lines: 0..self.data.lines(),
             values,
         }

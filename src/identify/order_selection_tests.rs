@@ -4,7 +4,7 @@ use crate::axis::{Band, FrequencyAxis};
 
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identification;
-use crate::identify::order_selection::{Support, support};
+use crate::identify::order_selection::{OrderSelection, support};
 use crate::identify::synthetic::{Measurement, Structure};
 
 fn axis() -> FrequencyAxis {
@@ -28,7 +28,7 @@ fn structure() -> Structure {
     }
 }
 
-fn supported(structure: &Structure, how: &Measurement, band: Band) -> Support {
+fn supported(structure: &Structure, how: &Measurement, band: Band) -> OrderSelection {
     let set = structure.measured(how);
     let options = IdentifyOptions {
         band: Some(band),

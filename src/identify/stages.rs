@@ -6,18 +6,18 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::estimator::at_poles;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
-use crate::identify::run_variation::Moved;
+use crate::identify::run_variation::RunShifts;
 
 /// Receptances of a band, with all references or as if of a single one.
 pub struct Lines {
-    data: Receptances,
-    sides: Sides,
+    data: BandFrfs,
+    sides: FrfMatrix,
 }
 
 /// Transforms of the lines.
@@ -32,9 +32,9 @@ impl Lines {
     /// # Errors
     /// [`IdentifyError`] when set and band do not match.
     pub fn new(set: &FrfSet, band: Band, one_reference: bool) -> Result<Self, IdentifyError> {
-        let sides = Sides::new(set.functions());
+        let sides = FrfMatrix::new(set.functions());
         Ok(Self {
-            data: Receptances::guarded(set, band)?,
+            data: BandFrfs::guarded(set, band)?,
             sides: if one_reference {
                 sides.as_one_input()
             } else {
@@ -81,5 +81,5 @@ impl Equations {
 /// # Errors
 /// [`IdentifyError`] when set and band do not match.
 pub fn residues(set: &FrfSet, band: Band, poles: &[Complex64]) -> Result<(), IdentifyError> {
-    at_poles((set, band), poles, Moved::default()).map(drop)
+    at_poles((set, band), poles, RunShifts::default()).map(drop)
 }

@@ -1,6 +1,6 @@
 //! What a scene needs, as sentences and tables.
 
-use crate::identify::Tried;
+use crate::identify::OrderStep;
 use crate::study::{
     LowestOrder, ModeNeeds, OrderTried, SceneNeeds, SingleMode, TestNeeds, answers,
 };
@@ -68,9 +68,9 @@ fn roots_block(test: &TestNeeds) -> Block {
     let least = [
         Some(support.by_bic()),
         support.by_prediction(),
-        Some(support.by_rest()),
+        Some(support.by_residual()),
     ];
-    let row = |(number, tried): (usize, &Tried)| {
+    let row = |(number, tried): (usize, &OrderStep)| {
         let star = |which: usize| {
             Cell::text(if least[which] == Some(number) {
                 "*"
@@ -200,7 +200,7 @@ fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
 pub fn order_table(needs: &SceneNeeds) -> Block {
     let yes = |value: bool| Cell::text(if value { "yes" } else { "no" });
     let of_test = |test: &TestNeeds| {
-        let row = |(number, tried): (usize, &Tried)| {
+        let row = |(number, tried): (usize, &OrderStep)| {
             vec![
                 Cell::text(test.name.as_str()),
                 count(number),

@@ -16,12 +16,12 @@ use crate::axis::Band;
 use crate::frf::{FrfSet, Function};
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::out_of_band_basis::Outside;
-use crate::identify::data::residual::Far;
+use crate::identify::data::out_of_band_basis::OutOfBandTerms;
+use crate::identify::data::residual::OutOfBandFit;
 use crate::identify::error::IdentifyError;
 use crate::identify::noise::force_noise::ForceNoise;
 use crate::identify::noise::input_variance::{self, Noise};
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::variance_model::SmoothedVariance;
 
 use crate::identify::data::line_shape::LineShape;
@@ -58,7 +58,7 @@ impl std::ops::Index<usize> for Values {
 }
 
 /// Receptances on the lines of a band.
-pub(in crate::identify) struct Receptances {
+pub(in crate::identify) struct BandFrfs {
     /// Angular frequency of every line, rad/s.
     pub omega: Vec<f64>,
     /// Spacing of the lines, rad/s.
@@ -77,13 +77,13 @@ pub(in crate::identify) struct Receptances {
     /// Variances of each FRF as supplied with the data, where they were.
     pub stated: Vec<Option<SmoothedVariance>>,
     /// Model of the modes outside the lines.
-    outside: Outside,
+    outside: OutOfBandTerms,
     /// Basis of the out-of-band terms, valid until the model or the variances change.
-    far: OnceLock<Far>,
+    far: OnceLock<OutOfBandFit>,
     /// Counts changes of both.
     version: u64,
     /// Line correlation of the noise, as far as it is estimated.
-    pub correlation: Correlation,
+    pub correlation: LineCorrelation,
     /// Force noise common to the FRFs of one reference, as far as it is estimated.
     pub shared: ForceNoise,
     /// Statistic that estimates the noise where the data have no variances.
@@ -95,7 +95,7 @@ pub(in crate::identify) struct Receptances {
     pub measured_scale: Vec<Arc<Vec<f64>>>,
 }
 
-impl Receptances {
+impl BandFrfs {
     /// The FRFs of a set on the lines of a band, except the line at 0 Hz.
     ///
     /// # Errors
@@ -130,7 +130,7 @@ impl Receptances {
             .iter()
             .map(|frf_noise| frf_noise.force_fraction.clone())
             .collect();
-        let window = Correlation::of_window(set.added_damping_rad_s, (step, lines.len()));
+        let window = LineCorrelation::of_window(set.added_damping_rad_s, (step, lines.len()));
         let shared = ForceNoise::from_variances(set.functions(), &noise, &window);
         let of_receptance = |(i, noise): (usize, Noise)| {
             let (_, scale) = scales.of(set, i);
@@ -161,7 +161,7 @@ impl Receptances {
             variance,
             force_fraction,
             stated,
-            outside: Outside::Anywhere,
+            outside: OutOfBandTerms::Anywhere,
             far: OnceLock::new(),
             version: 0,
             correlation: window,
@@ -223,19 +223,20 @@ impl Receptances {
     }
 
     /// Model of the modes outside the lines.
-    pub fn outside(&self) -> &Outside {
+    pub fn outside(&self) -> &OutOfBandTerms {
         &self.outside
     }
 
     /// Replaces the model of the modes outside the lines and returns the previous one.
-    pub fn set_outside(&mut self, outside: Outside) -> Outside {
+    pub fn set_out_of_band_terms(&mut self, outside: OutOfBandTerms) -> OutOfBandTerms {
         self.invalidate();
         std::mem::replace(&mut self.outside, outside)
     }
 
     /// Basis of the out-of-band terms over all lines.
-    pub fn far(&self) -> &Far {
-        self.far.get_or_init(|| Far::new(self, &self.outside))
+    pub fn far(&self) -> &OutOfBandFit {
+        self.far
+            .get_or_init(|| OutOfBandFit::new(self, &self.outside))
     }
 
     /// Number of FRFs.

@@ -7,19 +7,19 @@
 //! weight of an FRF is the inverse of its noise variance (the median over the band) where the data
 //! supply the variances, else of its mean square, so that no FRF dominates.
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 
 /// Weighted power of all FRFs.
-pub(in crate::identify) struct Indicator {
+pub(in crate::identify) struct DetectionSpectrum {
     /// `S_k` at every line.
     pub power: Vec<f64>,
     /// `w_f` of every FRF.
     pub weights: Vec<f64>,
 }
 
-impl Indicator {
+impl DetectionSpectrum {
     /// The indicator of a set of receptances.
-    pub fn new(data: &Receptances) -> Self {
+    pub fn new(data: &BandFrfs) -> Self {
         let weights: Vec<f64> = (0..data.functions()).map(|f| weight(data, f)).collect();
         let mut power = vec![0.0; data.lines()];
         for (values, weight) in data.values.iter().zip(&weights) {
@@ -31,7 +31,7 @@ impl Indicator {
     }
 }
 
-fn weight(data: &Receptances, function: usize) -> f64 {
+fn weight(data: &BandFrfs, function: usize) -> f64 {
     let squared = |k: usize| data.omega[k] * data.omega[k];
     let scale = if data.variance_measured() {
         let mut variances: Vec<f64> = (0..data.lines())

@@ -15,14 +15,14 @@ use crate::linalg::{self, ComplexMatrix};
 
 /// FRFs by output.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Sides {
+pub(in crate::identify) struct FrfMatrix {
     /// Number of inputs.
     pub inputs: usize,
     /// FRFs of each output as (input, number in the set), inputs ascending.
     pub outputs: Vec<Vec<(usize, usize)>>,
 }
 
-impl Sides {
+impl FrfMatrix {
     /// FRF matrix of the FRFs of a set.
     pub fn new(functions: &[Function]) -> Self {
         let responses: BTreeSet<&Dof> = functions.iter().map(|f| &f.response).collect();
@@ -92,13 +92,13 @@ mod tests {
     #[test]
     fn the_smaller_dimension_of_the_frf_matrix_is_the_inputs() {
         let fixed = ["1:+Z", "2:+Z", "3:+Z"].map(|r| function(r, "1:+Z"));
-        let sides = Sides::new(&fixed);
+        let sides = FrfMatrix::new(&fixed);
         assert_eq!((sides.inputs, sides.outputs.len()), (1, 3));
         let roving = ["1:+Z", "2:+Z", "3:+Z"].map(|r| function("1:+Z", r));
-        assert_eq!(Sides::new(&roving), sides);
+        assert_eq!(FrfMatrix::new(&roving), sides);
         let mut two: Vec<Function> = fixed.to_vec();
         two.extend([function("3:+Z", "2:+Z"), function("1:+Z", "2:+Z")]);
-        let sides = Sides::new(&two);
+        let sides = FrfMatrix::new(&two);
         assert_eq!(sides.outputs[0], [(0, 0), (1, 4)]);
         assert_eq!(sides.outputs[1], [(0, 1)]);
         assert!(!sides.complete() && sides.as_one_input().complete());

@@ -24,7 +24,7 @@ use num_complex::Complex64;
 
 use crate::frf::{FrfSet, Window};
 
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::line_correlation::LineCorrelation;
 
 /// Maximum number of cosines of a window.
 const TERMS: usize = 5;
@@ -139,7 +139,7 @@ impl LineShape {
 
     /// Correlation of the noise of H1 between lines: that of the spectra under the window, squared,
     /// as those of force and response noise are independent; `None` for the exact line shape.
-    pub fn noise_correlation(&self) -> Option<Correlation> {
+    pub fn noise_correlation(&self) -> Option<LineCorrelation> {
         let cosines = self.0?.cosines;
         let last = TERMS as i32 - 1;
         let line = |k: i32| match k.unsigned_abs() as usize {
@@ -148,7 +148,7 @@ impl LineShape {
         };
         let product = |m: i32| -> f64 { (-last..=last).map(|k| line(k) * line(k + m)).sum() };
         let lag = |m: i32| Complex64::from((product(m) / product(0)).powi(2));
-        Some(Correlation::of_lags((1..=2 * last).map(lag).collect()))
+        Some(LineCorrelation::of_lags((1..=2 * last).map(lag).collect()))
     }
 
     /// Whether poles are smoothed.

@@ -15,7 +15,7 @@ const MAX_FACTOR_OVER_PIVOT: f64 = 2.0;
 
 /// Pole of the model, of one mode or of several.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Root {
+pub(in crate::identify) struct ModelPole {
     /// λ as in the data, rad/s.
     pub lambda: Complex64,
     /// Participation factors of each of its modes: one value per input, 1 at the mode's own pivot
@@ -29,9 +29,9 @@ pub(in crate::identify) struct Root {
     /// pole that was not fitted yet.
     pub residue_variances: Vec<f64>,
     /// Uncertainty and significance.
-    pub quality: Quality,
+    pub quality: PoleQuality,
     /// State of its iteration.
-    pub progress: Progress,
+    pub progress: FitState,
     /// Whether a criterion indicates that it is no mode.
     pub suspect: bool,
     /// Whether it describes the amplitude dependence of another pole and is no mode
@@ -44,7 +44,7 @@ pub(in crate::identify) struct Root {
 
 /// Uncertainty and significance of a pole.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Quality {
+pub(in crate::identify) struct PoleQuality {
     /// Cramér-Rao standard deviation of the real and of the imaginary part of λ, rad/s, in noise
     /// that is white over the lines and independent between FRFs.
     pub pole_bound: f64,
@@ -68,7 +68,7 @@ pub(in crate::identify) struct Quality {
 }
 
 /// Whether the damping ratio of a pole is that of a resonance.
-pub(in crate::identify) fn resonates(lambda: Complex64) -> bool {
+pub(in crate::identify) fn is_resonance(lambda: Complex64) -> bool {
     -lambda.re < MAX_RESONANCE_DAMPING_RATIO * lambda.norm()
 }
 
@@ -77,7 +77,7 @@ pub(in crate::identify) fn is_allowed_pole(lambda: Complex64) -> bool {
     lambda.re < 0.0 && -lambda.re < MAX_STEP_DAMPING_RATIO * lambda.norm()
 }
 
-impl Quality {
+impl PoleQuality {
     /// Of a pole that was not fitted yet.
     pub const UNKNOWN: Self = Self {
         pole_bound: f64::INFINITY,
@@ -104,7 +104,7 @@ impl Quality {
 
 /// State of the iteration of a pole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::identify) enum Progress {
+pub(in crate::identify) enum FitState {
     /// Its residues are estimated this many times before it iterates.
     Fresh(u8),
     /// It iterates.
@@ -131,7 +131,7 @@ pub(in crate::identify) fn combined(
     combinations.iter().map(one).collect()
 }
 
-impl Root {
+impl ModelPole {
     /// A pole of one mode, scaled to 1 at its largest factor.
     pub fn single(lambda: Complex64, participation: &[Complex64], functions: usize) -> Self {
         let size = |i: &usize| participation[*i].norm();
@@ -144,8 +144,8 @@ impl Root {
             pivots: vec![pivot],
             residues: vec![Complex64::ZERO; functions],
             residue_variances: Vec::new(),
-            quality: Quality::UNKNOWN,
-            progress: Progress::Fresh(RESIDUE_ESTIMATES),
+            quality: PoleQuality::UNKNOWN,
+            progress: FitState::Fresh(RESIDUE_ESTIMATES),
             suspect: false,
             is_companion: false,
             pair: None,
@@ -183,7 +183,7 @@ impl Root {
 
     /// Resets the iteration: residues are estimated again before the pole moves.
     pub fn refresh(&mut self) {
-        self.progress = Progress::Fresh(RESIDUE_ESTIMATES);
+        self.progress = FitState::Fresh(RESIDUE_ESTIMATES);
     }
 
     /// Keeps `count` of its modes: the strongest combinations or, where these are not estimated,

@@ -21,22 +21,22 @@ const DISTANCE_RATIO: f64 = 2.0;
 const FARTHEST_POLE_LENGTHS: f64 = 1.0;
 
 /// Columns of every basis: constant and slope.
-pub(in crate::identify) const EVERYWHERE: usize = 2;
+pub(in crate::identify) const MIN_OUT_OF_BAND_COLUMNS: usize = 2;
 /// Minimum number of lines for each pole.
 const MIN_LINES_PER_POLE: usize = 3;
 
 /// Model of the modes outside the lines of a band.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) enum Outside {
+pub(in crate::identify) enum OutOfBandTerms {
     /// Unconstrained: they may lie anywhere.
     Anywhere,
     /// Their contribution has these frequency profiles; none where the data show no such modes.
-    Courses(Vec<Course>),
+    Courses(Vec<OutOfBandTerm>),
 }
 
 /// Out-of-band term: a rank-one contribution of modes outside the lines, common to all FRFs.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Course {
+pub(in crate::identify) struct OutOfBandTerm {
     /// Frequency profile: one value per line.
     pub values: Vec<Complex64>,
     /// Amplitude in each FRF, over its noise: a vector of length 1.
@@ -45,23 +45,23 @@ pub(in crate::identify) struct Course {
 
 /// Basis of the out-of-band terms on a range of lines.
 #[derive(Clone, Debug)]
-pub(in crate::identify) struct Background<'a> {
+pub(in crate::identify) struct OutOfBandBasis<'a> {
     poles: Vec<Complex64>,
     /// Frequency profiles on the lines of the range.
     courses: Vec<&'a [Complex64]>,
 }
 
-impl<'a> Background<'a> {
+impl<'a> OutOfBandBasis<'a> {
     /// Basis for lines of a band that has `omega` in all. Modes outside the band count where the
     /// range ends with the band.
-    pub fn new(omega: &[f64], lines: &Range<usize>, outside: &'a Outside) -> Self {
+    pub fn new(omega: &[f64], lines: &Range<usize>, outside: &'a OutOfBandTerms) -> Self {
         let (below, above) = (lines.start == 0, lines.end == omega.len());
         match outside {
-            Outside::Anywhere => Self {
+            OutOfBandTerms::Anywhere => Self {
                 poles: clustered(omega, lines, (below, above)),
                 courses: Vec::new(),
             },
-            Outside::Courses(courses) => {
+            OutOfBandTerms::Courses(courses) => {
                 let terms = courses.iter().filter(|_| below || above);
                 Self {
                     poles: Vec::new(),
@@ -73,7 +73,7 @@ impl<'a> Background<'a> {
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        EVERYWHERE + self.poles.len() + self.courses.len()
+        MIN_OUT_OF_BAND_COLUMNS + self.poles.len() + self.courses.len()
     }
 
     /// Value of a column at a line of the range.
@@ -82,9 +82,9 @@ impl<'a> Background<'a> {
         match column {
             0 => Complex64::ONE,
             1 => Complex64::from((2.0 * omega[k] - first - last) / (last - first)),
-            _ => match self.poles.get(column - EVERYWHERE) {
+            _ => match self.poles.get(column - MIN_OUT_OF_BAND_COLUMNS) {
                 Some(pole) => pole.re.abs() / (Complex64::new(0.0, omega[k]) - pole),
-                None => self.courses[column - EVERYWHERE - self.poles.len()][k],
+                None => self.courses[column - MIN_OUT_OF_BAND_COLUMNS - self.poles.len()][k],
             },
         }
     }
@@ -106,7 +106,7 @@ fn clustered(omega: &[f64], lines: &Range<usize>, (below, above): (bool, bool)) 
     let length = FARTHEST_POLE_LENGTHS * lines.len() as f64 * step;
     let mut poles = Vec::new();
     let mut distance = NEAREST_POLE_LINES * step;
-    while distance < length && poles.len() + EVERYWHERE <= max_columns {
+    while distance < length && poles.len() + MIN_OUT_OF_BAND_COLUMNS <= max_columns {
         if below {
             poles.push(Complex64::new(-distance, omega[0] - distance));
         }

@@ -16,7 +16,7 @@
 //!    damping does.
 //!
 //! A peak must also be fitted later by the method, or its phase must change between its half-power
-//! points as that of a resonance does ([`drop_humps`]).
+//! points as that of a resonance does ([`reject_background_maxima`]).
 //!
 //! A maximum that exceeds the noise and fails another criterion is rejected with a finding; noise
 //! is rejected without one.
@@ -26,16 +26,16 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::detection_spectrum::Indicator;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::detection_spectrum::DetectionSpectrum;
 
 /// Minimum phase change between the half-power points, over that of a resonance: noise or a
 /// neighbour may hide most of it. Before an antiresonance the phase changes in the other direction.
-pub(in crate::identify) const LEAST_TURN: f64 = 0.2;
+pub(in crate::identify) const MIN_PHASE_CHANGE_RATIO: f64 = 0.2;
 
 /// End of the search from a maximum to one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::identify) enum Flank {
+pub(in crate::identify) enum PeakFlank {
     /// First line below half power.
     Half(usize),
     /// A line above the maximum comes first.
@@ -49,19 +49,19 @@ pub(in crate::identify) enum Flank {
     Edge(usize),
 }
 
-impl Flank {
+impl PeakFlank {
     /// The line that the maximum is compared with.
     fn foot(self) -> usize {
         match self {
-            Flank::Half(line) | Flank::Edge(line) => line,
-            Flank::Higher { valley, .. } => valley,
+            PeakFlank::Half(line) | PeakFlank::Edge(line) => line,
+            PeakFlank::Higher { valley, .. } => valley,
         }
     }
 
     /// Lines between the maximum and the end of the search.
     fn distance(self, top: usize) -> usize {
         match self {
-            Flank::Half(line) | Flank::Edge(line) | Flank::Higher { line, .. } => {
+            PeakFlank::Half(line) | PeakFlank::Edge(line) | PeakFlank::Higher { line, .. } => {
                 line.abs_diff(top)
             }
         }
@@ -74,20 +74,20 @@ pub(in crate::identify) struct Peak {
     /// Line of the maximum.
     pub line: usize,
     /// Towards lower frequencies.
-    pub left: Flank,
+    pub left: PeakFlank,
     /// Towards higher frequencies.
-    pub right: Flank,
+    pub right: PeakFlank,
     /// Indicator at the maximum.
     pub power: f64,
 }
 
 /// Reason why a maximum above the noise is no peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::identify) enum Drop {
+pub(in crate::identify) enum PeakRejection {
     /// A higher line inside the half-power band: power at the maximum over power in the valley, at
     /// least 2 expected.
     NotHighest(f64),
-    /// Not fitted, with a phase change below [`LEAST_TURN`] of that of a resonance.
+    /// Not fitted, with a phase change below [`MIN_PHASE_CHANGE_RATIO`] of that of a resonance.
     NotTurning(f64),
     /// Anticlockwise: relative area of the triangle of the three lines, more than 0 expected.
     Unstable(f64),
@@ -95,28 +95,28 @@ pub(in crate::identify) enum Drop {
 
 /// Result of the search, in ascending frequency.
 #[derive(Debug, Default)]
-pub(in crate::identify) struct Found {
+pub(in crate::identify) struct DetectedPeaks {
     /// Resonances.
     pub peaks: Vec<Peak>,
     /// Rejected maxima above the noise.
-    pub dropped: Vec<(Peak, Drop)>,
+    pub dropped: Vec<(Peak, PeakRejection)>,
 }
 
 /// Searches the indicator for peaks at a false-alarm probability for the whole band.
 pub(in crate::identify) fn search(
-    data: &Receptances,
-    indicator: &Indicator,
+    data: &BandFrfs,
+    indicator: &DetectionSpectrum,
     false_alarm: f64,
-) -> Found {
+) -> DetectedPeaks {
     let limit = noise_limit(data.functions(), data.lines(), false_alarm);
-    let mut found = Found::default();
+    let mut found = DetectedPeaks::default();
     for line in 1..data.lines() - 1 {
         let Some(peak) = maximum_at(&indicator.power, line) else {
             continue;
         };
         match rejection_reason(data, indicator, &peak) {
             _ if deviation(data, &peak) <= limit => {}
-            None | Some(Drop::NotHighest(_))
+            None | Some(PeakRejection::NotHighest(_))
                 if !exceeds_its_valley(data, indicator, &peak, limit) => {}
             None => found.peaks.push(peak),
             Some(drop) => found.dropped.push((peak, drop)),
@@ -128,19 +128,19 @@ pub(in crate::identify) fn search(
 /// Rejects the peaks in which no resonance could be fitted and whose phase does not change as that
 /// of one: maxima of the background, such as that between a minimum and an antiresonance. Returns
 /// whether there were any.
-pub(in crate::identify) fn drop_humps(
-    found: &mut Found,
-    (data, indicator): (&Receptances, &Indicator),
+pub(in crate::identify) fn reject_background_maxima(
+    found: &mut DetectedPeaks,
+    (data, indicator): (&BandFrfs, &DetectionSpectrum),
     fitted: impl Fn(usize) -> bool,
 ) -> bool {
     let peaks = std::mem::take(&mut found.peaks);
     let before = peaks.len();
     for (mode, peak) in peaks.into_iter().enumerate() {
         let turn = relative_phase_change(data, indicator, &peak);
-        if fitted(mode) || turn >= LEAST_TURN {
+        if fitted(mode) || turn >= MIN_PHASE_CHANGE_RATIO {
             found.peaks.push(peak);
         } else {
-            found.dropped.push((peak, Drop::NotTurning(turn)));
+            found.dropped.push((peak, PeakRejection::NotTurning(turn)));
         }
     }
     found.dropped.sort_by_key(|(peak, _)| peak.line);
@@ -149,9 +149,9 @@ pub(in crate::identify) fn drop_humps(
 
 /// Clockwise angle between the half-power points that exist, or between one and the maximum, over
 /// that of a resonance: 45 degrees on either side.
-fn relative_phase_change(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
-    let foot = |flank: Flank| match flank {
-        Flank::Half(line) => (line, 1.0),
+fn relative_phase_change(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
+    let foot = |flank: PeakFlank| match flank {
+        PeakFlank::Half(line) => (line, 1.0),
         _ => (peak.line, 0.0),
     };
     let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
@@ -179,25 +179,25 @@ fn maximum_at(power: &[f64], line: usize) -> Option<Peak> {
     })
 }
 
-fn flank(power: &[f64], top: f64, outwards: impl Iterator<Item = usize>) -> Flank {
+fn flank(power: &[f64], top: f64, outwards: impl Iterator<Item = usize>) -> PeakFlank {
     let mut valley = (f64::INFINITY, 0);
     let mut last = 0;
     for line in outwards {
         if power[line] > top {
-            return Flank::Higher {
+            return PeakFlank::Higher {
                 line,
                 valley: valley.1,
             };
         }
         if power[line] < 0.5 * top {
-            return Flank::Half(line);
+            return PeakFlank::Half(line);
         }
         if power[line] < valley.0 {
             valley = (power[line], line);
         }
         last = line;
     }
-    Flank::Edge(last)
+    PeakFlank::Edge(last)
 }
 
 /// Weight of the left foot in the straight line between the feet, at the maximum.
@@ -208,7 +208,7 @@ fn left_weight(peak: &Peak) -> f64 {
 
 /// Squared deviation from the line between the feet over the variance of its noise, summed over
 /// FRFs; for noise on a straight line chi-squared with two degrees of freedom for every FRF.
-fn deviation(data: &Receptances, peak: &Peak) -> f64 {
+fn deviation(data: &BandFrfs, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let weight_of_left = left_weight(peak);
     let term = |(h, v): (&[Complex64], &Vec<f64>)| {
@@ -226,20 +226,25 @@ fn valley(peak: &Peak) -> Option<usize> {
     [peak.left, peak.right]
         .into_iter()
         .find_map(|flank| match flank {
-            Flank::Higher { valley, .. } => Some(valley),
+            PeakFlank::Higher { valley, .. } => Some(valley),
             _ => None,
         })
 }
 
 /// Whether the dip before a higher line exceeds the noise; true without a higher line.
-fn exceeds_its_valley(data: &Receptances, indicator: &Indicator, peak: &Peak, limit: f64) -> bool {
+fn exceeds_its_valley(
+    data: &BandFrfs,
+    indicator: &DetectionSpectrum,
+    peak: &Peak,
+    limit: f64,
+) -> bool {
     valley(peak).is_none() || dip(data, indicator, peak) > limit
 }
 
 /// Squared difference of the root of the indicator at the maximum and in the valley before the
 /// higher line, over its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the phase changes
 /// as well, without a peak: only the magnitude counts here.
-fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+fn dip(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let Some(valley) = valley(peak) else {
         return 0.0;
     };
@@ -253,23 +258,26 @@ fn dip(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
     difference * difference / variance
 }
 
-fn rejection_reason(data: &Receptances, indicator: &Indicator, peak: &Peak) -> Option<Drop> {
+fn rejection_reason(
+    data: &BandFrfs,
+    indicator: &DetectionSpectrum,
+    peak: &Peak,
+) -> Option<PeakRejection> {
     if !is_highest_in_its_band(peak) {
         let lowest = valley(peak).map_or(peak.power, |line| indicator.power[line]);
-        return Some(Drop::NotHighest(peak.power / lowest));
+        return Some(PeakRejection::NotHighest(peak.power / lowest));
     }
     let turn = clockwise_area(data, indicator, peak);
-    (turn <= 0.0).then_some(Drop::Unstable(turn))
+    (turn <= 0.0).then_some(PeakRejection::Unstable(turn))
 }
 
 fn is_highest_in_its_band(peak: &Peak) -> bool {
-    let distance = |flank: Flank| flank.distance(peak.line);
+    let distance = |flank: PeakFlank| flank.distance(peak.line);
     match (peak.left, peak.right) {
-        (Flank::Half(_), Flank::Half(_) | Flank::Edge(_)) | (Flank::Edge(_), Flank::Half(_)) => {
-            true
-        }
-        (Flank::Half(_), other) => distance(other) > distance(peak.left),
-        (other, Flank::Half(_)) => distance(other) > distance(peak.right),
+        (PeakFlank::Half(_), PeakFlank::Half(_) | PeakFlank::Edge(_))
+        | (PeakFlank::Edge(_), PeakFlank::Half(_)) => true,
+        (PeakFlank::Half(_), other) => distance(other) > distance(peak.left),
+        (other, PeakFlank::Half(_)) => distance(other) > distance(peak.right),
         _ => false,
     }
 }
@@ -277,7 +285,7 @@ fn is_highest_in_its_band(peak: &Peak) -> bool {
 /// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of the
 /// products of their sides at the maximum; positive for positive damping, whatever constant is
 /// added to the resonance.
-fn clockwise_area(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64 {
+fn clockwise_area(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
     for (h, weight) in data.values.iter().zip(&indicator.weights) {
@@ -292,9 +300,9 @@ fn clockwise_area(data: &Receptances, indicator: &Indicator, peak: &Peak) -> f64
 /// parabola, decay rate from the nearer half-power point; within the valleys to the neighbouring
 /// maxima.
 pub(in crate::identify) fn first_pole(
-    data: &Receptances,
-    indicator: &Indicator,
-    found: &Found,
+    data: &BandFrfs,
+    indicator: &DetectionSpectrum,
+    found: &DetectedPeaks,
     peak: &Peak,
 ) -> Complex64 {
     let maxima = found
@@ -325,6 +333,6 @@ fn lowest_line(power: &[f64], lines: std::ops::Range<usize>) -> usize {
 }
 
 /// Frequency of a line, Hz.
-pub(in crate::identify) fn hz(data: &Receptances, line: usize) -> f64 {
+pub(in crate::identify) fn hz(data: &BandFrfs, line: usize) -> f64 {
     data.omega[line] / TAU
 }

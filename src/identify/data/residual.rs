@@ -6,18 +6,20 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::{Background, Course, EVERYWHERE, Outside};
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::{
+    MIN_OUT_OF_BAND_COLUMNS, OutOfBandBasis, OutOfBandTerm, OutOfBandTerms,
+};
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Basis of the out-of-band terms over all lines of the band.
 ///
 /// A fit of a few lines in the middle of the band has only constant and slope for out-of-band
 /// modes; over a long band the contribution of a strong mode beyond its end is curved, which only
 /// all lines together determine.
-pub(in crate::identify) struct Far {
+pub(in crate::identify) struct OutOfBandFit {
     omega: Vec<f64>,
     line_shape: LineShape,
     level: Vec<f64>,
@@ -30,14 +32,14 @@ pub(in crate::identify) struct Far {
 }
 
 /// Residual on a range of lines: data minus model, over the standard deviation of the noise.
-pub(in crate::identify) struct Rest {
+pub(in crate::identify) struct Residual {
     /// The range of lines.
     pub lines: Range<usize>,
     /// Lines × FRFs.
     pub values: ComplexMatrix,
 }
 
-impl Rest {
+impl Residual {
     /// Residual of lines × FRFs, from the first line.
     #[cfg(test)]
     pub fn of_all(values: ComplexMatrix) -> Self {
@@ -80,15 +82,15 @@ impl Rest {
     }
 }
 
-impl Far {
+impl OutOfBandFit {
     /// Basis for all lines of a band.
-    pub fn new(data: &Receptances, outside: &Outside) -> Self {
+    pub fn new(data: &BandFrfs, outside: &OutOfBandTerms) -> Self {
         let lines = 0..data.lines();
-        let Profile {
+        let BandProfile {
             level,
             course: noise_profile,
-        } = Profile::new(data, lines.clone());
-        let terms = Background::new(&data.omega, &lines, outside);
+        } = BandProfile::new(data, lines.clone());
+        let terms = OutOfBandBasis::new(&data.omega, &lines, outside);
         // Orthonormal after division by the noise profile.
         let basis = terms.basis(&data.omega, &noise_profile);
         let of = |scale: &dyn Fn(usize) -> f64| {
@@ -113,14 +115,19 @@ impl Far {
     }
 
     /// Coordinates of the residual of the poles: columns × FRFs.
-    pub fn of_rest(&self, roots: &[Root]) -> ComplexMatrix {
+    pub fn from_residual(&self, roots: &[ModelPole]) -> ComplexMatrix {
         let courses = self.weights.adjoint() * courses(self.line_shape, &self.omega, roots);
         &self.coordinates - courses * residues(roots, self.level.len())
     }
 
     /// Prediction of the lines by poles and out-of-band terms.
-    pub fn beside<'a>(&'a self, data: &'a Receptances, roots: &'a [Root]) -> Described<'a> {
-        let (coordinates, residues) = (self.of_rest(roots), residues(roots, self.level.len()));
+    pub fn beside<'a>(
+        &'a self,
+        data: &'a BandFrfs,
+        roots: &'a [ModelPole],
+    ) -> PredictedResponse<'a> {
+        let (coordinates, residues) =
+            (self.from_residual(roots), residues(roots, self.level.len()));
         let first = self.columns.ncols();
         let rows = first + residues.nrows();
         let amplitudes = linalg::complex_matrix(rows, self.level.len(), |c, f| {
@@ -130,7 +137,7 @@ impl Far {
                 residues[(c - first, f)]
             }
         });
-        Described {
+        PredictedResponse {
             far: self,
             data,
             roots,
@@ -140,11 +147,11 @@ impl Far {
 
     /// Coordinates of the residual of the poles, over the noise, without constant and slope:
     /// columns × FRFs.
-    fn whitened_coordinates(&self, roots: &[Root]) -> ComplexMatrix {
-        let coordinates = self.of_rest(roots);
-        let columns = coordinates.nrows() - EVERYWHERE;
+    fn whitened_coordinates(&self, roots: &[ModelPole]) -> ComplexMatrix {
+        let coordinates = self.from_residual(roots);
+        let columns = coordinates.nrows() - MIN_OUT_OF_BAND_COLUMNS;
         linalg::complex_matrix(columns, coordinates.ncols(), |c, f| {
-            coordinates[(EVERYWHERE + c, f)] / self.level[f]
+            coordinates[(MIN_OUT_OF_BAND_COLUMNS + c, f)] / self.level[f]
         })
     }
 
@@ -155,7 +162,12 @@ impl Far {
     /// The coordinates over the noise, a matrix of columns × FRFs, are noise of unit variance plus
     /// one rank-one term per mode; after r terms (columns − r)(FRFs − r) numbers remain (reduced
     /// rank: Anderson 1951, Annals of Mathematical Statistics 22).
-    pub fn strongest(&self, roots: &[Root], line_ratio: f64, max_terms: usize) -> Vec<Course> {
+    pub fn strongest(
+        &self,
+        roots: &[ModelPole],
+        line_ratio: f64,
+        max_terms: usize,
+    ) -> Vec<OutOfBandTerm> {
         let beyond = self.whitened_coordinates(roots);
         let Ok(svd) = linalg::singular_vectors(&beyond) else {
             return Vec::new();
@@ -171,11 +183,11 @@ impl Far {
         let term = |rank: usize| {
             let at = |k: usize| -> Complex64 {
                 let terms = (0..beyond.nrows())
-                    .map(|c| self.columns[(k, EVERYWHERE + c)] * svd.left[(c, rank)]);
+                    .map(|c| self.columns[(k, MIN_OUT_OF_BAND_COLUMNS + c)] * svd.left[(c, rank)]);
                 terms.sum()
             };
             let shares = (0..beyond.ncols()).map(|f| svd.right[(f, rank)].conj());
-            Course {
+            OutOfBandTerm {
                 values: (0..self.columns.nrows()).map(at).collect(),
                 shares: shares.collect(),
             }
@@ -185,24 +197,24 @@ impl Far {
 
     /// Energy of the residual of the poles that the out-of-band terms explain beyond constant and
     /// slope, over the noise, with its number of complex values.
-    pub fn explained(&self, roots: &[Root]) -> (f64, usize) {
+    pub fn explained(&self, roots: &[ModelPole]) -> (f64, usize) {
         let beyond = self.whitened_coordinates(roots);
         (beyond.squared_norm_l2(), beyond.nrows() * beyond.ncols())
     }
 }
 
 /// Prediction of the FRFs by poles and out-of-band terms.
-pub(in crate::identify) struct Described<'a> {
-    far: &'a Far,
-    data: &'a Receptances,
-    roots: &'a [Root],
+pub(in crate::identify) struct PredictedResponse<'a> {
+    far: &'a OutOfBandFit,
+    data: &'a BandFrfs,
+    roots: &'a [ModelPole],
     /// Amplitudes of out-of-band terms, poles and conjugates: columns × FRFs.
     amplitudes: ComplexMatrix,
 }
 
-impl Described<'_> {
+impl PredictedResponse<'_> {
     /// Residual on a range of lines, over the noise at each.
-    pub fn left_over(&self, lines: Range<usize>) -> Rest {
+    pub fn residual(&self, lines: Range<usize>) -> Residual {
         let first = self.far.columns.ncols();
         let pole_columns = courses(
             self.far.line_shape,
@@ -225,7 +237,7 @@ impl Described<'_> {
         let measured = self.data.values.matrix();
         let measured = measured.subrows(lines.start, lines.len());
         let values = linalg::less_product(measured, (&courses, &self.amplitudes), over_noise);
-        Rest { lines, values }
+        Residual { lines, values }
     }
 }
 
@@ -233,7 +245,7 @@ impl Described<'_> {
 pub(in crate::identify) fn courses(
     line_shape: LineShape,
     omega: &[f64],
-    roots: &[Root],
+    roots: &[ModelPole],
 ) -> ComplexMatrix {
     linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, column| {
         let lambda = roots[column / 2].lambda;
@@ -247,7 +259,7 @@ pub(in crate::identify) fn courses(
 }
 
 /// Residues of every pole and of its conjugate: twice the number of poles × FRFs.
-pub(in crate::identify) fn residues(roots: &[Root], functions: usize) -> ComplexMatrix {
+pub(in crate::identify) fn residues(roots: &[ModelPole], functions: usize) -> ComplexMatrix {
     linalg::complex_matrix(2 * roots.len(), functions, |row, f| {
         let residue = roots[row / 2].residues[f];
         if row % 2 == 0 {

@@ -15,12 +15,12 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Progress, Quality, Root, combined};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combined};
 use crate::identify::data::residual::residues;
-use crate::identify::fit::compressed_band::Window;
-use crate::identify::fit::gauss_newton::{Block, Fitted, Surroundings, Unknown, fit};
+use crate::identify::fit::compressed_band::CompressedBand;
+use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
 
 /// Half length of the lines of a block, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 20.0;
@@ -49,7 +49,7 @@ const CONVERGED_STEP_DECAY_RATES: f64 = 1e-10;
 
 /// Convergence level of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::identify) enum Stop {
+pub(in crate::identify) enum Convergence {
     /// Residues alone: the poles are fixed.
     Residues,
     /// Sufficient to decide which poles are kept.
@@ -67,11 +67,11 @@ pub(in crate::identify) enum Stop {
 /// fitted once more, with the final values of distant poles. Compressed bands are kept for the next
 /// refinement.
 pub(in crate::identify) fn refine(
-    (data, sides): (&Receptances, &Sides),
-    windows: &mut Vec<Window>,
-    mut roots: Vec<Root>,
-    (limits, stop): ((f64, f64), Stop),
-) -> Vec<Root> {
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    windows: &mut Vec<CompressedBand>,
+    mut roots: Vec<ModelPole>,
+    (limits, stop): ((f64, f64), Convergence),
+) -> Vec<ModelPole> {
     let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
     let far = data.far();
@@ -84,18 +84,18 @@ pub(in crate::identify) fn refine(
         is_final |= round == MAX_SWEEPS;
         let fresh = roots
             .iter()
-            .any(|root| matches!(root.progress, Progress::Fresh(_)));
+            .any(|root| matches!(root.progress, FitState::Fresh(_)));
         // Blocks keep their lines while poles iterate, so that both cannot drift together.
         let mut tasks = plan.take().unwrap_or_else(|| {
             roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
             tasks(windows, blocks((data, windows), &roots, fresh))
         });
-        let iterates = |root: &usize| roots[*root].progress != Progress::Settled;
+        let iterates = |root: &usize| roots[*root].progress != FitState::Settled;
         let mut active: Vec<&mut Task> = tasks
             .iter_mut()
             .filter(|task| is_final || task.block.members.iter().any(iterates))
             .collect();
-        let steps = if fresh || stop == Stop::Residues {
+        let steps = if fresh || stop == Convergence::Residues {
             0
         } else {
             MAX_STEPS
@@ -103,18 +103,18 @@ pub(in crate::identify) fn refine(
         // Out-of-band terms change little from sweep to sweep, and are computed again before the
         // last fit of all blocks.
         if lost || !fresh && (is_final || sweep == next) {
-            beyond = Some(far.of_rest(&roots));
+            beyond = Some(far.from_residual(&roots));
             next = 2 * sweep + 1;
         }
         lost &= fresh;
         sweep += usize::from(!fresh);
-        let around = Surroundings {
+        let around = FitContext {
             data,
             sides,
             roots: &roots,
             residues: &residues(&roots, data.functions()),
             far: beyond.as_ref(),
-            last: is_final && matches!(stop, Stop::Fine | Stop::Residues),
+            last: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()
@@ -124,12 +124,12 @@ pub(in crate::identify) fn refine(
             update_poles(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        let is_shown = |root: &Root| stop == Stop::Residues || is_visible(data, root);
+        let is_shown = |root: &ModelPole| stop == Convergence::Residues || is_visible(data, root);
         roots.retain(|root| is_in_range(root, limits) && is_shown(root));
         if roots.len() < before {
             // The residues of the others and the out-of-band terms were fitted together with the
             // removed pole, which may have been large and wide.
-            roots.iter_mut().for_each(Root::refresh);
+            roots.iter_mut().for_each(ModelPole::refresh);
             lost = true;
         }
         if roots.len() < before || fresh {
@@ -137,7 +137,7 @@ pub(in crate::identify) fn refine(
         } else {
             plan = Some(tasks);
         }
-        let converged = roots.iter().all(|root| root.progress == Progress::Settled);
+        let converged = roots.iter().all(|root| root.progress == FitState::Settled);
         if converged && is_final {
             break;
         }
@@ -147,8 +147,9 @@ pub(in crate::identify) fn refine(
     windows.extend(kept.filter_map(|task| task.window));
     roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
     roots.par_iter_mut().for_each(|root| {
-        root.quality.pole_std = root.quality.pole_bound * data.shared.of_pole(data, root).sqrt();
-        root.quality.by_lines = data.shared.of_amplitude(data, root);
+        root.quality.pole_std =
+            root.quality.pole_bound * data.shared.pole_noise_factor(data, root).sqrt();
+        root.quality.by_lines = data.shared.amplitude_noise_factor(data, root);
     });
     roots
 }
@@ -156,11 +157,11 @@ pub(in crate::identify) fn refine(
 /// A block with its compressed band, where there is one.
 struct Task {
     block: Block,
-    window: Option<Window>,
+    window: Option<CompressedBand>,
 }
 
 /// Assigns compressed bands to the blocks with the same lines; the others are discarded.
-fn tasks(windows: &mut Vec<Window>, blocks: Vec<Block>) -> Vec<Task> {
+fn tasks(windows: &mut Vec<CompressedBand>, blocks: Vec<Block>) -> Vec<Task> {
     let mut kept = std::mem::take(windows);
     let task = |block: Block| {
         let index = kept.iter().position(|band| *band.lines() == block.lines);
@@ -171,32 +172,32 @@ fn tasks(windows: &mut Vec<Window>, blocks: Vec<Block>) -> Vec<Task> {
 }
 
 /// Marks converged poles as iterating: a removed or added pole changes the residual of all others.
-pub(in crate::identify) fn unsettle(roots: &mut [Root]) {
+pub(in crate::identify) fn mark_unconverged(roots: &mut [ModelPole]) {
     for root in roots {
-        if root.progress == Progress::Settled {
-            root.progress = Progress::Moving;
+        if root.progress == FitState::Settled {
+            root.progress = FitState::Moving;
         }
     }
 }
 
-fn is_in_range(root: &Root, (lo, hi): (f64, f64)) -> bool {
+fn is_in_range(root: &ModelPole, (lo, hi): (f64, f64)) -> bool {
     let lambda = root.lambda;
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
 }
 
 /// Whether a pole lies among the lines or so near that its resonance is visible on them. Farther
 /// poles belong to the out-of-band terms: their residues would be differences of large numbers.
-fn is_visible(data: &Receptances, root: &Root) -> bool {
+fn is_visible(data: &BandFrfs, root: &ModelPole) -> bool {
     data.beyond(root.lambda.im) < MAX_BEYOND_BANDWIDTHS * root.width()
 }
 
 /// Updates the core poles of a block from its fit.
-fn update_poles(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: Stop) {
+fn update_poles(roots: &mut [ModelPole], (block, fitted): (&Block, &Fitted), stop: Convergence) {
     let misfit_factor = fitted.misfit.max(1.0).sqrt();
     let max_step_stds = match stop {
-        Stop::Coarse | Stop::Residues => COARSE_STEP_STDS * misfit_factor,
-        Stop::Judging => CONVERGED_STEP_STDS * misfit_factor,
-        Stop::Fine => CONVERGED_STEP_STDS,
+        Convergence::Coarse | Convergence::Residues => COARSE_STEP_STDS * misfit_factor,
+        Convergence::Judging => CONVERGED_STEP_STDS * misfit_factor,
+        Convergence::Fine => CONVERGED_STEP_STDS,
     };
     let deviations = unknown_stds(fitted);
     for &member in &block.core {
@@ -228,7 +229,7 @@ fn update_poles(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: St
             converged &=
                 change <= CONVERGED_STEP_DECAY_RATES || change <= max_step_stds * deviation;
         }
-        root.quality = Quality {
+        root.quality = PoleQuality {
             pole_bound: bound * decay,
             pole_std: before.quality.pole_std,
             offset,
@@ -240,10 +241,10 @@ fn update_poles(roots: &mut [Root], (block, fitted): (&Block, &Fitted), stop: St
         };
         root.choose_pivots();
         root.progress = match before.progress {
-            Progress::Fresh(count) if count > 1 => Progress::Fresh(count - 1),
-            Progress::Fresh(_) => Progress::Moving,
-            _ if converged => Progress::Settled,
-            _ => Progress::Moving,
+            FitState::Fresh(count) if count > 1 => FitState::Fresh(count - 1),
+            FitState::Fresh(_) => FitState::Moving,
+            _ if converged => FitState::Settled,
+            _ => FitState::Moving,
         };
     }
 }
@@ -264,7 +265,11 @@ fn unknown_stds(step: &Fitted) -> Vec<f64> {
 }
 
 /// The blocks of poles in ascending frequency.
-fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bool) -> Vec<Block> {
+fn blocks(
+    (data, windows): (&BandFrfs, &[CompressedBand]),
+    roots: &[ModelPole],
+    linear: bool,
+) -> Vec<Block> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (number, root) in roots.iter().enumerate() {
         let near = |other: &usize| apart(root, &roots[*other]) < MAX_BLOCK_SEPARATION;
@@ -286,7 +291,7 @@ fn blocks((data, windows): (&Receptances, &[Window]), roots: &[Root], linear: bo
 }
 
 /// Merges groups on nearly the same lines: one block is faster than two.
-fn merge_groups(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+fn merge_groups(data: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let lines = |group: &[usize]| window(data, group.iter().map(|j| &roots[*j])).len();
     let mut merged: Vec<Vec<usize>> = Vec::new();
     for group in groups {
@@ -304,19 +309,19 @@ fn merge_groups(data: &Receptances, roots: &[Root], groups: Vec<Vec<usize>>) -> 
 }
 
 /// Separation of two poles in sums of their half-power bandwidths.
-pub(in crate::identify) fn apart(a: &Root, b: &Root) -> f64 {
+pub(in crate::identify) fn apart(a: &ModelPole, b: &ModelPole) -> f64 {
     (a.lambda.im - b.lambda.im).abs() / (a.width() + b.width())
 }
 
 fn block(
-    (data, windows): (&Receptances, &[Window]),
-    roots: &[Root],
+    (data, windows): (&BandFrfs, &[CompressedBand]),
+    roots: &[ModelPole],
     core: &[usize],
     linear: bool,
 ) -> Block {
     let lines = window(data, core.iter().map(|j| &roots[*j]));
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
-    let inside = |root: &Root| {
+    let inside = |root: &ModelPole| {
         let skirt = root.width().max(2.0 * data.step);
         root.lambda.im > lo - skirt && root.lambda.im < hi + skirt
     };
@@ -347,8 +352,8 @@ fn block(
 
 /// Lines within the fit bands of some poles.
 pub(in crate::identify) fn window<'a>(
-    data: &Receptances,
-    roots: impl Iterator<Item = &'a Root>,
+    data: &BandFrfs,
+    roots: impl Iterator<Item = &'a ModelPole>,
 ) -> Range<usize> {
     let (mut start, mut end) = (data.lines(), 0);
     for root in roots {
@@ -363,7 +368,7 @@ pub(in crate::identify) fn window<'a>(
 }
 
 /// Extends the lines of a block so that its members have fewer unknowns than lines.
-fn extend_lines(data: &Receptances, lines: Range<usize>, members: usize) -> Range<usize> {
+fn extend_lines(data: &BandFrfs, lines: Range<usize>, members: usize) -> Range<usize> {
     let wanted = 4 * members + 40;
     let missing = wanted.saturating_sub(lines.len()).div_ceil(2);
     let start = lines.start.saturating_sub(missing);

@@ -21,13 +21,13 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::Background;
-use crate::identify::fit::gauss_newton::Surroundings;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::OutOfBandBasis;
+use crate::identify::fit::gauss_newton::FitContext;
 use crate::identify::fit::variable_projection::Compressed;
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Powers of each line shape.
 const POWERS: usize = 3;
@@ -44,9 +44,9 @@ const MAX_GROWTH: f64 = 1.5;
 const MAX_END_DIFFERENCE: f64 = 1.0 / 32.0;
 
 /// A compressed band.
-pub(in crate::identify) struct Window {
+pub(in crate::identify) struct CompressedBand {
     lines: Range<usize>,
-    profile: Profile,
+    profile: BandProfile,
     /// Number of columns of the out-of-band terms.
     background: usize,
     /// Expansion point λ_0 of each line shape.
@@ -73,12 +73,12 @@ pub(in crate::identify) struct CompressedValues {
     pub energy: f64,
 }
 
-impl Window {
+impl CompressedBand {
     /// Compresses a range of lines, with expansion points for some poles.
-    pub fn new(data: &Receptances, lines: &Range<usize>, expansion_points: Vec<Complex64>) -> Self {
-        let profile = Profile::new(data, lines.clone());
+    pub fn new(data: &BandFrfs, lines: &Range<usize>, expansion_points: Vec<Complex64>) -> Self {
+        let profile = BandProfile::new(data, lines.clone());
         let omega = &data.omega[lines.clone()];
-        let background = Background::new(&data.omega, lines, data.outside());
+        let background = OutOfBandBasis::new(&data.omega, lines, data.outside());
         let first = background.columns();
         let columns = first + POWERS * expansion_points.len();
         let courses = courses(data.line_shape, omega, &expansion_points);
@@ -113,7 +113,7 @@ impl Window {
         &self.lines
     }
 
-    pub fn profile(&self) -> &Profile {
+    pub fn profile(&self) -> &BandProfile {
         &self.profile
     }
 
@@ -123,7 +123,7 @@ impl Window {
     }
 
     /// Whether the data are unchanged since.
-    pub fn is_of(&self, data: &Receptances) -> bool {
+    pub fn is_of(&self, data: &BandFrfs) -> bool {
         self.version == data.version()
     }
 
@@ -145,7 +145,7 @@ impl Window {
 
     /// Adds expansion points for the poles that are out of range of the present ones; compresses
     /// the lines anew where the number of coordinates would grow too much.
-    pub fn follow(&mut self, data: &Receptances, poles: Vec<Complex64>) {
+    pub fn follow(&mut self, data: &BandFrfs, poles: Vec<Complex64>) {
         let uncovered = poles
             .iter()
             .filter(|lambda| self.expansion_of(**lambda).is_none());
@@ -159,7 +159,7 @@ impl Window {
         }
     }
 
-    fn add_expansion_points(&mut self, data: &Receptances, more: Vec<Complex64>) {
+    fn add_expansion_points(&mut self, data: &BandFrfs, more: Vec<Complex64>) {
         let noise_profile = &self.profile.course;
         let columns = courses(data.line_shape, &data.omega[self.lines.clone()], &more);
         // Twice, the second time at full length: for columns nearly in the basis one pass leaves
@@ -224,7 +224,7 @@ impl Window {
 
     /// Coordinates of the values minus the other poles and the out-of-band terms of all lines;
     /// `known` has the line shapes of these poles, lines × twice the number of poles.
-    pub fn near(&self, around: &Surroundings, known: &ComplexMatrix) -> CompressedValues {
+    pub fn near(&self, around: &FitContext, known: &ComplexMatrix) -> CompressedValues {
         let courses = linalg::adjoint_product(&self.weights, known.as_ref());
         let mut values = &self.values - courses * around.residues;
         if let Some(coordinates) = around.far {
@@ -244,7 +244,7 @@ impl Window {
     /// outside the basis is estimated from some FRFs, for all.
     pub fn energy(
         &self,
-        around: &Surroundings,
+        around: &FitContext,
         (known, near): (&ComplexMatrix, &CompressedValues),
     ) -> f64 {
         let functions = around.data.functions();
@@ -279,7 +279,7 @@ impl Window {
     pub fn compressed(
         &self,
         near: &CompressedValues,
-        (members, moving): (&[Root], &[usize]),
+        (members, moving): (&[ModelPole], &[usize]),
     ) -> (Compressed, f64) {
         let (count, first) = (members.len(), self.background);
         let expansions: Vec<(usize, Complex64)> = members
@@ -343,7 +343,7 @@ impl Window {
 }
 
 /// Maximum distance of poles from their expansion points, decay rates.
-fn max_expansion_distance(data: &Receptances, lines: &Range<usize>, profile: &Profile) -> f64 {
+fn max_expansion_distance(data: &BandFrfs, lines: &Range<usize>, profile: &BandProfile) -> f64 {
     let strongest = |f: usize| {
         let values = data.values[f][lines.clone()].iter().zip(&profile.course);
         let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));

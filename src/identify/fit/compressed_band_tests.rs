@@ -3,12 +3,12 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::Background;
-use crate::identify::fit::compressed_band::{CompressedValues, Window};
-use crate::identify::fit::gauss_newton::Surroundings;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::OutOfBandBasis;
+use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
+use crate::identify::fit::gauss_newton::FitContext;
 use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
@@ -17,11 +17,11 @@ use crate::modal::Pole;
 const SENSORS: usize = 60;
 
 /// Two modes with large components at the even sensors and small ones at the odd.
-fn measured() -> (Receptances, Sides, [Complex64; 2]) {
+fn measured() -> (BandFrfs, FrfMatrix, [Complex64; 2]) {
     measured_at(50.0)
 }
 
-fn measured_at(snr_db: f64) -> (Receptances, Sides, [Complex64; 2]) {
+fn measured_at(snr_db: f64) -> (BandFrfs, FrfMatrix, [Complex64; 2]) {
     let shape = |a: f64| {
         let value = |p: usize| {
             if p.is_multiple_of(2) {
@@ -49,21 +49,21 @@ fn measured_at(snr_db: f64) -> (Receptances, Sides, [Complex64; 2]) {
         seed: 1,
         ..Measurement::of_sensors(SENSORS, axis)
     });
-    let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+    let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
     let poles = modes.map(|(hz, zeta)| Pole::from_frequency(hz, zeta).lambda);
-    (data, Sides::new(set.functions()), poles)
+    (data, FrfMatrix::new(set.functions()), poles)
 }
 
-fn members(poles: &[Complex64]) -> Vec<Root> {
-    let root = |lambda: &Complex64| Root::single(*lambda, &[Complex64::ONE], SENSORS);
+fn members(poles: &[Complex64]) -> Vec<ModelPole> {
+    let root = |lambda: &Complex64| ModelPole::single(*lambda, &[Complex64::ONE], SENSORS);
     poles.iter().map(root).collect()
 }
 
 /// Coordinates of all values of a compressed band, with nothing subtracted, and their energy.
-fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (CompressedValues, f64) {
+fn all(window: &CompressedBand, (data, sides): (&BandFrfs, &FrfMatrix)) -> (CompressedValues, f64) {
     let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
     let residues: ComplexMatrix = zero(2, SENSORS);
-    let around = Surroundings {
+    let around = FitContext {
         data,
         sides,
         roots: &[],
@@ -80,13 +80,13 @@ fn all(window: &Window, (data, sides): (&Receptances, &Sides)) -> (CompressedVal
 /// Energy of the values that out-of-band terms and powers of the line shapes explain, computed from
 /// the lines themselves; and the energy of the values.
 fn by_lines(
-    data: &Receptances,
-    window: &Window,
+    data: &BandFrfs,
+    window: &CompressedBand,
     (poles, powers): (&[Complex64], usize),
 ) -> (f64, f64) {
     let (lines, profile) = (window.lines().clone(), window.profile());
     let omega = &data.omega[lines.clone()];
-    let background = Background::new(&data.omega, &lines, data.outside());
+    let background = OutOfBandBasis::new(&data.omega, &lines, data.outside());
     let first = background.columns();
     let columns = linalg::complex_matrix(omega.len(), first + powers * poles.len(), |k, column| {
         let value = match column.checked_sub(first) {
@@ -109,7 +109,7 @@ fn by_lines(
 #[test]
 fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_poles() {
     let (data, sides, truth) = measured();
-    let mut window = Window::new(&data, &(60..341), truth.to_vec());
+    let mut window = CompressedBand::new(&data, &(60..341), truth.to_vec());
     // Within range, half a decay rate off one after the other, and back.
     let offsets = [[0.0, 2e-5], [0.5, 2e-5], [0.5, -0.4], [0.0, 0.0]];
     for offsets in offsets {
@@ -143,7 +143,7 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
     let lines = 60..341;
     let window = |offset: f64| {
         let about = truth.map(|lambda| lambda + offset * lambda.re.abs());
-        Window::new(&data, &lines, about.to_vec())
+        CompressedBand::new(&data, &lines, about.to_vec())
     };
     let offsets = (1..2000).map(|step| f64::from(step) * 1e-5);
     let served = offsets.take_while(|offset| window(*offset).serves(&truth));
@@ -169,14 +169,14 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
 #[test]
 fn a_compressed_band_is_valid_for_its_noise_and_its_lines_only() {
     let (mut data, _, truth) = measured();
-    let window = Window::new(&data, &(60..341), truth.to_vec());
+    let window = CompressedBand::new(&data, &(60..341), truth.to_vec());
     assert!(window.is_of(&data));
     assert!(window.covers(&(62..340), data.lines()) && !window.covers(&(100..340), data.lines()));
     // A band that ends with the data has other out-of-band terms.
-    let edge = Window::new(&data, &(0..341), truth.to_vec());
+    let edge = CompressedBand::new(&data, &(0..341), truth.to_vec());
     assert!(!edge.covers(&(1..341), data.lines()) && edge.covers(&(0..340), data.lines()));
-    data.set_outside(crate::identify::data::out_of_band_basis::Outside::Courses(
-        Vec::new(),
-    ));
+    data.set_out_of_band_terms(
+        crate::identify::data::out_of_band_basis::OutOfBandTerms::Courses(Vec::new()),
+    );
     assert!(!window.is_of(&data));
 }

@@ -3,8 +3,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
 
 /// Minimum probability whose complement differs from 1.
 const MIN_PROBABILITY: f64 = 1e-14;
@@ -16,8 +16,8 @@ const MIN_PROBABILITY: f64 = 1e-14;
 /// except with a probability p (Davidson and Szarek 2001); with one input its square is chi-squared
 /// with two degrees of freedom per output.
 pub(in crate::identify) fn significance(
-    root: &Root,
-    sides: &Sides,
+    root: &ModelPole,
+    sides: &FrfMatrix,
     false_alarm: f64,
 ) -> (f64, f64) {
     let outputs = sides.outputs.len();
@@ -38,8 +38,8 @@ pub(in crate::identify) fn significance(
 
 /// Number of independent modes of a pole above the noise.
 pub(in crate::identify) fn modes_above_noise(
-    root: &Root,
-    sides: &Sides,
+    root: &ModelPole,
+    sides: &FrfMatrix,
     false_alarm: f64,
 ) -> usize {
     let limit = limit(root, sides, false_alarm);
@@ -50,17 +50,17 @@ pub(in crate::identify) fn modes_above_noise(
         .count()
 }
 
-fn limit(root: &Root, sides: &Sides, false_alarm: f64) -> f64 {
+fn limit(root: &ModelPole, sides: &FrfMatrix, false_alarm: f64) -> f64 {
     let white = match sides.inputs {
         1 => upper_quantile(2.0 * sides.outputs.len() as f64, false_alarm),
-        _ => 2.0 * norm_of_noise(sides, false_alarm).powi(2),
+        _ => 2.0 * noise_norm_quantile(sides, false_alarm).powi(2),
     };
     root.quality.by_lines * white
 }
 
 /// Value that the largest singular value of outputs × inputs of noise of unit variance exceeds with
 /// at most this probability.
-pub(in crate::identify) fn norm_of_noise(sides: &Sides, false_alarm: f64) -> f64 {
+pub(in crate::identify) fn noise_norm_quantile(sides: &FrfMatrix, false_alarm: f64) -> f64 {
     let (outputs, inputs) = (sides.outputs.len() as f64, sides.inputs as f64);
     outputs.sqrt() + inputs.sqrt() + (-false_alarm.ln()).sqrt()
 }
@@ -69,7 +69,7 @@ pub(in crate::identify) fn norm_of_noise(sides: &Sides, false_alarm: f64) -> f64
 /// of a column of standard deviations, and the largest one, replace `√i`, `√o` and 1 (Bandeira and
 /// van Handel 2016, without their term of the logarithm of the size, which is small where standard
 /// deviations are nearly equal).
-pub(in crate::identify) fn norm_of_uneven_noise(
+pub(in crate::identify) fn uneven_noise_norm_quantile(
     (outputs, inputs): (usize, usize),
     deviation: impl Fn(usize, usize) -> f64,
     false_alarm: f64,

@@ -26,11 +26,11 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, is_allowed_pole};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{ModelPole, is_allowed_pole};
 use crate::identify::data::residual::courses;
-use crate::identify::fit::compressed_band::{CompressedValues, Window};
+use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
 use crate::identify::fit::mode_strength::{Strength, Strengths};
 use crate::identify::fit::shape_covariance::ShapeCovariance;
 use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
@@ -66,7 +66,7 @@ pub(in crate::identify) struct Block {
 /// A fitted block.
 pub(in crate::identify) struct Fitted {
     /// Its members with their residues.
-    pub members: Vec<Root>,
+    pub members: Vec<ModelPole>,
     /// Unknowns in order.
     pub unknowns: Vec<Unknown>,
     /// Fisher information of the unknowns.
@@ -81,11 +81,11 @@ pub(in crate::identify) struct Fitted {
 }
 
 /// Data and poles around a block.
-pub(in crate::identify) struct Surroundings<'a> {
-    pub data: &'a Receptances,
-    pub sides: &'a Sides,
+pub(in crate::identify) struct FitContext<'a> {
+    pub data: &'a BandFrfs,
+    pub sides: &'a FrfMatrix,
     /// All poles, and their residues.
-    pub roots: &'a [Root],
+    pub roots: &'a [ModelPole],
     pub residues: &'a ComplexMatrix,
     /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
     pub far: Option<&'a ComplexMatrix>,
@@ -96,11 +96,11 @@ pub(in crate::identify) struct Surroundings<'a> {
 /// Fits a block with at most `steps` steps; with none, the residues alone. The compressed band is
 /// returned as the last step needed it.
 pub(in crate::identify) fn fit(
-    around: &Surroundings,
+    around: &FitContext,
     block: &Block,
-    (window, steps): (&mut Option<Window>, usize),
+    (window, steps): (&mut Option<CompressedBand>, usize),
 ) -> Fitted {
-    let mut members: Vec<Root> = block
+    let mut members: Vec<ModelPole> = block
         .members
         .iter()
         .map(|j| around.roots[*j].clone())
@@ -157,11 +157,11 @@ pub(in crate::identify) fn fit(
 
 /// The members after one damped step, and the largest step of an unknown.
 fn damped_step(
-    members: &[Root],
+    members: &[ModelPole],
     unknowns: &[Unknown],
     here: &Linearised,
     damping: f64,
-) -> (Vec<Root>, f64) {
+) -> (Vec<ModelPole>, f64) {
     let delta = damped_solution(&here.information, &here.gradient, damping);
     let mut moved = members.to_vec();
     let mut largest: f64 = 0.0;
@@ -179,8 +179,8 @@ fn damped_step(
 
 /// The problem of a block in its compressed band.
 struct BandProblem<'a> {
-    around: &'a Surroundings<'a>,
-    window: Window,
+    around: &'a FitContext<'a>,
+    window: CompressedBand,
     /// Line shapes of all other poles and of all conjugates, lines × twice the number of poles.
     known: ComplexMatrix,
     /// Coordinates of the values minus these, and the energy of the values minus these.
@@ -190,7 +190,7 @@ struct BandProblem<'a> {
 }
 
 impl<'a> BandProblem<'a> {
-    fn new(around: &'a Surroundings, block: &Block, window: &mut Option<Window>) -> Self {
+    fn new(around: &'a FitContext, block: &Block, window: &mut Option<CompressedBand>) -> Self {
         let poles: Vec<Complex64> = block
             .members
             .iter()
@@ -203,7 +203,7 @@ impl<'a> BandProblem<'a> {
                 }
                 band
             }
-            None => Window::new(around.data, &block.lines, poles),
+            None => CompressedBand::new(around.data, &block.lines, poles),
         };
         let known = other_line_shapes(around.data, around.roots, block);
         let near = window.near(around, &known);
@@ -218,8 +218,8 @@ impl<'a> BandProblem<'a> {
     }
 
     /// Number of complex values minus complex unknowns, at least 1.
-    fn freedom(&self, members: &[Root], unknowns: &[Unknown]) -> f64 {
-        let shapes: usize = members.iter().map(Root::multiplicity).sum();
+    fn freedom(&self, members: &[ModelPole], unknowns: &[Unknown]) -> f64 {
+        let shapes: usize = members.iter().map(ModelPole::multiplicity).sum();
         let functions = self.around.data.functions();
         let fitted = self.window.background() * functions
             + shapes * self.around.sides.outputs.len()
@@ -230,7 +230,11 @@ impl<'a> BandProblem<'a> {
     }
 
     /// Adds the effect of the errors of the unknowns to the variances of the residues of the core.
-    fn add_pole_uncertainty(&self, (members, core): (&[Root], &[usize]), here: &mut Linearised) {
+    fn add_pole_uncertainty(
+        &self,
+        (members, core): (&[ModelPole], &[usize]),
+        here: &mut Linearised,
+    ) {
         if here.information.nrows() == 0 {
             return;
         }
@@ -250,7 +254,7 @@ impl<'a> BandProblem<'a> {
 
     /// Linearises the problem at some poles; the compressed band adds expansion points where
     /// needed.
-    fn linearised(&mut self, members: &[Root], unknowns: &[Unknown]) -> Linearised {
+    fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
             self.window.follow(self.around.data, poles);
@@ -287,13 +291,13 @@ impl<'a> BandProblem<'a> {
 }
 
 /// Member and rank-one term of each column of shapes.
-fn columns(members: &[Root]) -> Vec<(usize, usize)> {
+fn columns(members: &[ModelPole]) -> Vec<(usize, usize)> {
     (0..members.len())
         .flat_map(|j| (0..members[j].multiplicity()).map(move |i| (j, i)))
         .collect()
 }
 
-fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
+fn unknowns(members: &[ModelPole], free: &[usize]) -> Vec<Unknown> {
     let mut unknowns = Vec::new();
     for &j in free {
         unknowns.push(Unknown::Pole(j));
@@ -307,7 +311,7 @@ fn unknowns(members: &[Root], free: &[usize]) -> Vec<Unknown> {
 
 /// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the
 /// poles.
-fn other_line_shapes(data: &Receptances, roots: &[Root], block: &Block) -> ComplexMatrix {
+fn other_line_shapes(data: &BandFrfs, roots: &[ModelPole], block: &Block) -> ComplexMatrix {
     let omega = &data.omega[block.lines.clone()];
     let mut known = courses(data.line_shape, omega, roots);
     for j in &block.members {

@@ -27,14 +27,14 @@ use rayon::prelude::*;
 use crate::fourier::ComplexPlan;
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::Background;
-use crate::identify::data::residual::Rest;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::OutOfBandBasis;
+use crate::identify::data::residual::Residual;
 use crate::identify::fit::block_descent::window;
-use crate::identify::ml::estimator::Fit;
-use crate::identify::noise::band_profile::Profile;
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::ml::estimator::PoleModel;
+use crate::identify::noise::band_profile::BandProfile;
+use crate::identify::noise::line_correlation::LineCorrelation;
 
 /// Half-power bandwidths on either side in which the common error of the FRFs is estimated from the
 /// residual, and minimum number of lines: within 2 the fit leaves too few values, beyond 5 other
@@ -48,11 +48,11 @@ const MIN_FREEDOM: f64 = 3.0;
 /// Minimum independent component of the derivative, over its length.
 const MIN_INDEPENDENT_FRACTION: f64 = 1e-6;
 
-impl Fit {
+impl PoleModel {
     /// Sets the standard deviations of the poles with the estimated noise model.
-    pub fn reckon_with_noise(&mut self) {
+    pub fn add_noise_model_uncertainty(&mut self) {
         let residual = self.data.line_shape.is_smoothed().then(|| self.rest());
-        let factor = |root: &Root| {
+        let factor = |root: &ModelPole| {
             let common_power = residual
                 .as_ref()
                 .map(|residual| power_along(&self.data, residual, root));
@@ -73,7 +73,7 @@ impl Fit {
 /// contain in the ratio of their residues `a`: for n FRFs `E|Σ_f conj(a_f) r_f/l_f²|²` is then up
 /// to n times `Σ_f |a_f|² v_f/l_f⁴`, and so is the variance of the pole. It is estimated from the
 /// residual on the lines of the resonance, with the degrees of freedom of the fit subtracted.
-fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
+fn power_along(data: &BandFrfs, rest: &Residual, root: &ModelPole) -> f64 {
     let side = (RESIDUAL_BANDWIDTHS * root.width() / data.step).ceil() as usize;
     let (side, top) = (side.max(MIN_RESIDUAL_LINES), data.line_of(root.lambda));
     let lines = top.saturating_sub(side)..(top + side + 1).min(data.lines());
@@ -102,14 +102,14 @@ fn power_along(data: &Receptances, rest: &Rest, root: &Root) -> f64 {
 /// Variance of a pole over that in noise as the fit weights it, at least `along` times that of
 /// independent errors; `None` where the lines do not separate the pole from the others.
 fn variance_inflation(
-    data: &Receptances,
-    roots: &[Root],
-    (root, along): (&Root, f64),
+    data: &BandFrfs,
+    roots: &[ModelPole],
+    (root, along): (&ModelPole, f64),
 ) -> Option<f64> {
     let lines = window(data, std::iter::once(root));
-    let profile = Profile::new(data, lines.clone());
+    let profile = BandProfile::new(data, lines.clone());
     let fit = FitLines {
-        background: Background::new(&data.omega, &lines, data.outside()),
+        background: OutOfBandBasis::new(&data.omega, &lines, data.outside()),
         course: &profile.course,
         lines: lines.clone(),
     };
@@ -177,14 +177,14 @@ pub(in crate::identify) struct FitLines<'a> {
     /// Profile of the noise over these lines.
     pub course: &'a [f64],
     /// Out-of-band terms of these lines.
-    pub background: Background<'a>,
+    pub background: OutOfBandBasis<'a>,
 }
 
 /// Part of a pole's derivative, over the profile of the noise, that out-of-band terms and the poles
 /// around do not explain; `None` where there are too few lines.
 pub(in crate::identify) fn orthogonal_derivative(
-    data: &Receptances,
-    (roots, root): (&[Root], &Root),
+    data: &BandFrfs,
+    (roots, root): (&[ModelPole], &ModelPole),
     fit: &FitLines,
 ) -> Option<Vec<Complex64>> {
     let FitLines {
@@ -194,7 +194,7 @@ pub(in crate::identify) fn orthogonal_derivative(
     } = fit;
     let omega = &data.omega[lines.clone()];
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
-    let near: Vec<&Root> = (roots.iter())
+    let near: Vec<&ModelPole> = (roots.iter())
         .filter(|other| other.lambda.im > lo - other.width())
         .filter(|other| other.lambda.im < hi + other.width())
         .collect();
@@ -202,7 +202,7 @@ pub(in crate::identify) fn orthogonal_derivative(
     if lines.len() < columns + near.len() + 2 {
         return None;
     }
-    let power = |k: usize, root: &Root, n: usize| {
+    let power = |k: usize, root: &ModelPole, n: usize| {
         data.line_shape
             .power(root.decay(), (omega[k], root.lambda), n)
     };
@@ -225,7 +225,7 @@ struct Spectrum(Vec<f64>);
 
 impl Spectrum {
     /// Spectrum of noise on `lines` lines, in the length of a plan.
-    fn new(plan: &ComplexPlan, correlation: &Correlation, lines: usize) -> Self {
+    fn new(plan: &ComplexPlan, correlation: &LineCorrelation, lines: usize) -> Self {
         let mut lags = vec![Complex64::ZERO; plan.len()];
         lags[0] = Complex64::ONE;
         for m in 1..lines {
@@ -261,7 +261,7 @@ mod tests {
         const RECORD: usize = 512;
         // aT = 20 over the record: the noise is correlated over several lines.
         let at_end = 20.0;
-        let correlation = Correlation::of_window(at_end, (std::f64::consts::TAU, LINES));
+        let correlation = LineCorrelation::of_window(at_end, (std::f64::consts::TAU, LINES));
         let plan = ComplexPlan::inverse(2 * LINES);
         let spectrum = Spectrum::new(&plan, &correlation, LINES);
         for rotation in [-0.9, -0.2, 0.3, 0.8] {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 
 /// Iterations of the subtraction; each gains the coupling of separate modes, a factor of ten or
 /// more.
@@ -24,7 +24,7 @@ const JOINT_FIT_BANDWIDTHS: f64 = 6.0;
 
 /// Residues, m/(N s), by mode, then by FRF, for poles λ (rad/s) with the lines around each.
 pub(in crate::identify) fn residues(
-    data: &Receptances,
+    data: &BandFrfs,
     poles: &[Complex64],
     windows: &[Range<usize>],
 ) -> Vec<Vec<Complex64>> {
@@ -39,7 +39,7 @@ pub(in crate::identify) fn residues(
 }
 
 fn residues_of_one_mode(
-    data: &Receptances,
+    data: &BandFrfs,
     poles: &[Complex64],
     before: &[Vec<Complex64>],
     (mode, lines): (usize, Range<usize>),
@@ -69,8 +69,8 @@ fn residues_of_one_mode(
 /// sensor): the column `1/(iω − λ)²` estimates the shift (Gauss-Newton), then the residue is fitted
 /// at the shifted pole. The decay rate is common: the height of a resonance is determined far
 /// better than its width.
-pub(in crate::identify) fn with_own_frequencies(
-    data: &Receptances,
+pub(in crate::identify) fn residues_at_individual_frequencies(
+    data: &BandFrfs,
     lambda: Complex64,
     (residuals, lines): (&[Vec<Complex64>], Range<usize>),
 ) -> Vec<Complex64> {
@@ -142,7 +142,7 @@ fn jointly_fitted_modes(poles: &[Complex64], mode: usize, lines: usize) -> Vec<u
 /// The values of all FRFs on some lines minus the conjugate terms of all modes and the terms of all
 /// modes except the kept ones.
 pub(in crate::identify) fn remainder(
-    data: &Receptances,
+    data: &BandFrfs,
     poles: &[Complex64],
     residues: &[Vec<Complex64>],
     (kept, lines): (&[usize], Range<usize>),

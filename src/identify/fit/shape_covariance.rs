@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 use crate::linalg::ComplexMatrix;
 
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::variable_projection::{Pattern, ShapeDerivative};
 
 /// Shapes of a block and their derivatives by its unknowns.
@@ -29,7 +29,7 @@ pub(in crate::identify) struct ShapeCovariance<'a> {
 impl ShapeCovariance<'_> {
     /// Adds the effect of the errors of the unknowns to the variances of the residues of a member;
     /// none for a repeated pole.
-    pub fn add_pole_uncertainty(&self, (j, root): (usize, &Root), variances: &mut [f64]) {
+    pub fn add_pole_uncertainty(&self, (j, root): (usize, &ModelPole), variances: &mut [f64]) {
         if root.multiplicity() > 1 {
             return;
         }
@@ -55,7 +55,7 @@ impl ShapeCovariance<'_> {
     }
 
     /// Derivatives of the residues by each unknown through the shape: FRFs × unknowns.
-    fn slopes(&self, root: &Root, column: usize) -> ComplexMatrix {
+    fn slopes(&self, root: &ModelPole, column: usize) -> ComplexMatrix {
         let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
         for (pattern, turn) in self.patterns.iter().zip(self.shape_derivatives) {
             let factors: Vec<Complex64> = pattern

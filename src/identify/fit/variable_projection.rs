@@ -8,10 +8,10 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::mode_strength::Strength;
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// A nonlinear unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl ShapeDerivative {
 
 impl Linearised {
     /// Sum over no output.
-    pub fn none(members: &[Root], unknowns: usize, functions: usize) -> Self {
+    pub fn none(members: &[ModelPole], unknowns: usize, functions: usize) -> Self {
         Self {
             cost: 0.0,
             information: linalg::complex_matrix(unknowns, unknowns, |_, _| Complex64::ZERO),
@@ -142,7 +142,7 @@ const MAX_RATIO_DIFFERENCE: f64 = 0.1;
 const ROUND_OFF_ENERGY: f64 = 1e-15;
 
 /// The patterns of all outputs.
-pub(in crate::identify) fn patterns(sides: &Sides, profile: &Profile) -> Vec<Pattern> {
+pub(in crate::identify) fn patterns(sides: &FrfMatrix, profile: &BandProfile) -> Vec<Pattern> {
     let mut patterns: Vec<Pattern> = Vec::new();
     for output in &sides.outputs {
         let inputs: Vec<usize> = output.iter().map(|(input, _)| *input).collect();
@@ -172,7 +172,7 @@ pub(in crate::identify) fn patterns(sides: &Sides, profile: &Profile) -> Vec<Pat
 /// The linear problem of the outputs of a pattern.
 pub(in crate::identify) struct Problem<'a> {
     pub data: &'a Compressed,
-    pub members: &'a [Root],
+    pub members: &'a [ModelPole],
     /// Member and rank-one term of each column of shapes.
     pub columns: &'a [(usize, usize)],
     pub unknowns: &'a [Unknown],

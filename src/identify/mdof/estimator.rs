@@ -26,19 +26,19 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::detection_spectrum::Indicator;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::peak_detection::{self, Found};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::detection_spectrum::DetectionSpectrum;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
-use crate::identify::fit::block_descent::Stop;
+use crate::identify::fit::block_descent::Convergence;
 use crate::identify::mdof::pole_tracks::StablePole;
-use crate::identify::mdof::stabilization::{MultiModeMethod, roots_of, stabilise_weighted};
-use crate::identify::ml::estimator::Fit;
-use crate::identify::ml::multiplicity::{completed, strongest};
-use crate::identify::run_variation::Moved;
+use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, stabilise_weighted};
+use crate::identify::ml::estimator::PoleModel;
+use crate::identify::ml::multiplicity::{complete_multiplicities, strongest};
+use crate::identify::run_variation::RunShifts;
 
 /// A multi-mode method as an estimator.
 pub(in crate::identify) struct MultiModeEstimator<M> {
@@ -54,14 +54,14 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let data = Receptances::guarded(set, band)?;
-        let frf_matrix = Sides::new(set.functions());
+        let data = BandFrfs::guarded(set, band)?;
+        let frf_matrix = FrfMatrix::new(set.functions());
         let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
         let single_input = frf_matrix.as_one_input();
         let is_scalar = !has_participation || !self.method.gives_participation();
-        let indicator = Indicator::new(&data);
+        let indicator = DetectionSpectrum::new(&data);
         let found = peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
-        let mut fit = Fit::new(
+        let mut fit = PoleModel::new(
             data,
             if is_scalar {
                 single_input
@@ -73,15 +73,15 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.fixed = true;
         let on = (&fit.data, &fit.sides);
         let stable = stabilise_weighted(&self.method, on, (&found, fit.limits()))?;
-        fit.roots = roots_of(&stable.seeds, fit.data.functions());
-        fit.settle(Stop::Coarse);
-        fit.measure_noise();
+        fit.roots = model_poles(&stable.seeds, fit.data.functions());
+        fit.refine_and_prune(Convergence::Coarse);
+        fit.estimate_noise();
         if has_participation && is_scalar {
             assign_participation(&mut fit, frf_matrix);
         }
-        fit.settle(Stop::Coarse);
-        fit.measure_noise();
-        fit.settle(Stop::Coarse);
+        fit.refine_and_prune(Convergence::Coarse);
+        fit.estimate_noise();
+        fit.refine_and_prune(Convergence::Coarse);
         fit.doubt();
         let mut table = fit.table((set, band), &found);
         let references = set.references().len();
@@ -101,20 +101,20 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
 pub(in crate::identify) fn at_poles(
     (set, band): (&FrfSet, Band),
     poles: &[Complex64],
-    moved: Moved,
+    moved: RunShifts,
 ) -> Result<PoleTable, IdentifyError> {
-    let mut data = Receptances::guarded(set, band)?;
-    moved.straighten(&mut data);
-    let frf_matrix = Sides::new(set.functions());
+    let mut data = BandFrfs::guarded(set, band)?;
+    moved.align_runs(&mut data);
+    let frf_matrix = FrfMatrix::new(set.functions());
     let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
     let functions = data.functions();
-    let mut fit = Fit::new(data, frf_matrix.as_one_input(), MethodOptions::default());
+    let mut fit = PoleModel::new(data, frf_matrix.as_one_input(), MethodOptions::default());
     fit.fixed = true;
     fit.moved = moved;
-    let single_pole = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    let single_pole = |pole: &Complex64| ModelPole::single(*pole, &[Complex64::ONE], functions);
     fit.roots = poles.iter().map(single_pole).collect();
     fit.residues();
-    fit.measure_noise();
+    fit.estimate_noise();
     if has_participation {
         let free = assign_participation(&mut fit, frf_matrix);
         for pole in free {
@@ -124,7 +124,7 @@ pub(in crate::identify) fn at_poles(
         }
     }
     fit.residues();
-    let mut table = fit.table((set, band), &Found::default());
+    let mut table = fit.table((set, band), &DetectedPeaks::default());
     let references = set.references().len();
     for candidate in &mut table.candidates {
         complete(candidate, &[], (&fit, references));
@@ -134,19 +134,24 @@ pub(in crate::identify) fn at_poles(
 
 /// Replaces poles with free residues by poles with participation factors, as many as the residues
 /// show. Returns the replaced poles.
-fn assign_participation(fit: &mut Fit, frf_matrix: Sides) -> Vec<Root> {
-    let standings = fit.standings();
+fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<ModelPole> {
+    let pole_metrics = fit.pole_metrics();
     let free = std::mem::take(&mut fit.roots);
     let chance = fit.options.false_alarm_probability / fit.data.lines() as f64;
     fit.sides = frf_matrix;
     let data_and_matrix = (&fit.data, &fit.sides);
-    fit.roots = completed(data_and_matrix, Vec::new(), (&free, &standings), chance);
+    fit.roots =
+        complete_multiplicities(data_and_matrix, Vec::new(), (&free, &pole_metrics), chance);
     free
 }
 
 /// Completes a candidate with the order of the nearest stable pole, the error of the method in its
 /// standard deviations, and participation factors, where the inputs of the fit are the references.
-fn complete(candidate: &mut Candidate, seeds: &[StablePole], (fit, references): (&Fit, usize)) {
+fn complete(
+    candidate: &mut Candidate,
+    seeds: &[StablePole],
+    (fit, references): (&PoleModel, usize),
+) {
     let lambda = candidate.pole.lambda;
     let distance = |seed: &&StablePole| (seed.pole.lambda - lambda).norm();
     let nearest = seeds

@@ -38,9 +38,9 @@ use rayon::prelude::*;
 use crate::fourier::ComplexPlan;
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::peak_detection::Found;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::lscf::{highest_order, split_band};
 use crate::identify::mdof::plscf::{Lscf, Plane, circle_points};
@@ -79,8 +79,8 @@ impl MultiModeMethod for ComplexExponentials {
 
     fn segments(
         &self,
-        (data, frf_matrix): (&Receptances, &Sides),
-        (found, _): (&Found, &[Complex64]),
+        (data, frf_matrix): (&BandFrfs, &FrfMatrix),
+        (found, _): (&DetectedPeaks, &[Complex64]),
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         let segments = split_band(data, |end| {
             let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
@@ -114,7 +114,7 @@ struct Responses {
 }
 
 impl Responses {
-    fn new((data, frf_matrix): (&Receptances, &Sides), lines: Range<usize>) -> Self {
+    fn new((data, frf_matrix): (&BandFrfs, &FrfMatrix), lines: Range<usize>) -> Self {
         let count = lines.len();
         let points = circle_points(count, 0);
         let plan = ComplexPlan::inverse(points);
@@ -148,7 +148,11 @@ impl Responses {
     }
 
     /// Reduced normal reduced_equations of the recurrence up to an order.
-    fn reduced_equations(&self, frf_matrix: &Sides, order: usize) -> Result<Lscf, IdentifyError> {
+    fn reduced_equations(
+        &self,
+        frf_matrix: &FrfMatrix,
+        order: usize,
+    ) -> Result<Lscf, IdentifyError> {
         let order = order
             .min((self.samples[0].len() / 2).saturating_sub(self.first) / MIN_SAMPLES_PER_ORDER);
         let order = order.max(1);
@@ -228,7 +232,7 @@ impl Responses {
 /// Divisor of each FRF: one noise level for all inputs of an output, the root of the inverse of
 /// their mean precision. One level per FRF would change the participation factors from output to
 /// output, which share one recurrence.
-fn levels((data, frf_matrix): (&Receptances, &Sides), lines: &Range<usize>) -> Vec<f64> {
+fn levels((data, frf_matrix): (&BandFrfs, &FrfMatrix), lines: &Range<usize>) -> Vec<f64> {
     let mut levels = vec![1.0; data.functions()];
     for output in &frf_matrix.outputs {
         let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());

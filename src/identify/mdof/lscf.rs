@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::peak_detection::Found;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
@@ -53,8 +53,8 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
 
     fn segments(
         &self,
-        (data, frf_matrix): (&Receptances, &Sides),
-        (found, weight_poles): (&Found, &[Complex64]),
+        (data, frf_matrix): (&BandFrfs, &FrfMatrix),
+        (found, weight_poles): (&DetectedPeaks, &[Complex64]),
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         split_band(data, |end| {
             let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
@@ -70,7 +70,7 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
 
 /// Highest order of an estimate from the lines below `end`: as stated, or by the number of peaks.
 pub(in crate::identify) fn highest_order(
-    (end, found): (usize, &Found),
+    (end, found): (usize, &DetectedPeaks),
     inputs: usize,
     stated: Option<usize>,
 ) -> usize {
@@ -87,7 +87,7 @@ pub(in crate::identify) fn highest_order(
 /// Estimates from all lines and, in a wide band, from its lower segment, and from the lower segment
 /// of that.
 pub(in crate::identify) fn split_band(
-    data: &Receptances,
+    data: &BandFrfs,
     tables_below: impl Fn(usize) -> Result<Vec<OrderPoles>, IdentifyError>,
 ) -> Result<Vec<BandSegment>, IdentifyError> {
     let mut segments = Vec::new();

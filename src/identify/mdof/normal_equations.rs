@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::fourier::ComplexPlan;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::mdof::plscf::{Plane, circle_points};
 
 /// Error of the model relative to the response, squared. Without it, strong resonances far above
@@ -50,8 +50,8 @@ impl Transforms {
     /// line is weighted by one over the factor that the denominator of `weight_poles`, rad/s,
     /// applies to its noise.
     pub fn new(
-        data: &Receptances,
-        frf_matrix: &Sides,
+        data: &BandFrfs,
+        frf_matrix: &FrfMatrix,
         (lines, order, weight_poles): (Range<usize>, usize, &[Complex64]),
     ) -> Self {
         let plan = ComplexPlan::inverse(circle_points(lines.len(), 2 * order + 2));
@@ -105,7 +105,7 @@ impl Transforms {
 
 /// Weighted lines and the plan of their transforms.
 struct Lines<'a> {
-    data: &'a Receptances,
+    data: &'a BandFrfs,
     lines: Range<usize>,
     /// Weight of every line by the denominator of given poles.
     denominator_weight: Vec<f64>,
@@ -232,8 +232,8 @@ mod tests {
                 .push((how.pairs[i].0.clone(), how.pairs[1].0.clone()));
         }
         let set = Structure { modes }.measured(&how);
-        let data = Receptances::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
-        let (frf_matrix, order) = (Sides::new(set.functions()), 4);
+        let data = BandFrfs::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
+        let (frf_matrix, order) = (FrfMatrix::new(set.functions()), 4);
         let transforms = Transforms::new(&data, &frf_matrix, (0..data.lines(), order, &[]));
         let z = |k: usize, lag: i32| {
             let angle = (data.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;

@@ -34,14 +34,14 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::detection_spectrum::Indicator;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::peak_detection::{self, Found};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::detection_spectrum::DetectionSpectrum;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::pole_tracks::{GlobalPole, MIN_TRACK_ORDERS, OrderPoles};
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Lines on either side of a peak: half-power bandwidths, and minimum number.
 const HALF_WINDOW_BANDWIDTHS: f64 = 20.0;
@@ -77,10 +77,10 @@ impl MultiModeMethod for RationalFractions {
 
     fn segments(
         &self,
-        (data, _): (&Receptances, &Sides),
-        (found, weight_poles): (&Found, &[Complex64]),
+        (data, _): (&BandFrfs, &FrfMatrix),
+        (found, weight_poles): (&DetectedPeaks, &[Complex64]),
     ) -> Result<Vec<BandSegment>, IdentifyError> {
-        let indicator = Indicator::new(data);
+        let indicator = DetectionSpectrum::new(data);
         let tops: Vec<f64> = found.peaks.iter().map(|p| data.omega[p.line]).collect();
         let segment_of = |(j, peak): (usize, &peak_detection::Peak)| {
             let first = peak_detection::first_pole(data, &indicator, found, peak);
@@ -107,7 +107,7 @@ impl MultiModeMethod for RationalFractions {
 }
 
 /// The lines around a pole.
-fn around(data: &Receptances, lambda: Complex64) -> Range<usize> {
+fn around(data: &BandFrfs, lambda: Complex64) -> Range<usize> {
     let side = (HALF_WINDOW_BANDWIDTHS * 2.0 * lambda.re.abs() / data.step).ceil() as usize;
     let side = side.max(MIN_SIDE_LINES);
     let top = data.line_of(lambda);
@@ -121,21 +121,24 @@ struct Window {
     half: f64,
     /// Lines from −1 to 1.
     x: Vec<f64>,
-    profile: Profile,
+    profile: BandProfile,
     /// Root of the weight of every line by the denominator of given poles.
     denominator_weight: Vec<f64>,
 }
 
 impl Window {
-    fn new(data: &Receptances, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
+    fn new(data: &BandFrfs, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
         let omega = &data.omega[lines.clone()];
         let (first, last) = (omega[0], omega[omega.len() - 1]);
         let (center, half) = (0.5 * (first + last), 0.5 * (last - first));
         let x: Vec<f64> = omega.iter().map(|w| (w - center) / half).collect();
         let inside = |pole: &&Complex64| pole.im > first && pole.im < last;
-        let of_pole = |pole: &Complex64| (-Complex64::I * pole - center) / half;
-        let weight_poles: Vec<Complex64> =
-            weight_poles.iter().filter(inside).map(of_pole).collect();
+        let pole_noise_factor = |pole: &Complex64| (-Complex64::I * pole - center) / half;
+        let weight_poles: Vec<Complex64> = weight_poles
+            .iter()
+            .filter(inside)
+            .map(pole_noise_factor)
+            .collect();
         let product = |x: &f64| {
             weight_poles
                 .iter()
@@ -144,7 +147,7 @@ impl Window {
         };
         Self {
             denominator_weight: x.iter().map(|x| product(x).recip()).collect(),
-            profile: Profile::new(data, lines.clone()),
+            profile: BandProfile::new(data, lines.clone()),
             lines,
             center,
             half,
@@ -155,7 +158,7 @@ impl Window {
     /// Stable poles by order, from the number of peaks to the highest that the lines can carry.
     fn tables(
         &self,
-        data: &Receptances,
+        data: &BandFrfs,
         (lowest, highest): (usize, usize),
     ) -> Result<Vec<OrderPoles>, IdentifyError> {
         let max_order =
@@ -177,7 +180,7 @@ impl Window {
     /// The triangle of the equations of all functions, numerators projected out.
     fn triangle(
         &self,
-        data: &Receptances,
+        data: &BandFrfs,
         of_noise: &OrthogonalBasis,
         highest: usize,
     ) -> Result<ComplexMatrix, IdentifyError> {

@@ -6,10 +6,10 @@
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, resonates};
-use crate::identify::data::peak_detection::Found;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{ModelPole, is_resonance};
+use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleAtOrder, PoleStatus, PoleTable};
 use crate::identify::mdof::pole_tracks::{
@@ -46,8 +46,8 @@ pub(in crate::identify) trait MultiModeMethod: Send + Sync {
     /// [`IdentifyError::Linalg`] when a matrix problem has no answer.
     fn segments(
         &self,
-        on: (&Receptances, &Sides),
-        with: (&Found, &[Complex64]),
+        on: (&BandFrfs, &FrfMatrix),
+        with: (&DetectedPeaks, &[Complex64]),
     ) -> Result<Vec<BandSegment>, IdentifyError>;
 }
 
@@ -62,7 +62,7 @@ pub(in crate::identify) struct BandSegment {
 }
 
 /// Stable poles, and the poles of all orders.
-pub(in crate::identify) struct Stabilised {
+pub(in crate::identify) struct StablePoles {
     /// Stable poles.
     pub seeds: Vec<StablePole>,
     /// All poles in the band, by segment, order and frequency.
@@ -80,11 +80,11 @@ pub(in crate::identify) fn rising_orders(highest: usize) -> Vec<usize> {
 ///
 /// # Errors
 /// As [`MultiModeMethod::parts`].
-pub(in crate::identify) fn stabilised(
+pub(in crate::identify) fn stabilise(
     method: &dyn MultiModeMethod,
-    on: (&Receptances, &Sides),
-    (found, limits, weight_poles): (&Found, (f64, f64), &[Complex64]),
-) -> Result<Stabilised, IdentifyError> {
+    on: (&BandFrfs, &FrfMatrix),
+    (found, limits, weight_poles): (&DetectedPeaks, (f64, f64), &[Complex64]),
+) -> Result<StablePoles, IdentifyError> {
     let data = on.0;
     let (mut seeds, mut poles) = (Vec::new(), Vec::new());
     for segment in method.segments(on, (found, weight_poles))? {
@@ -114,7 +114,7 @@ pub(in crate::identify) fn stabilised(
         seeds.extend(tracked.into_iter().filter(|seed| is_inside(&seed.pole)));
     }
     let seeds = without_duplicates(seeds);
-    Ok(Stabilised { seeds, poles })
+    Ok(StablePoles { seeds, poles })
 }
 
 /// Stable poles of a method, estimated again [`WEIGHTED_ROUNDS`] times with lines weighted by the
@@ -124,10 +124,10 @@ pub(in crate::identify) fn stabilised(
 /// As [`MultiModeMethod::parts`].
 pub(in crate::identify) fn stabilise_weighted(
     method: &dyn MultiModeMethod,
-    on: (&Receptances, &Sides),
-    (found, limits): (&Found, (f64, f64)),
-) -> Result<Stabilised, IdentifyError> {
-    let mut stable = stabilised(method, on, (found, limits, &[]))?;
+    on: (&BandFrfs, &FrfMatrix),
+    (found, limits): (&DetectedPeaks, (f64, f64)),
+) -> Result<StablePoles, IdentifyError> {
+    let mut stable = stabilise(method, on, (found, limits, &[]))?;
     let rounds = if method.weights_lines() {
         WEIGHTED_ROUNDS
     } else {
@@ -136,7 +136,7 @@ pub(in crate::identify) fn stabilise_weighted(
     for _ in 0..rounds {
         let weight_poles: Vec<Complex64> =
             stable.seeds.iter().map(|seed| seed.pole.lambda).collect();
-        let again = stabilised(method, on, (found, limits, &weight_poles))?;
+        let again = stabilise(method, on, (found, limits, &weight_poles))?;
         stable.seeds = stable
             .seeds
             .into_iter()
@@ -163,9 +163,10 @@ pub(in crate::identify) fn stabilise_weighted(
 }
 
 /// A model pole of one mode at each stable pole.
-pub(in crate::identify) fn roots_of(seeds: &[StablePole], functions: usize) -> Vec<Root> {
-    let model_pole =
-        |seed: &StablePole| Root::single(seed.pole.lambda, &seed.pole.participation, functions);
+pub(in crate::identify) fn model_poles(seeds: &[StablePole], functions: usize) -> Vec<ModelPole> {
+    let model_pole = |seed: &StablePole| {
+        ModelPole::single(seed.pole.lambda, &seed.pole.participation, functions)
+    };
     seeds.iter().map(model_pole).collect()
 }
 
@@ -184,7 +185,7 @@ fn source_pole(mode: &Candidate, listing: &[PoleAtOrder]) -> Option<usize> {
 }
 
 /// Gives modes without an order the order of their listed pole.
-pub(in crate::identify) fn state_orders(table: &mut PoleTable) {
+pub(in crate::identify) fn set_orders(table: &mut PoleTable) {
     for mode in &mut table.candidates {
         let source = source_pole(mode, &table.stabilization);
         mode.order = mode
@@ -202,15 +203,11 @@ pub(in crate::identify) fn mark_selected(table: &mut PoleTable) {
     }
 }
 
-fn poles_inside(
-    data: &Receptances,
-    poles: Vec<GlobalPole>,
-    (lo, hi): (f64, f64),
-) -> Vec<GlobalPole> {
+fn poles_inside(data: &BandFrfs, poles: Vec<GlobalPole>, (lo, hi): (f64, f64)) -> Vec<GlobalPole> {
     let widest = WIDEST * data.range();
     let is_inside = |pole: &GlobalPole| {
         let inside = pole.lambda.im > lo && pole.lambda.im < hi;
-        inside && -2.0 * pole.lambda.re < widest && resonates(pole.lambda)
+        inside && -2.0 * pole.lambda.re < widest && is_resonance(pole.lambda)
     };
     poles.into_iter().filter(is_inside).collect()
 }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use crate::modal::mac;
 
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, resonates};
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::fit::block_descent::apart;
 use crate::identify::fit::detection_threshold::{modes_above_noise, significance};
 use crate::identify::ml::findings::DropReason;
@@ -43,7 +43,7 @@ pub(in crate::identify) enum PoleEdit {
 /// Limits of the acceptance test.
 pub(in crate::identify) struct AcceptanceTest<'a> {
     /// Outputs and inputs of the FRF matrix.
-    pub sides: &'a Sides,
+    pub sides: &'a FrfMatrix,
     /// False-alarm probability in the whole band.
     pub false_alarm_probability: f64,
     /// Number of frequency lines.
@@ -54,7 +54,7 @@ pub(in crate::identify) struct AcceptanceTest<'a> {
 
 impl AcceptanceTest<'_> {
     /// Required edits, at most one of poles within a half-power bandwidth of each other.
-    pub fn required_edits(&self, poles: &[Root]) -> Vec<PoleEdit> {
+    pub fn required_edits(&self, poles: &[ModelPole]) -> Vec<PoleEdit> {
         let mut order: Vec<usize> = (0..poles.len()).collect();
         order.sort_by(|a, b| {
             let worth = |j: &usize| poles[*j].quality.significance();
@@ -75,7 +75,7 @@ impl AcceptanceTest<'_> {
         changes
     }
 
-    fn required_edit(&self, poles: &[Root], j: usize) -> Option<PoleEdit> {
+    fn required_edit(&self, poles: &[ModelPole], j: usize) -> Option<PoleEdit> {
         let (pole, quality) = (&poles[j], &poles[j].quality);
         let false_alarm_probability =
             self.false_alarm_probability / (WIDTHS_PER_LINE * self.lines as f64);
@@ -100,7 +100,9 @@ impl AcceptanceTest<'_> {
             DropReason::PoleUndetermined(quality.pole_std / pole.decay())
         } else if quality.offset.norm() >= MAX_OFFSET_OVER_DECAY_RATE * pole.decay() {
             DropReason::PoleUndetermined(quality.offset.norm() / pole.decay())
-        } else if !resonates(pole.lambda) || width >= widest || width <= MIN_WIDTH_LINES * self.step
+        } else if !is_resonance(pole.lambda)
+            || width >= widest
+            || width <= MIN_WIDTH_LINES * self.step
         {
             DropReason::NotResonant(width / TAU)
         } else {
@@ -112,7 +114,7 @@ impl AcceptanceTest<'_> {
 
 /// Edit that reduces the multiplicity of a pole by one, or removes a single pole.
 pub(in crate::identify) fn remove_or_reduce(
-    poles: &[Root],
+    poles: &[ModelPole],
     j: usize,
     reason: DropReason,
 ) -> PoleEdit {
@@ -125,7 +127,7 @@ pub(in crate::identify) fn remove_or_reduce(
 
 /// Edit for a pole that is inseparable from a stronger one: a merge into a repeated pole where the
 /// participation factors differ, else a removal.
-fn merge_or_remove(poles: &[Root], inputs: usize, j: usize) -> Option<PoleEdit> {
+fn merge_or_remove(poles: &[ModelPole], inputs: usize, j: usize) -> Option<PoleEdit> {
     let near = |i: &usize| {
         let (a, b) = (&poles[*i], &poles[j]);
         let (p, q) = (a.quality.pole_error(), b.quality.pole_error());

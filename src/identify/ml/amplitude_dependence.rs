@@ -32,9 +32,9 @@ use num_complex::Complex64;
 
 use crate::modal::mac;
 
-use crate::identify::data::model_pole::Root;
-use crate::identify::fit::block_descent::{Stop, unsettle};
-use crate::identify::ml::estimator::Fit;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::ml::estimator::PoleModel;
 use crate::identify::ml::findings::DropReason;
 
 /// Decay rate over that of the mode: 3, but for the next terms of the series, which the fit omits.
@@ -83,37 +83,37 @@ const MIN_MAC: f64 = 0.9;
 /// It saves trials alone: half and twice make no difference in 126 simulations.
 const MIN_MISFIT: f64 = 2.0;
 
-impl Fit {
+impl PoleModel {
     /// Tries a companion pole at each mode whose misfit exceeds [`MIN_MISFIT`], or near which such
     /// a pole was rejected. Companions that remain significant are kept, and so are all modes.
     pub fn add_companions(&mut self) {
         self.mark_companions();
-        let modes: Vec<&Root> = (self.roots.iter().zip(self.standings()))
+        let modes: Vec<&ModelPole> = (self.roots.iter().zip(self.pole_metrics()))
             .filter(|(pole, metrics)| self.may_have_companion(pole, metrics.reduced_chi_square))
             .map(|(pole, _)| pole)
             .collect();
         if modes.is_empty() {
             return;
         }
-        let tried: Vec<Root> = modes.iter().map(|mode| trial(mode)).collect();
+        let tried: Vec<ModelPole> = modes.iter().map(|mode| trial(mode)).collect();
         let (before, dropped) = (self.roots.clone(), self.dropped.len());
         self.roots.extend(tried);
-        unsettle(&mut self.roots);
-        self.settle(Stop::Judging);
+        mark_unconverged(&mut self.roots);
+        self.refine_and_prune(Convergence::Judging);
         self.mark_companions();
         // A pole that was not in the fit before and is no companion is a failed trial.
-        let is_mode = |pole: &Root| {
-            let distance = |mode: &Root| (mode.lambda - pole.lambda).norm() / mode.decay();
+        let is_mode = |pole: &ModelPole| {
+            let distance = |mode: &ModelPole| (mode.lambda - pole.lambda).norm() / mode.decay();
             before.iter().any(|mode| distance(mode) < 1.0)
         };
         let all = self.roots.len();
         self.roots.retain(|pole| pole.is_companion || is_mode(pole));
         if self.roots.len() < all {
-            unsettle(&mut self.roots);
-            self.settle(Stop::Judging);
+            mark_unconverged(&mut self.roots);
+            self.refine_and_prune(Convergence::Judging);
             self.mark_companions();
         }
-        let modes = |poles: &[Root]| poles.iter().filter(|pole| !pole.is_companion).count();
+        let modes = |poles: &[ModelPole]| poles.iter().filter(|pole| !pole.is_companion).count();
         let has_companions = self.roots.iter().any(|pole| pole.is_companion);
         if !has_companions || modes(&self.roots) != modes(&before) {
             self.roots = before;
@@ -131,9 +131,9 @@ impl Fit {
             .copied()
             .collect();
         self.dropped = rejected;
-        self.settle(Stop::Fine);
+        self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        self.reckon_with_noise();
+        self.add_noise_model_uncertainty();
     }
 
     fn mark_companions(&mut self) {
@@ -143,7 +143,7 @@ impl Fit {
         }
     }
 
-    fn may_have_companion(&self, pole: &Root, misfit: f64) -> bool {
+    fn may_have_companion(&self, pole: &ModelPole, misfit: f64) -> bool {
         let has_one = self.roots.iter().any(|other| is_companion(other, pole));
         let rejected = self.dropped.iter().any(|dropped| {
             let [lambda, of] = [dropped.lambda, pole.lambda];
@@ -156,22 +156,22 @@ impl Fit {
 }
 
 /// Initial companion pole of a mode.
-fn trial(mode: &Root) -> Root {
+fn trial(mode: &ModelPole) -> ModelPole {
     let lambda = Complex64::new(3.0 * mode.lambda.re, mode.lambda.im);
-    Root::single(lambda, &mode.parts[0], mode.residues.len())
+    ModelPole::single(lambda, &mode.parts[0], mode.residues.len())
 }
 
 /// Whether a pole is a companion of another, the first or the second.
-fn is_companion(pole: &Root, of: &Root) -> bool {
+fn is_companion(pole: &ModelPole, of: &ModelPole) -> bool {
     is_first_companion(pole, of) || has_shape_of(pole, of) && is_second(pole.lambda, of.lambda)
 }
 
-fn is_first_companion(pole: &Root, of: &Root) -> bool {
+fn is_first_companion(pole: &ModelPole, of: &ModelPole) -> bool {
     let of_stiffness = is_first(pole.lambda, of.lambda) && in_quadrature(pole, of);
     has_shape_of(pole, of) && (of_stiffness || is_companion_of_damping(pole, of))
 }
 
-fn is_companion_of_damping(pole: &Root, of: &Root) -> bool {
+fn is_companion_of_damping(pole: &ModelPole, of: &ModelPole) -> bool {
     let ratio = pole.decay() / of.decay();
     let largest = MAX_RESIDUE_IN_PHASE[usize::from(ratio > 2.5)];
     let has_shape = mac(&pole.residues, &of.residues) > Some(MIN_MAC_IN_PHASE);
@@ -179,13 +179,13 @@ fn is_companion_of_damping(pole: &Root, of: &Root) -> bool {
     has_shape && is_weaker && is_at_frequency(pole.lambda, of.lambda)
 }
 
-fn residue_norm(pole: &Root) -> f64 {
+fn residue_norm(pole: &ModelPole) -> f64 {
     let squares = pole.residues.iter().map(Complex64::norm_sqr);
     squares.sum::<f64>().sqrt()
 }
 
 /// Whether both are single and of one shape.
-fn has_shape_of(pole: &Root, of: &Root) -> bool {
+fn has_shape_of(pole: &ModelPole, of: &ModelPole) -> bool {
     let single = pole.multiplicity() == 1 && of.multiplicity() == 1;
     single && mac(&pole.residues, &of.residues) > Some(MIN_MAC)
 }
@@ -212,7 +212,7 @@ fn distance(lambda: Complex64, of: Complex64) -> f64 {
 
 /// Indices of the companions among some poles, each with that of its mode. The second companion
 /// counts only together with the first.
-fn companions(poles: &[Root]) -> Vec<(usize, usize)> {
+fn companions(poles: &[ModelPole]) -> Vec<(usize, usize)> {
     let pairs = (0..poles.len()).flat_map(|j| (0..poles.len()).map(move |i| (j, i)));
     let all: Vec<(usize, usize)> = pairs
         .filter(|(j, i)| j != i && is_companion(&poles[*j], &poles[*i]))
@@ -227,17 +227,17 @@ fn companions(poles: &[Root]) -> Vec<(usize, usize)> {
 }
 
 /// Whether residues of one shape differ by a quarter turn rather than by none or a half.
-fn in_quadrature(pole: &Root, of: &Root) -> bool {
+fn in_quadrature(pole: &ModelPole, of: &ModelPole) -> bool {
     let terms = pole.residues.iter().zip(&of.residues);
     let along: Complex64 = terms.map(|(a, b)| a * b.conj()).sum();
     along.re.abs() < MAX_IN_PHASE * along.im.abs()
 }
 
 /// Pole of each mode that has companions, with the largest residue of one over that of the mode.
-pub(in crate::identify) fn strongest_companions(poles: &[Root]) -> Vec<(Complex64, f64)> {
+pub(in crate::identify) fn strongest_companions(poles: &[ModelPole]) -> Vec<(Complex64, f64)> {
     let pairs = companions(poles);
     let fitted = pairs.iter().filter(|pair| poles[pair.0].is_companion);
-    let strongest = |(index, mode): (usize, &Root)| {
+    let strongest = |(index, mode): (usize, &ModelPole)| {
         let of_mode = fitted.clone().filter(|pair| pair.1 == index);
         let residues = of_mode.map(|pair| residue_norm(&poles[pair.0]));
         Some((mode.lambda, residues.reduce(f64::max)? / residue_norm(mode)))
@@ -432,16 +432,16 @@ mod tests {
     }
 
     /// A pole of one shape, its residues rotated from those of a mode in phase.
-    fn pole(hz: f64, damping: f64, turn: f64) -> Root {
+    fn pole(hz: f64, damping: f64, turn: f64) -> ModelPole {
         let lambda = Pole::from_frequency(hz, damping).lambda;
-        let mut pole = Root::single(lambda, &[Complex64::ONE], 3);
+        let mut pole = ModelPole::single(lambda, &[Complex64::ONE], 3);
         let phase = Complex64::from_polar(1.0, turn - std::f64::consts::FRAC_PI_2);
         pole.residues = [1.0, -0.5, 2.0].map(|a| a * phase).to_vec();
         pole
     }
 
     /// Number of companions of a mode of 1 % damping among other poles.
-    fn count(others: &[Root]) -> usize {
+    fn count(others: &[ModelPole]) -> usize {
         let mode = pole(100.0, 0.01, 0.0);
         companions(&[&[mode], others].concat()).len()
     }
@@ -451,7 +451,7 @@ mod tests {
         // 0.2 decay rates away, beyond the distance of companions in phase.
         let hz = 100.6;
         let quarter = std::f64::consts::FRAC_PI_2;
-        let is_one = |other: Root| count(&[other]) == 1;
+        let is_one = |other: ModelPole| count(&[other]) == 1;
         assert!(is_one(pole(hz, 0.03, quarter)));
         // Part in phase over that in quadrature.
         assert!(is_one(pole(hz, 0.03, 0.25f64.atan() + quarter)));

@@ -11,14 +11,14 @@ use num_complex::Complex64;
 
 use crate::linalg;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::residual::Rest;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::upper_quantile;
 use crate::identify::ml::pole_metrics::{lines_around, reduced_chi_square};
 use crate::identify::ml::residual_peaks::strongest_inputs;
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Half-width of the band of the test, half-power bandwidths: beyond it the second term has a
 /// hundredth of its energy.
@@ -33,11 +33,11 @@ const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 /// Indices of poles that stand for two, each with a trial pole near it, the most significant first.
 /// Noise produces one of them with less than the false-alarm probability.
 pub(in crate::identify) fn close_pair_candidates(
-    (data, sides): (&Receptances, &Sides),
-    poles: &[Root],
-    residual: &Rest,
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    poles: &[ModelPole],
+    residual: &Residual,
     false_alarm_probability: f64,
-) -> Vec<(usize, Root)> {
+) -> Vec<(usize, ModelPole)> {
     if poles.is_empty() {
         return Vec::new();
     }
@@ -54,14 +54,16 @@ pub(in crate::identify) fn close_pair_candidates(
         let terms = second_terms(data, (poles, j), residual)?;
         let top = data.line_of(pole.lambda);
         let energy = data.shared.held((data, residual), top, |f| terms[f]);
-        let correlation_factor = data.correlation.of_amplitude(pole.decay(), data.step);
+        let correlation_factor = data
+            .correlation
+            .amplitude_noise_factor(pole.decay(), data.step);
         if 2.0 * energy <= correlation_factor * quantile {
             return None;
         }
         let physical = |f: usize| terms[f] * data.deviation(f, top);
         let parts = strongest_inputs(sides, 1, physical);
         let lambda = pole.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * pole.width());
-        Some((energy, j, Root::single(lambda, &parts[0], functions)))
+        Some((energy, j, ModelPole::single(lambda, &parts[0], functions)))
     };
     let mut found: Vec<_> = (0..poles.len()).filter_map(second).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -71,21 +73,22 @@ pub(in crate::identify) fn close_pair_candidates(
 /// Amplitude of the second term in the residual of each FRF, over its noise; `None` where the poles
 /// around explain its profile.
 fn second_terms(
-    data: &Receptances,
-    (poles, j): (&[Root], usize),
-    residual: &Rest,
+    data: &BandFrfs,
+    (poles, j): (&[ModelPole], usize),
+    residual: &Residual,
 ) -> Option<Vec<Complex64>> {
     let lines = lines_around(data, &poles[j], HALF_WIDTH_BANDWIDTHS);
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
-    let inside =
-        |pole: &&Root| pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width();
-    let near: Vec<&Root> = poles.iter().filter(inside).collect();
+    let inside = |pole: &&ModelPole| {
+        pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width()
+    };
+    let near: Vec<&ModelPole> = poles.iter().filter(inside).collect();
     // Constant and slope for out-of-band terms, and enough lines to separate all columns.
     if lines.len() < near.len() + 3 {
         return None;
     }
-    let profile = Profile::new(data, lines.clone()).course;
-    let power = |k: usize, pole: &Root, n: usize| {
+    let profile = BandProfile::new(data, lines.clone()).course;
+    let power = |k: usize, pole: &ModelPole, n: usize| {
         let at = (data.omega[lines.start + k], pole.lambda);
         data.line_shape.power(pole.decay(), at, n)
     };
@@ -124,7 +127,7 @@ mod tests {
     const SENSORS: usize = 8;
 
     /// One mode, its pole, and a residual of noise.
-    fn fitted(seed: u64) -> (Receptances, Sides, Root, Rest) {
+    fn fitted(seed: u64) -> (BandFrfs, FrfMatrix, ModelPole, Residual) {
         let axis = FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.05,
@@ -137,8 +140,8 @@ mod tests {
             snr_db: Some(60.0),
             ..Measurement::of_sensors(SENSORS, axis)
         });
-        let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
-        let pole = Root::single(
+        let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let pole = ModelPole::single(
             Pole::from_frequency(100.0, 0.01).lambda,
             &[Complex64::ONE],
             SENSORS,
@@ -147,8 +150,8 @@ mod tests {
             .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
             .collect();
         let residual = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
-        let residual = Rest::of_all(residual);
-        (data, Sides::new(set.functions()), pole, residual)
+        let residual = Residual::of_all(residual);
+        (data, FrfMatrix::new(set.functions()), pole, residual)
     }
 
     #[test]
@@ -164,7 +167,7 @@ mod tests {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)
         });
-        let residual = Rest::of_all(residual);
+        let residual = Residual::of_all(residual);
         let found = close_pair_candidates(
             (&data, &sides),
             std::slice::from_ref(&pole),

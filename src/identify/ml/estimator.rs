@@ -46,27 +46,27 @@ use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::detection_spectrum::Indicator;
-use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::detection_spectrum::DetectionSpectrum;
+use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::peak_detection::{self, Found};
-use crate::identify::data::residual::Rest;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::peak_detection::{self, DetectedPeaks};
+use crate::identify::data::residual::Residual;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
-use crate::identify::fit::block_descent::{Stop, apart, refine, unsettle};
-use crate::identify::fit::compressed_band::Window;
+use crate::identify::fit::block_descent::{Convergence, apart, mark_unconverged, refine};
+use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
-use crate::identify::mdof::stabilization::{MultiModeMethod, roots_of, stabilised, state_orders};
+use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
 use crate::identify::ml::acceptance::{AcceptanceTest, PoleEdit};
 use crate::identify::ml::amplitude_dependence::strongest_companions;
 use crate::identify::ml::findings::{Dropped, FindingContext};
-use crate::identify::ml::multiplicity::{completed, distinct_poles};
+use crate::identify::ml::multiplicity::{complete_multiplicities, distinct_poles};
 use crate::identify::ml::narrower_bands::NarrowerBands;
 use crate::identify::ml::pole_metrics::{PoleMetrics, candidate, pole_metrics};
 use crate::identify::ml::trial_poles::MIN_RESIDUAL_GAIN;
-use crate::identify::run_variation::Moved;
+use crate::identify::run_variation::RunShifts;
 
 /// Margin beyond the first and last line in which poles may lie, over the range of the lines.
 const POLE_MARGIN_OVER_BAND: f64 = 0.05;
@@ -86,12 +86,12 @@ const ISOLATED_BANDWIDTHS: f64 = 1.0;
 const MAX_CONTRADICTING_RATIO: f64 = 0.25;
 
 /// The maximum likelihood method.
-pub(in crate::identify) struct Automatic {
+pub(in crate::identify) struct MaximumLikelihood {
     /// Options of the run.
     pub options: MethodOptions,
 }
 
-impl PoleEstimator for Automatic {
+impl PoleEstimator for MaximumLikelihood {
     fn name(&self) -> &'static str {
         "ml"
     }
@@ -109,7 +109,7 @@ impl PoleEstimator for Automatic {
             true => Some(self.fitted(set, band, LineShape::EXACT)?),
             false => None,
         };
-        let contradicts = |(unsmoothed, _): &(Fit, Found)| {
+        let contradicts = |(unsmoothed, _): &(PoleModel, DetectedPeaks)| {
             unsmoothed.relative_residual() < MAX_CONTRADICTING_RATIO * fit.relative_residual()
         };
         let mut table = match plain.filter(contradicts) {
@@ -124,12 +124,12 @@ impl PoleEstimator for Automatic {
             None => fit.table((set, band), &found),
         };
         table.findings.extend(splits);
-        state_orders(&mut table);
+        set_orders(&mut table);
         Ok(table)
     }
 }
 
-impl Automatic {
+impl MaximumLikelihood {
     /// Fits poles with a line shape, including the rejection of spurious poles and the final
     /// refinement.
     pub(in crate::identify) fn fitted(
@@ -137,7 +137,7 @@ impl Automatic {
         set: &FrfSet,
         band: Band,
         shape: LineShape,
-    ) -> Result<(Fit, Found), IdentifyError> {
+    ) -> Result<(PoleModel, DetectedPeaks), IdentifyError> {
         let (mut fit, found) = self.merged(set, band, shape)?;
         fit.reduce_out_of_band_terms();
         fit.complete();
@@ -152,23 +152,23 @@ impl Automatic {
         set: &FrfSet,
         band: Band,
         shape: LineShape,
-    ) -> Result<(Fit, Found), IdentifyError> {
-        let mut moved = Moved::none(set.functions());
-        let mut fits: Vec<(Fit, Found)> = Vec::new();
+    ) -> Result<(PoleModel, DetectedPeaks), IdentifyError> {
+        let mut moved = RunShifts::none(set.functions());
+        let mut fits: Vec<(PoleModel, DetectedPeaks)> = Vec::new();
         loop {
-            let mut data = Receptances::guarded(set, band)?;
+            let mut data = BandFrfs::guarded(set, band)?;
             data.observe(shape);
-            moved.straighten(&mut data);
-            let sides = Sides::new(set.functions());
+            moved.align_runs(&mut data);
+            let sides = FrfMatrix::new(set.functions());
             let sides = if sides.complete() {
                 sides
             } else {
                 sides.as_one_input()
             };
-            let indicator = Indicator::new(&data);
+            let indicator = DetectionSpectrum::new(&data);
             let found =
                 peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
-            let mut fit = Fit::new(data, sides, self.options);
+            let mut fit = PoleModel::new(data, sides, self.options);
             fit.first_roots(&found)?;
             fit.moved = moved.clone();
             let changed = moved.update_from_fit(&fit.data, &fit.roots);
@@ -177,11 +177,11 @@ impl Automatic {
                 break;
             }
         }
-        let moves = |pole: &&Root| {
+        let moves = |pole: &&ModelPole| {
             fits.iter()
                 .any(|(fit, _)| fit.moved.contains_pole(pole.lambda))
         };
-        let needed = |(fit, _): &(Fit, Found)| fit.roots.iter().filter(moves).count();
+        let needed = |(fit, _): &(PoleModel, DetectedPeaks)| fit.roots.iter().filter(moves).count();
         let fewest = (0..fits.len())
             .rev()
             .min_by_key(|index| needed(&fits[*index]));
@@ -190,26 +190,26 @@ impl Automatic {
 }
 
 /// Poles, data and noise model of a fit in progress.
-pub(in crate::identify) struct Fit {
-    pub data: Receptances,
-    pub sides: Sides,
+pub(in crate::identify) struct PoleModel {
+    pub data: BandFrfs,
+    pub sides: FrfMatrix,
     pub options: MethodOptions,
-    pub roots: Vec<Root>,
+    pub roots: Vec<ModelPole>,
     pub dropped: Vec<Dropped>,
     /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
     /// Modes whose frequency shifts between runs.
-    pub moved: Moved,
+    pub moved: RunShifts,
     /// Poles of all model orders.
     pub listing: Vec<PoleAtOrder>,
     /// Whether poles are fixed and residues alone are fitted.
     pub fixed: bool,
     /// Compressed bands of the last refinement.
-    windows: Vec<Window>,
+    windows: Vec<CompressedBand>,
 }
 
-impl Fit {
-    pub fn new(data: Receptances, sides: Sides, options: MethodOptions) -> Self {
+impl PoleModel {
+    pub fn new(data: BandFrfs, sides: FrfMatrix, options: MethodOptions) -> Self {
         Self {
             data,
             sides,
@@ -217,7 +217,7 @@ impl Fit {
             roots: Vec::new(),
             dropped: Vec::new(),
             scattered: None,
-            moved: Moved::default(),
+            moved: RunShifts::default(),
             listing: Vec::new(),
             fixed: false,
             windows: Vec::new(),
@@ -235,7 +235,7 @@ impl Fit {
     /// Many references allow few orders, and a repeated pole then appears as fewer poles than it
     /// has modes. Where the residual of the poles of all references exceeds the noise, the FRFs are
     /// also fitted as outputs of one input.
-    fn first_roots(&mut self, found: &Found) -> Result<(), IdentifyError> {
+    fn first_roots(&mut self, found: &DetectedPeaks) -> Result<(), IdentifyError> {
         let lscf = LeastSquaresComplexFrequency {
             max_order: self.options.max_order,
         };
@@ -261,25 +261,25 @@ impl Fit {
     /// residues ([`multiplicity`](crate::identify::ml::multiplicity)).
     fn estimate_per_frf(
         &mut self,
-        (lscf, found): (&LeastSquaresComplexFrequency, &Found),
-        by_inputs: Vec<Root>,
+        (lscf, found): (&LeastSquaresComplexFrequency, &DetectedPeaks),
+        by_inputs: Vec<ModelPole>,
     ) -> Result<(), IdentifyError> {
         let one = self.sides.as_one_input();
         let sides = std::mem::replace(&mut self.sides, one);
         self.roots = distinct_poles(&[by_inputs.clone(), self.stable_roots(lscf, found)?].concat());
-        self.settle(Stop::Coarse);
+        self.refine_and_prune(Convergence::Coarse);
         if !self.data.variance_measured() {
-            self.measure_noise();
-            self.settle(Stop::Coarse);
+            self.estimate_noise();
+            self.refine_and_prune(Convergence::Coarse);
         }
-        let pole_metrics = self.standings();
+        let pole_metrics = self.pole_metrics();
         let free = std::mem::take(&mut self.roots);
         self.dropped.clear();
         self.sides = sides;
         let false_alarm_probability =
             self.options.false_alarm_probability / self.data.lines() as f64;
         let frfs = (&self.data, &self.sides);
-        self.roots = completed(
+        self.roots = complete_multiplicities(
             frfs,
             by_inputs,
             (&free, &pole_metrics),
@@ -292,7 +292,7 @@ impl Fit {
     /// whether the noise changed: noise that was estimated with poles that are now removed is out
     /// of date.
     fn refine_with_noise_update(&mut self) -> bool {
-        self.settle(Stop::Coarse);
+        self.refine_and_prune(Convergence::Coarse);
         loop {
             let before = self.roots.len();
             let changed = self.reestimate_noise_and_prune();
@@ -306,14 +306,14 @@ impl Fit {
     /// deviations.
     pub fn complete(&mut self) {
         self.doubt();
-        self.settle(Stop::Fine);
+        self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        self.reckon_with_noise();
+        self.add_noise_model_uncertainty();
     }
 
     pub fn reestimate_noise_and_prune(&mut self) -> bool {
-        let changed = self.measure_noise();
-        self.settle(Stop::Judging);
+        let changed = self.estimate_noise();
+        self.refine_and_prune(Convergence::Judging);
         changed
     }
 
@@ -325,7 +325,7 @@ impl Fit {
             let gain = self.search();
             let worthwhile = gain.is_some_and(|gain| gain >= MIN_RESIDUAL_GAIN);
             // The correlation of the noise is detected once at most.
-            if !worthwhile && self.lines_share_noise() {
+            if !worthwhile && self.detect_correlated_noise() {
                 return self.search_rounds(true);
             }
             // The same poles give the same noise.
@@ -346,16 +346,20 @@ impl Fit {
     fn stable_roots(
         &mut self,
         method: &dyn MultiModeMethod,
-        found: &Found,
-    ) -> Result<Vec<Root>, IdentifyError> {
+        found: &DetectedPeaks,
+    ) -> Result<Vec<ModelPole>, IdentifyError> {
         let frfs = (&self.data, &self.sides);
-        let stabilisation = stabilised(method, frfs, (found, self.limits(), &[]))?;
+        let stabilisation = stabilise(method, frfs, (found, self.limits(), &[]))?;
         self.listing.extend(stabilisation.poles);
-        Ok(roots_of(&stabilisation.seeds, self.data.functions()))
+        Ok(model_poles(&stabilisation.seeds, self.data.functions()))
     }
 
-    pub fn refine(&mut self, stop: Stop) {
-        let stop = if self.fixed { Stop::Residues } else { stop };
+    pub fn refine(&mut self, stop: Convergence) {
+        let stop = if self.fixed {
+            Convergence::Residues
+        } else {
+            stop
+        };
         let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
         let frfs = (&self.data, &self.sides);
         self.roots = refine(frfs, &mut self.windows, poles, (limits, stop));
@@ -373,12 +377,12 @@ impl Fit {
             }
         }
         self.roots.retain(|pole| !pole.parts.is_empty());
-        unsettle(&mut self.roots);
-        self.refine(Stop::Residues);
+        mark_unconverged(&mut self.roots);
+        self.refine(Convergence::Residues);
     }
 
     /// Refines and removes poles until all remaining poles are accepted.
-    pub fn settle(&mut self, stop: Stop) {
+    pub fn refine_and_prune(&mut self, stop: Convergence) {
         self.refine(stop);
         for _ in 0..MAX_PRUNINGS {
             let required_edits = self.judge().required_edits(&self.roots);
@@ -389,7 +393,7 @@ impl Fit {
                 self.apply(change);
             }
             self.roots.retain(|pole| !pole.parts.is_empty());
-            unsettle(&mut self.roots);
+            mark_unconverged(&mut self.roots);
             self.refine(stop);
         }
     }
@@ -423,18 +427,18 @@ impl Fit {
         }
     }
 
-    pub fn standings(&self) -> Vec<PoleMetrics> {
+    pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
         pole_metrics((&self.data, &self.sides), &self.roots)
     }
 
     /// Estimates the noise variance (where the data state none) and the line correlation from the
     /// residual. Returns whether the level of an FRF or the correlation changed.
-    pub fn measure_noise(&mut self) -> bool {
-        unsettle(&mut self.roots);
+    pub fn estimate_noise(&mut self) -> bool {
+        mark_unconverged(&mut self.roots);
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
         let mut residual = self.rest();
-        self.data.tell_noise(&mut residual);
-        self.data.shared = self.data.shared.of_rest(&self.data, &residual);
+        self.data.estimate_noise_and_correlation(&mut residual);
+        self.data.shared = self.data.shared.from_residual(&self.data, &residual);
         let changed =
             |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
         self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
@@ -450,10 +454,10 @@ impl Fit {
     }
 
     /// Residual of the poles and the out-of-band terms.
-    pub fn rest(&self) -> Rest {
+    pub fn rest(&self) -> Residual {
         let far = self.data.far();
         let described = far.beside(&self.data, &self.roots);
-        described.left_over(0..self.data.lines())
+        described.residual(0..self.data.lines())
     }
 
     /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
@@ -475,7 +479,7 @@ impl Fit {
     /// each FRF and its line correlation. An error of the pole changes all residues of an isolated
     /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
     /// repeated pole.
-    fn residue_stds(&self, pole: &Root, metrics: &PoleMetrics) -> Option<Vec<f64>> {
+    fn residue_stds(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Option<Vec<f64>> {
         let modes = self.roots.iter().filter(|other| !other.is_companion);
         let near = modes.filter(|other| apart(pole, other) < ISOLATED_BANDWIDTHS);
         if pole.multiplicity() > 1 || near.count() > 1 {
@@ -484,28 +488,28 @@ impl Fit {
         let correlation_factor = self
             .data
             .correlation
-            .of_amplitude(pole.decay(), self.data.step);
+            .amplitude_noise_factor(pole.decay(), self.data.step);
         let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
         let stds = pole.residue_variances.iter().map(|v| factor * v.sqrt());
         Some(stds.collect())
     }
 
-    pub fn table(&self, (set, band): (&FrfSet, Band), found: &Found) -> PoleTable {
+    pub fn table(&self, (set, band): (&FrfSet, Band), found: &DetectedPeaks) -> PoleTable {
         let described = self.data.far().beside(&self.data, &self.roots);
-        let is_mode = |pole: &Root| {
+        let is_mode = |pole: &ModelPole| {
             let hz = pole.lambda.norm() / TAU;
             !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
         };
-        let mut pole_metrics = self.standings();
+        let mut pole_metrics = self.pole_metrics();
         let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
         let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
         let modes = with_standing.filter(|(pole, _)| is_mode(pole));
         modes.for_each(|(pole, metrics)| metrics.band_deviation = narrower_bands.deviation(pole));
         let modes = self.roots.iter().zip(&pole_metrics);
-        let mut kept: Vec<(&Root, &PoleMetrics)> =
+        let mut kept: Vec<(&ModelPole, &PoleMetrics)> =
             modes.filter(|(pole, _)| is_mode(pole)).collect();
         if let Some(most) = self.options.max_modes {
-            let worth = |(pole, _): &(&Root, &PoleMetrics)| pole.quality.significance();
+            let worth = |(pole, _): &(&ModelPole, &PoleMetrics)| pole.quality.significance();
             kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
             kept.truncate(most);
             kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));

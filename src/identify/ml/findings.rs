@@ -9,16 +9,16 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::peak_detection::Found;
-use crate::identify::data::residual::Described;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::peak_detection::DetectedPeaks;
+use crate::identify::data::residual::PredictedResponse;
 use crate::identify::ml::pole_metrics::{
     MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
 };
-use crate::identify::run_variation::Moved;
+use crate::identify::run_variation::RunShifts;
 use crate::identify::run_variation::separate_responses::{by_point, run_partners};
-use crate::identify::sdof::findings::{dropped_peak, reach};
+use crate::identify::sdof::findings::{reach, rejected_peak_finding};
 
 /// Minimum number of frequency lines in a half-power band; below it the damping depends on the
 /// model alone.
@@ -60,21 +60,21 @@ pub(in crate::identify) struct FindingContext<'a> {
     /// The FRFs before preparation.
     pub set: &'a FrfSet,
     /// Its receptances on band and guard lines.
-    pub data: &'a Receptances,
+    pub data: &'a BandFrfs,
     /// Response of all poles and out-of-band terms.
-    pub described: Described<'a>,
+    pub described: PredictedResponse<'a>,
     /// The requested band.
     pub band: Band,
     /// Peaks of the indicator.
-    pub found: &'a Found,
+    pub found: &'a DetectedPeaks,
     /// Reported modes.
-    pub kept: &'a [(&'a Root, &'a PoleMetrics)],
+    pub kept: &'a [(&'a ModelPole, &'a PoleMetrics)],
     /// Poles removed during the fit.
     pub dropped: &'a [Dropped],
     /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
     /// Modes whose frequency shifts between runs.
-    pub moved: &'a Moved,
+    pub moved: &'a RunShifts,
     /// Poles of modes that have companions, and how large these are.
     pub companions: &'a [(Complex64, f64)],
 }
@@ -98,7 +98,7 @@ impl FindingContext<'_> {
                 Place::Whole,
             ));
         }
-        if let Some(rate) = self.data.unstated_decay() {
+        if let Some(rate) = self.data.unreported_window_decay() {
             let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Place::Whole);
             findings.push(match rate {
                 Some(rate) => finding.value(rate, "1/s"),
@@ -143,7 +143,7 @@ impl FindingContext<'_> {
 
     /// Close modes that respond in separate runs.
     fn run_partner_findings(&self) -> Vec<Finding> {
-        let kept: Vec<&Root> = self.kept.iter().map(|(pole, _)| *pole).collect();
+        let kept: Vec<&ModelPole> = self.kept.iter().map(|(pole, _)| *pole).collect();
         let partners = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
             Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
@@ -151,7 +151,7 @@ impl FindingContext<'_> {
         partners.map(finding).collect()
     }
 
-    fn mode_findings(&self, pole: &Root, metrics: &PoleMetrics) -> Vec<Finding> {
+    fn mode_findings(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Vec<Finding> {
         let place = self.place(pole.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, place.clone())
@@ -252,7 +252,7 @@ impl FindingContext<'_> {
             .dropped
             .iter()
             .filter(|(peak, _)| has_no_mode(line(peak.line)))
-            .map(|(peak, drop)| dropped_peak(self.data, peak, drop))
+            .map(|(peak, drop)| rejected_peak_finding(self.data, peak, drop))
             .collect();
         let peaks = found.peaks.iter().map(|peak| line(peak.line));
         findings.extend(

@@ -21,10 +21,10 @@ use crate::frf::FrfSet;
 use crate::modal::Pole;
 
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::model_pole::ModelPole;
 use crate::identify::error::IdentifyError;
-use crate::identify::fit::block_descent::{Stop, unsettle};
-use crate::identify::ml::estimator::{Automatic, Fit};
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::ml::estimator::{MaximumLikelihood, PoleModel};
 use crate::identify::sdof::findings::MAX_LEAKAGE_BIAS;
 
 /// Largest distance from a mode, frequency lines, of the lines on which line shapes are compared:
@@ -45,7 +45,7 @@ const MAX_RESIDUAL_RATIO: f64 = 1.6;
 /// have no finding of their bias; larger: hammer tests are fitted twice in vain.
 const MIN_CONTRADICTION: f64 = 3.0;
 
-impl Automatic {
+impl MaximumLikelihood {
     /// Tests data without a stated window against the line shape of each window for steady signals.
     /// Where leakage under the best of these windows had split modes, one pole remains for each.
     /// Returns these modes.
@@ -54,7 +54,7 @@ impl Automatic {
     pub(in crate::identify) fn check_leakage(
         &self,
         (set, band): (&FrfSet, Band),
-        fit: &mut Fit,
+        fit: &mut PoleModel,
     ) -> Result<Vec<SplitMode>, IdentifyError> {
         let shapes = LineShape::unstated(set);
         let is_concerned =
@@ -113,7 +113,7 @@ struct Hypothesis {
     /// Squared residual near the modes over that without it.
     ratio: f64,
     /// Fit under the window, where close poles may be split.
-    smoothed: Option<Fit>,
+    smoothed: Option<PoleModel>,
 }
 
 impl Hypothesis {
@@ -130,7 +130,7 @@ pub(in crate::identify) struct SplitMode {
     shape: LineShape,
 }
 
-impl Fit {
+impl PoleModel {
     /// Whether leakage may have biased the damping of a mode by more than [`MAX_LEAKAGE_BIAS`].
     pub(in crate::identify) fn may_have_leakage(&self) -> bool {
         self.data
@@ -146,9 +146,9 @@ impl Fit {
             return Vec::new();
         }
         let limit = shape.split_lines() * self.data.step;
-        let is_of = |pole: &Root, group: &Group| group.distance(pole) < limit;
-        let is_other = |pole: &&Root| !groups.iter().any(|group| is_of(pole, group));
-        let others = |poles: &[Root]| poles.iter().filter(is_other).count();
+        let is_of = |pole: &ModelPole, group: &Group| group.distance(pole) < limit;
+        let is_other = |pole: &&ModelPole| !groups.iter().any(|group| is_of(pole, group));
+        let others = |poles: &[ModelPole]| poles.iter().filter(is_other).count();
         let expected = others(&self.roots);
         let (poles, dropped) = (self.roots.clone(), self.dropped.clone());
         let (noise, scattered) = (self.data.noise(), self.scattered);
@@ -174,7 +174,7 @@ impl Fit {
         band: Band,
     ) -> Vec<Finding> {
         let finding = |mode: &SplitMode| {
-            let distance = |pole: &&Root| (pole.lambda.im - mode.omega).abs();
+            let distance = |pole: &&ModelPole| (pole.lambda.im - mode.omega).abs();
             let poles = self.roots.iter();
             let nearest = poles.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             let hz = Pole {
@@ -191,9 +191,9 @@ impl Fit {
 }
 
 /// Whether the bias of damping of a mode is worth a finding.
-fn is_narrow(fit: &Fit, shape: LineShape) -> bool {
-    let bias = |pole: &Root| shape.leakage_bias(pole.decay());
-    let is_biased = |pole: &Root| bias(pole) > Some(MAX_LEAKAGE_BIAS);
+fn is_narrow(fit: &PoleModel, shape: LineShape) -> bool {
+    let bias = |pole: &ModelPole| shape.leakage_bias(pole.decay());
+    let is_biased = |pole: &ModelPole| bias(pole) > Some(MAX_LEAKAGE_BIAS);
     fit.roots.iter().any(is_biased)
 }
 
@@ -204,10 +204,10 @@ struct NearModes {
 }
 
 impl NearModes {
-    fn new(fit: &Fit) -> Self {
+    fn new(fit: &PoleModel) -> Self {
         let limit = MAX_LINES_FROM_MODE * fit.data.step;
         let is_near = |line: &usize| {
-            let distance = |pole: &Root| (pole.lambda.im - fit.data.omega[*line]).abs();
+            let distance = |pole: &ModelPole| (pole.lambda.im - fit.data.omega[*line]).abs();
             fit.roots.iter().any(|pole| distance(pole) < limit)
         };
         let lines: Vec<usize> = (0..fit.data.lines()).filter(is_near).collect();
@@ -220,7 +220,7 @@ impl NearModes {
     }
 
     /// Squared residual of a fit over these variances, summed over FRFs and lines.
-    fn residual(&self, fit: &Fit) -> f64 {
+    fn residual(&self, fit: &PoleModel) -> f64 {
         let normalised = fit.rest();
         let of_function = |(f, variance): (usize, &Vec<f64>)| {
             let of_line = |(k, variance): (&usize, &f64)| {
@@ -232,12 +232,12 @@ impl NearModes {
     }
 
     /// Squared residual of its poles under a line shape, refined from their present values.
-    fn residual_under(&self, fit: &mut Fit, shape: LineShape) -> f64 {
+    fn residual_under(&self, fit: &mut PoleModel, shape: LineShape) -> f64 {
         let poles = fit.roots.clone();
         let correlation = fit.data.correlation.clone();
         fit.data.observe(shape);
-        unsettle(&mut fit.roots);
-        fit.refine(Stop::Coarse);
+        mark_unconverged(&mut fit.roots);
+        fit.refine(Convergence::Coarse);
         let residual = self.residual(fit);
         fit.data.observe(LineShape::EXACT);
         fit.data.correlation = correlation;
@@ -247,7 +247,7 @@ impl NearModes {
 }
 
 /// Whether two poles lie so close that they may be one mode under a window.
-fn has_close_poles(fit: &Fit, shape: LineShape) -> bool {
+fn has_close_poles(fit: &PoleModel, shape: LineShape) -> bool {
     let mut frequencies: Vec<f64> = fit.roots.iter().map(|pole| pole.lambda.im).collect();
     frequencies.sort_by(f64::total_cmp);
     let limit = shape.split_lines() * fit.data.step;
@@ -256,13 +256,13 @@ fn has_close_poles(fit: &Fit, shape: LineShape) -> bool {
 
 /// Close poles of a fit, and the fewer that a fit under a window has there.
 struct Group {
-    split: Vec<Root>,
-    merged: Vec<Root>,
+    split: Vec<ModelPole>,
+    merged: Vec<ModelPole>,
 }
 
 impl Group {
     /// Distance of a pole from the nearest of the group, rad/s.
-    fn distance(&self, pole: &Root) -> f64 {
+    fn distance(&self, pole: &ModelPole) -> f64 {
         let all = self.split.iter().chain(&self.merged);
         all.map(|member| (member.lambda.im - pole.lambda.im).abs())
             .fold(f64::INFINITY, f64::min)
@@ -279,15 +279,16 @@ impl Group {
 }
 
 /// The groups in which leakage under a window may have split poles.
-fn split_groups(fit: &Fit, smoothed: &Fit, shape: LineShape) -> Vec<Group> {
+fn split_groups(fit: &PoleModel, smoothed: &PoleModel, shape: LineShape) -> Vec<Group> {
     let limit = shape.split_lines() * fit.data.step;
     let plain = fit.roots.iter().map(|pole| (pole, false));
     let smoothed = smoothed.roots.iter().map(|pole| (pole, true));
-    let mut all: Vec<(&Root, bool)> = plain.chain(smoothed).collect();
+    let mut all: Vec<(&ModelPole, bool)> = plain.chain(smoothed).collect();
     all.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
-    let is_near = |a: &(&Root, bool), b: &(&Root, bool)| b.0.lambda.im - a.0.lambda.im < limit;
-    let group = |chunk: &[(&Root, bool)]| {
-        let of = |is_smoothed: bool| -> Vec<Root> {
+    let is_near =
+        |a: &(&ModelPole, bool), b: &(&ModelPole, bool)| b.0.lambda.im - a.0.lambda.im < limit;
+    let group = |chunk: &[(&ModelPole, bool)]| {
+        let of = |is_smoothed: bool| -> Vec<ModelPole> {
             let poles = chunk.iter().filter(|pole| pole.1 == is_smoothed);
             poles.map(|pole| pole.0.clone()).collect()
         };

@@ -8,7 +8,7 @@
 
 use crate::finding::{Code, Finding, Place, Severity};
 
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::model_pole::ModelPole;
 use crate::identify::ml::findings::FindingContext;
 use crate::identify::ml::pole_metrics::{
     MAX_CHI_SQUARE, PoleMetrics, lines_of_pole, reduced_chi_square_by_frf,
@@ -36,7 +36,7 @@ const LISTED_MODES: usize = 5;
 
 /// Effect of the misfit near a mode on its results.
 struct Consequence<'a> {
-    pole: &'a Root,
+    pole: &'a ModelPole,
     metrics: &'a PoleMetrics,
     /// Residual above the noise over the response, root mean square.
     residual: f64,
@@ -96,11 +96,11 @@ impl FindingContext<'_> {
         Some(finding.detail(self.detail_of(&all)))
     }
 
-    fn consequence<'a>(&self, pole: &'a Root, metrics: &'a PoleMetrics) -> Consequence<'a> {
+    fn consequence<'a>(&self, pole: &'a ModelPole, metrics: &'a PoleMetrics) -> Consequence<'a> {
         let decay = pole.decay() - self.set.added_damping_rad_s;
         let correlation = &self.data.correlation;
-        let squared =
-            metrics.reduced_chi_square * correlation.of_amplitude(pole.decay(), self.data.step);
+        let squared = metrics.reduced_chi_square
+            * correlation.amplitude_noise_factor(pole.decay(), self.data.step);
         let variance: f64 = pole.residue_variances.iter().sum();
         let size: f64 = pole.residues.iter().map(|a| a.norm_sqr()).sum();
         Consequence {
@@ -117,7 +117,7 @@ impl FindingContext<'_> {
     }
 
     /// Mean square of the response over the noise on the lines on which the misfit is measured.
-    fn response_over_noise(&self, pole: &Root) -> f64 {
+    fn response_over_noise(&self, pole: &ModelPole) -> f64 {
         let (lines, functions) = (lines_of_pole(self.data, pole), self.data.functions());
         let of = |f: usize| {
             let power = |k: usize| self.data.values[f][k].norm_sqr() / self.data.variance[f][k];
@@ -146,8 +146,8 @@ impl FindingContext<'_> {
     }
 
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
-    fn functions_of(&self, pole: &Root) -> String {
-        let residual = self.described.left_over(lines_of_pole(self.data, pole));
+    fn functions_of(&self, pole: &ModelPole) -> String {
+        let residual = self.described.residual(lines_of_pole(self.data, pole));
         let misfits = reduced_chi_square_by_frf(self.data, &residual, pole);
         let above = misfits
             .iter()

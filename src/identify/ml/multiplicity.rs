@@ -11,10 +11,10 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, LinalgError, RealMatrix};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, combined};
-use crate::identify::fit::detection_threshold::norm_of_uneven_noise;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{ModelPole, combined};
+use crate::identify::fit::detection_threshold::uneven_noise_norm_quantile;
 use crate::identify::fit::mode_strength::Strength;
 use crate::identify::ml::pole_metrics::{MAX_CHI_SQUARE, PoleMetrics};
 
@@ -25,7 +25,7 @@ const MIN_RELATIVE_STRENGTH: f64 = 0.03;
 const MATCH_DECAY_RATES: f64 = 1.0;
 
 /// One single pole for each distinct pole of FRFs that are outputs of one input.
-pub(in crate::identify) fn distinct_poles(estimates: &[Root]) -> Vec<Root> {
+pub(in crate::identify) fn distinct_poles(estimates: &[ModelPole]) -> Vec<ModelPole> {
     let mut poles: Vec<Complex64> = Vec::new();
     for estimate in estimates {
         let near = |pole: &Complex64| (*pole - estimate.lambda).norm() < 0.5 * estimate.decay();
@@ -36,26 +36,26 @@ pub(in crate::identify) fn distinct_poles(estimates: &[Root]) -> Vec<Root> {
     let functions = estimates
         .first()
         .map_or(0, |estimate| estimate.residues.len());
-    let estimate = |pole: &Complex64| Root::single(*pole, &[Complex64::ONE], functions);
+    let estimate = |pole: &Complex64| ModelPole::single(*pole, &[Complex64::ONE], functions);
     poles.iter().map(estimate).collect()
 }
 
 /// Completes the multiplicities of poles. `free` are the poles of FRFs as outputs of one input,
 /// with free residues. Where a free pole has more modes than the poles near it, or is near one pole
 /// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
-pub(in crate::identify) fn completed(
-    (data, sides): (&Receptances, &Sides),
-    estimates: Vec<Root>,
-    (free, pole_metrics): (&[Root], &[PoleMetrics]),
+pub(in crate::identify) fn complete_multiplicities(
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    estimates: Vec<ModelPole>,
+    (free, pole_metrics): (&[ModelPole], &[PoleMetrics]),
     false_alarm_probability: f64,
-) -> Vec<Root> {
-    let nearest = |estimate: &Root| {
+) -> Vec<ModelPole> {
+    let nearest = |estimate: &ModelPole| {
         let distance = |pole: &usize| (free[*pole].lambda - estimate.lambda).norm();
         let pole = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         (distance(&pole) < MATCH_DECAY_RATES * estimate.decay().max(free[pole].decay()))
             .then_some(pole)
     };
-    let mut groups: Vec<Vec<Root>> = vec![Vec::new(); free.len()];
+    let mut groups: Vec<Vec<ModelPole>> = vec![Vec::new(); free.len()];
     let mut completed = Vec::new();
     for estimate in estimates {
         match nearest(&estimate) {
@@ -86,18 +86,25 @@ pub(in crate::identify) fn completed(
 
 /// Single pole with the participation factor of the strongest rank-one term of its residues,
 /// without a test against noise.
-pub(in crate::identify) fn strongest(sides: &Sides, pole: &Root) -> Result<Root, LinalgError> {
+pub(in crate::identify) fn strongest(
+    sides: &FrfMatrix,
+    pole: &ModelPole,
+) -> Result<ModelPole, LinalgError> {
     let svd = linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]))?;
     let factors: Vec<Complex64> = (0..sides.inputs)
         .map(|i| svd.right[(i, 0)].conj())
         .collect();
-    Ok(Root::single(pole.lambda, &factors, pole.residues.len()))
+    Ok(ModelPole::single(
+        pole.lambda,
+        &factors,
+        pole.residues.len(),
+    ))
 }
 
 /// Two modes as two poles, which can separate in the fit; more modes as one repeated pole.
-fn split_pole(pole: &Root, mut factors: Vec<Vec<Complex64>>) -> Vec<Root> {
+fn split_pole(pole: &ModelPole, mut factors: Vec<Vec<Complex64>>) -> Vec<ModelPole> {
     let functions = pole.residues.len();
-    let single = |part: &Vec<Complex64>| Root::single(pole.lambda, part, functions);
+    let single = |part: &Vec<Complex64>| ModelPole::single(pole.lambda, part, functions);
     if factors.len() <= 2 {
         return factors.iter().map(single).collect();
     }
@@ -108,8 +115,8 @@ fn split_pole(pole: &Root, mut factors: Vec<Vec<Complex64>>) -> Vec<Root> {
 
 /// Participation factors of the modes of one pole.
 fn participation_factors(
-    (data, sides): (&Receptances, &Sides),
-    (pole, metrics): (&Root, &PoleMetrics),
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    (pole, metrics): (&ModelPole, &PoleMetrics),
     false_alarm_probability: f64,
 ) -> Vec<Vec<Complex64>> {
     let line = data.line_of(pole.lambda);
@@ -143,7 +150,7 @@ fn terms_above_noise(
         return Vec::new();
     };
     let uneven = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
-    let limit = norm_of_uneven_noise((outputs, inputs), uneven, false_alarm_probability);
+    let limit = uneven_noise_norm_quantile((outputs, inputs), uneven, false_alarm_probability);
     let count = svd.values.iter().take_while(|s| **s > limit).count();
     // A = U S Vᴴ, so that the row space is that of conj(V).
     let factor = |rank: usize, i: usize| svd.right[(i, rank)].conj() * by_input[i];

@@ -22,13 +22,13 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::{Background, Outside};
-use crate::identify::data::residual::{Described, Rest};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::{OutOfBandBasis, OutOfBandTerms};
+use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::fit::block_descent::window;
 use crate::identify::fit::pole_covariance::{FitLines, orthogonal_derivative};
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 
 /// Narrower bands, in parts of the fitted lines below and above the pole: the middle of them, and
 /// nearly one side alone. With a mode of a hundredth of the residues in half a bandwidth, fits on
@@ -57,10 +57,10 @@ const MAX_LINEAR_DECAY_RATES: f64 = 1.0;
 
 /// A fit whose poles are compared with those of narrower bands.
 pub(in crate::identify) struct NarrowerBands<'a> {
-    data: &'a Receptances,
-    poles: &'a [Root],
+    data: &'a BandFrfs,
+    poles: &'a [ModelPole],
     /// Residual on all lines, over the noise.
-    residual: Rest,
+    residual: Residual,
 }
 
 /// A shift of a pole: mean square of both parts, rad²/s², and its variance in noise.
@@ -70,17 +70,17 @@ struct Shift {
 }
 
 impl<'a> NarrowerBands<'a> {
-    pub fn new(data: &'a Receptances, poles: &'a [Root], described: &Described) -> Self {
+    pub fn new(data: &'a BandFrfs, poles: &'a [ModelPole], described: &PredictedResponse) -> Self {
         Self {
             data,
             poles,
-            residual: described.left_over(0..data.lines()),
+            residual: described.residual(0..data.lines()),
         }
     }
 
     /// Standard deviation of real and imaginary part of a pole, rad/s, from the largest shift that
     /// noise does not explain; 0 where noise explains all shifts.
-    pub fn deviation(&self, pole: &Root) -> f64 {
+    pub fn deviation(&self, pole: &ModelPole) -> f64 {
         let shifts = self.shifts(pole).into_iter().flatten();
         let beyond =
             shifts.filter(|shift| shift.mean_square > MIN_SHIFT_RATIO * shift.noise_variance);
@@ -90,9 +90,9 @@ impl<'a> NarrowerBands<'a> {
     }
 
     /// The shift over each of [`BANDS`]; `None` where a band has too few lines, or too much noise.
-    fn shifts(&self, pole: &Root) -> [Option<Shift>; BANDS.len()] {
+    fn shifts(&self, pole: &ModelPole) -> [Option<Shift>; BANDS.len()] {
         let fit = PoleFit::new(self, pole);
-        let background = Background::new(&self.data.omega, &fit.lines, self.data.outside());
+        let background = OutOfBandBasis::new(&self.data.omega, &fit.lines, self.data.outside());
         let fitted = fit.step(fit.lines.clone(), background);
         let variance = pole.quality.pole_std.powi(2);
         let correlated_over_white = variance / pole.quality.pole_bound.powi(2);
@@ -103,7 +103,8 @@ impl<'a> NarrowerBands<'a> {
                 return None;
             }
             let omega = &self.data.omega[band.clone()];
-            let background = Background::new(omega, &(0..omega.len()), &Outside::Anywhere);
+            let background =
+                OutOfBandBasis::new(omega, &(0..omega.len()), &OutOfBandTerms::Anywhere);
             let narrower = fit.step(band, background)?;
             let difference = (narrower.variance - fitted.variance) * correlated_over_white;
             let noise_variance = difference.max(MIN_VARIANCE_RATIO * variance);
@@ -118,7 +119,7 @@ impl<'a> NarrowerBands<'a> {
 /// The residual on the lines of a pole, in the direction of its residues.
 struct PoleFit<'a> {
     model: &'a NarrowerBands<'a>,
-    pole: &'a Root,
+    pole: &'a ModelPole,
     lines: Range<usize>,
     /// Profile of the noise over these lines.
     course: Vec<f64>,
@@ -136,10 +137,10 @@ struct Step {
 }
 
 impl<'a> PoleFit<'a> {
-    fn new(model: &'a NarrowerBands<'a>, pole: &'a Root) -> Self {
+    fn new(model: &'a NarrowerBands<'a>, pole: &'a ModelPole) -> Self {
         let data = model.data;
         let lines = window(data, std::iter::once(pole));
-        let Profile { level, course } = Profile::new(data, lines.clone());
+        let BandProfile { level, course } = BandProfile::new(data, lines.clone());
         let mut projected = vec![Complex64::ZERO; lines.len()];
         for (f, (a, level)) in pole.residues.iter().zip(&level).enumerate() {
             let residual = model.residual.of(f, lines.clone());
@@ -169,7 +170,7 @@ impl<'a> PoleFit<'a> {
     }
 
     /// A step on some of the lines; `None` where they are too few.
-    fn step(&self, lines: Range<usize>, background: Background) -> Option<Step> {
+    fn step(&self, lines: Range<usize>, background: OutOfBandBasis) -> Option<Step> {
         let at = lines.start - self.lines.start..lines.end - self.lines.start;
         let NarrowerBands { data, poles, .. } = self.model;
         let fit = FitLines {
@@ -196,11 +197,11 @@ mod tests {
     use crate::axis::{Band, FrequencyAxis};
     use crate::finding::{Code, Finding};
     use crate::frf::{FrfSet, Function, FunctionData};
-    use crate::identify::data::frf_matrix::Sides;
+    use crate::identify::data::frf_matrix::FrfMatrix;
     use crate::identify::estimator::{IdentifyOptions, MethodOptions};
-    use crate::identify::fit::block_descent::Stop;
+    use crate::identify::fit::block_descent::Convergence;
     use crate::identify::identify;
-    use crate::identify::ml::estimator::Fit;
+    use crate::identify::ml::estimator::PoleModel;
     use crate::identify::ml::narrower_bands::*;
     use crate::identify::synthetic::white_noise;
     use crate::identify::synthetic::{Measurement, Structure};
@@ -279,18 +280,26 @@ mod tests {
 
     /// A fit of the first two modes alone on a band; of the second alone where that begins above
     /// the first.
-    fn fitted(second_contribution: f64, (noise, seed): (Noise, u64), band_hz: [f64; 2]) -> Fit {
+    fn fitted(
+        second_contribution: f64,
+        (noise, seed): (Noise, u64),
+        band_hz: [f64; 2],
+    ) -> PoleModel {
         let set = measured(second_contribution, noise, seed);
         let band = Band::new(band_hz[0], band_hz[1]).unwrap();
-        let data = Receptances::guarded(&set, band).unwrap();
-        let mut fit = Fit::new(data, Sides::new(set.functions()), MethodOptions::default());
+        let data = BandFrfs::guarded(&set, band).unwrap();
+        let mut fit = PoleModel::new(
+            data,
+            FrfMatrix::new(set.functions()),
+            MethodOptions::default(),
+        );
         let one = [Complex64::ONE];
         let modes = if band_hz[0] < 90.0 { 0..2 } else { 1..2 };
         fit.roots = modes
-            .map(|mode| Root::single(truth(mode), &one, 6))
+            .map(|mode| ModelPole::single(truth(mode), &one, 6))
             .collect();
-        fit.refine(Stop::Fine);
-        fit.reckon_with_noise();
+        fit.refine(Convergence::Fine);
+        fit.add_noise_model_uncertainty();
         fit
     }
 
@@ -326,18 +335,18 @@ mod tests {
     }
 
     /// A fit with its second pole shifted by `error`, and with the residues of that pole.
-    fn moved(noise: Noise, error: impl Fn(&Root) -> Complex64) -> Fit {
+    fn moved(noise: Noise, error: impl Fn(&ModelPole) -> Complex64) -> PoleModel {
         let mut fit = fitted(0.0, (noise, 7), WHOLE_HZ);
         let error = error(&fit.roots[1]);
         fit.roots[1].lambda += error;
-        fit.refine(Stop::Residues);
-        fit.reckon_with_noise();
+        fit.refine(Convergence::Residues);
+        fit.add_noise_model_uncertainty();
         fit
     }
 
     #[test]
     fn a_step_leads_back_to_the_pole() {
-        let error = |pole: &Root| Complex64::new(1e-3, -2e-3) * pole.decay();
+        let error = |pole: &ModelPole| Complex64::new(1e-3, -2e-3) * pole.decay();
         let fit = moved(Noise::None, error);
         let far = fit.data.far();
         let described = far.beside(&fit.data, &fit.roots);
@@ -347,7 +356,8 @@ mod tests {
         for parts in BANDS {
             let band = pole_fit.band(parts);
             let omega = &fit.data.omega[band.clone()];
-            let background = Background::new(omega, &(0..omega.len()), &Outside::Anywhere);
+            let background =
+                OutOfBandBasis::new(omega, &(0..omega.len()), &OutOfBandTerms::Anywhere);
             let step = pole_fit.step(band, background).expect("enough lines");
             let left = (step.value + error).norm() / error.norm();
             assert!(left < 0.05, "{parts:?}: {left}");

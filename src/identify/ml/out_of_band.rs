@@ -7,12 +7,12 @@
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::{Quality, Root};
-use crate::identify::data::out_of_band_basis::{Course, Outside};
-use crate::identify::data::residual::Far;
-use crate::identify::fit::block_descent::{Stop, unsettle};
-use crate::identify::ml::estimator::Fit;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::{ModelPole, PoleQuality};
+use crate::identify::data::out_of_band_basis::{OutOfBandTerm, OutOfBandTerms};
+use crate::identify::data::residual::OutOfBandFit;
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::ml::estimator::PoleModel;
 
 /// Maximum rounds in which out-of-band terms and poles are fitted alternately.
 const MAX_ROUNDS: usize = 12;
@@ -25,7 +25,7 @@ const MAX_NOISE_RATIO: f64 = 3.0;
 /// Maximum number of terms per FRF: more terms have hardly fewer unknowns than the free poles.
 const MAX_TERMS_PER_FRF: f64 = 0.5;
 
-impl Fit {
+impl PoleModel {
     /// Reduces the out-of-band terms to those that the data need: none where the residual of the
     /// poles has no significant out-of-band part, else the terms that all FRFs have in common. The
     /// response of a wide mode inside the band may have been part of the free terms: it is searched
@@ -40,15 +40,15 @@ impl Fit {
 
     /// Tries a set of out-of-band terms. Returns whether they are sufficient; otherwise nothing
     /// changes.
-    fn try_terms(&mut self, terms: Vec<Course>) -> bool {
+    fn try_terms(&mut self, terms: Vec<OutOfBandTerm>) -> bool {
         let (before, drops_before) = (self.roots.clone(), self.dropped.len());
         self.alternate_terms_and_poles(terms);
         if self.out_of_band_is_significant() && self.search().is_some() {
-            self.settle(Stop::Judging);
+            self.refine_and_prune(Convergence::Judging);
         }
         let enough = !self.out_of_band_is_significant() && self.roots.len() >= before.len();
         if !enough {
-            self.data.set_outside(Outside::Anywhere);
+            self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
             self.roots = before;
             self.dropped.truncate(drops_before);
         }
@@ -57,14 +57,15 @@ impl Fit {
 
     /// Fits out-of-band terms and poles alternately until both converge: terms estimated with
     /// biased poles are not optimal.
-    fn alternate_terms_and_poles(&mut self, mut terms: Vec<Course>) {
+    fn alternate_terms_and_poles(&mut self, mut terms: Vec<OutOfBandTerm>) {
         let mut count = terms.len();
         for _ in 0..MAX_ROUNDS {
             let before: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
-            self.data.set_outside(Outside::Courses(terms));
-            unsettle(&mut self.roots);
-            self.refine(Stop::Judging);
-            let moved = |(pole, before): (&Root, &Complex64)| {
+            self.data
+                .set_out_of_band_terms(OutOfBandTerms::Courses(terms));
+            mark_unconverged(&mut self.roots);
+            self.refine(Convergence::Judging);
+            let moved = |(pole, before): (&ModelPole, &Complex64)| {
                 (pole.lambda - before).norm() > CONVERGED_STEP_STDS * pole.quality.pole_std
             };
             let same = self.roots.len() == before.len();
@@ -77,8 +78,8 @@ impl Fit {
     }
 
     /// Terms of the residual of the poles above the noise, at most a given number.
-    fn strongest_terms(&self, most: usize) -> Vec<Course> {
-        let far = Far::new(&self.data, &Outside::Anywhere);
+    fn strongest_terms(&self, most: usize) -> Vec<OutOfBandTerm> {
+        let far = OutOfBandFit::new(&self.data, &OutOfBandTerms::Anywhere);
         far.strongest(&self.roots, self.data.correlation.alike(), most)
     }
 
@@ -86,7 +87,7 @@ impl Fit {
     /// They always do where noise is correlated between lines; there they are kept, and the
     /// standard deviations include them.
     fn out_of_band_is_significant(&self) -> bool {
-        let all = Far::new(&self.data, &Outside::Anywhere);
+        let all = OutOfBandFit::new(&self.data, &OutOfBandTerms::Anywhere);
         let (with, many) = all.explained(&self.roots);
         let (without, few) = self.data.far().explained(&self.roots);
         // Two real numbers of variance 1/2 for each unknown.
@@ -106,15 +107,15 @@ impl Fit {
     /// and by the dropped terms. Above the limit that noise exceeds with probability 0.05 the bias
     /// is `√(|δ|² − E|δ|²)` along `δ`, else none.
     pub fn add_out_of_band_uncertainty(&mut self) {
-        let Outside::Courses(terms) = self.data.outside().clone() else {
+        let OutOfBandTerms::Courses(terms) = self.data.outside().clone() else {
             return;
         };
         let free = self.with_free_poles();
         if free.len() != self.roots.len() {
             // A pole that free out-of-band poles displace or remove is an artefact of the reduced
             // terms.
-            self.data.set_outside(Outside::Anywhere);
-            self.settle(Stop::Fine);
+            self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
+            self.refine_and_prune(Convergence::Fine);
             return;
         }
         for (pole, free) in self.roots.iter_mut().zip(&free) {
@@ -124,17 +125,17 @@ impl Fit {
     }
 
     /// The poles, fixed, with the quality of a fit with free out-of-band poles.
-    fn with_free_poles(&mut self) -> Vec<Root> {
-        let terms = self.data.set_outside(Outside::Anywhere);
+    fn with_free_poles(&mut self) -> Vec<ModelPole> {
+        let terms = self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
         let poles = self.roots.clone();
-        unsettle(&mut self.roots);
-        self.refine(Stop::Residues);
-        self.data.set_outside(terms);
+        mark_unconverged(&mut self.roots);
+        self.refine(Convergence::Residues);
+        self.data.set_out_of_band_terms(terms);
         std::mem::replace(&mut self.roots, poles)
     }
 }
 
-impl Quality {
+impl PoleQuality {
     /// Adds the uncertainty of the terms, from a fit with free out-of-band poles; `fraction`: part
     /// of the residues along the terms.
     fn add_term_uncertainty(&mut self, free: &Self, fraction: f64) {
@@ -163,12 +164,12 @@ impl Quality {
 }
 
 /// Fraction of the residue energy of a pole along the out-of-band terms, over the noise.
-fn fraction_along_terms(data: &Receptances, pole: &Root, terms: &[Course]) -> f64 {
+fn fraction_along_terms(data: &BandFrfs, pole: &ModelPole, terms: &[OutOfBandTerm]) -> f64 {
     let line = data.line_of(pole.lambda);
     let over = |f: usize| pole.residues[f] / data.deviation(f, line);
     let residues: Vec<Complex64> = (0..data.functions()).map(over).collect();
     let all: f64 = residues.iter().map(Complex64::norm_sqr).sum();
-    let along = |term: &Course| {
+    let along = |term: &OutOfBandTerm| {
         let products = term.shares.iter().zip(&residues).map(|(v, a)| v.conj() * a);
         products.sum::<Complex64>().norm_sqr()
     };
@@ -186,8 +187,8 @@ fn max_terms(functions: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use crate::axis::{Band, FrequencyAxis};
-    use crate::identify::data::band_frfs::Receptances;
-    use crate::identify::data::frf_matrix::Sides;
+    use crate::identify::data::band_frfs::BandFrfs;
+    use crate::identify::data::frf_matrix::FrfMatrix;
     use crate::identify::estimator::MethodOptions;
     use crate::identify::ml::out_of_band::*;
     use crate::identify::synthetic::{Measurement, Structure};
@@ -206,7 +207,7 @@ mod tests {
     }
 
     /// A fit of the two modes from their true poles, with given out-of-band terms.
-    fn fitted(snr_db: f64, seed: u64, outside: Outside) -> Fit {
+    fn fitted(snr_db: f64, seed: u64, outside: OutOfBandTerms) -> PoleModel {
         let axis = FrequencyAxis {
             start_hz: 80.0,
             step_hz: 0.1,
@@ -218,13 +219,15 @@ mod tests {
             ..Measurement::of_sensors(8, axis)
         };
         let set = structure().measured(&how);
-        let data = Receptances::guarded(&set, Band::new(80.0, 150.0).unwrap()).unwrap();
-        let sides = Sides::new(set.functions());
-        let mut fit = Fit::new(data, sides, MethodOptions::default());
+        let data = BandFrfs::guarded(&set, Band::new(80.0, 150.0).unwrap()).unwrap();
+        let sides = FrfMatrix::new(set.functions());
+        let mut fit = PoleModel::new(data, sides, MethodOptions::default());
         let one = [Complex64::ONE];
-        fit.roots = truth().map(|lambda| Root::single(lambda, &one, 8)).to_vec();
-        fit.data.set_outside(outside);
-        fit.refine(Stop::Fine);
+        fit.roots = truth()
+            .map(|lambda| ModelPole::single(lambda, &one, 8))
+            .to_vec();
+        fit.data.set_out_of_band_terms(outside);
+        fit.refine(Convergence::Fine);
         fit
     }
 
@@ -235,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_reported_bias_is_that_of_a_dropped_out_of_band_mode() {
-        let mut fit = fitted(70.0, 1, Outside::Courses(Vec::new()));
+        let mut fit = fitted(70.0, 1, OutOfBandTerms::Courses(Vec::new()));
         fit.add_out_of_band_uncertainty();
         for (pole, truth) in fit.roots.iter().zip(truth()) {
             let made = truth - pole.lambda;
@@ -248,27 +251,27 @@ mod tests {
 
     #[test]
     fn without_dropped_terms_no_bias_is_reported() {
-        let mut free = fitted(50.0, 2, Outside::Anywhere);
+        let mut free = fitted(50.0, 2, OutOfBandTerms::Anywhere);
         free.add_out_of_band_uncertainty();
         assert!(free.roots.iter().all(|pole| pole.quality.bias.is_none()));
         free.reduce_out_of_band_terms();
-        free.refine(Stop::Fine);
+        free.refine(Convergence::Fine);
         free.add_out_of_band_uncertainty();
         let relative_bias =
-            |pole: &Root| pole.quality.bias.unwrap().norm() / pole.quality.pole_bound;
+            |pole: &ModelPole| pole.quality.bias.unwrap().norm() / pole.quality.pole_bound;
         assert!(free.roots.iter().all(|pole| relative_bias(pole) < 1.0));
     }
 
     #[test]
     fn an_out_of_band_mode_is_a_term_common_to_all_frfs() {
-        let mut fit = fitted(50.0, 3, Outside::Anywhere);
+        let mut fit = fitted(50.0, 3, OutOfBandTerms::Anywhere);
         let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.reduce_out_of_band_terms();
-        let Outside::Courses(terms) = fit.data.outside() else {
+        let OutOfBandTerms::Courses(terms) = fit.data.outside() else {
             panic!("free poles are kept");
         };
         assert!((1..=2).contains(&terms.len()), "{}", terms.len());
-        fit.refine(Stop::Fine);
+        fit.refine(Convergence::Fine);
         let with_terms: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.add_out_of_band_uncertainty();
         for ((pole, free), with_terms) in fit.roots.iter().zip(free).zip(with_terms) {

@@ -11,10 +11,10 @@ use statrs::distribution::{Beta, ContinuousCDF};
 use crate::linalg::{self, ComplexMatrix};
 use crate::modal::{Pole, mac};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::residual::{Described, Rest};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::estimator::Candidate;
 use crate::identify::fit::block_descent::apart;
 
@@ -83,11 +83,11 @@ pub(in crate::identify) struct PoleMetrics {
 
 /// Metrics of each pole.
 pub(in crate::identify) fn pole_metrics(
-    (data, sides): (&Receptances, &Sides),
-    poles: &[Root],
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    poles: &[ModelPole],
 ) -> Vec<PoleMetrics> {
     let described = data.far().beside(data, poles);
-    let metrics = |pole: &Root| {
+    let metrics = |pole: &ModelPole| {
         let lines = lines_of_pole(data, pole);
         let of = |f: usize| {
             let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
@@ -121,13 +121,13 @@ pub(in crate::identify) fn pole_metrics(
 
 /// Whether a pole lies inside the resonance of another and is no wider than it by more than a
 /// factor.
-fn inside_bandwidth(pole: &Root, other: &Root) -> bool {
+fn inside_bandwidth(pole: &ModelPole, other: &ModelPole) -> bool {
     let distance = (pole.lambda.im - other.lambda.im).abs();
     distance < MAX_DISTANCE_BANDWIDTHS * other.width()
         && pole.width() < MAX_WIDTH_RATIO * other.width()
 }
 
-fn same_shape(pole: &Root, other: &Root) -> bool {
+fn same_shape(pole: &ModelPole, other: &ModelPole) -> bool {
     mac(&pole.residues, &other.residues) > Some(MIN_MAC_SAME_SHAPE)
 }
 
@@ -136,11 +136,11 @@ fn same_shape(pole: &Root, other: &Root) -> bool {
 ///
 /// The fraction of a random vector of n values within the span of m others has a beta distribution
 /// of m and n − m. Only a fraction above its quantile is significant.
-fn same_shape_or_participation(sides: &Sides, pole: &Root, other: &Root) -> bool {
+fn same_shape_or_participation(sides: &FrfMatrix, pole: &ModelPole, other: &ModelPole) -> bool {
     if sides.inputs < 2 || pole.multiplicity() > 1 {
         return false;
     }
-    let of = |pole: &Root| linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]));
+    let of = |pole: &ModelPole| linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]));
     let (Ok(vectors), Ok(other_vectors)) = (of(pole), of(other)) else {
         return false;
     };
@@ -165,19 +165,19 @@ fn same_shape_or_participation(sides: &Sides, pole: &Root, other: &Root) -> bool
 
 /// Reduced chi-square of the residual of a model on the lines of a pole.
 pub(in crate::identify) fn residual_chi_square(
-    data: &Receptances,
-    described: &Described,
-    pole: &Root,
+    data: &BandFrfs,
+    described: &PredictedResponse,
+    pole: &ModelPole,
 ) -> f64 {
-    reduced_chi_square(data, &described.left_over(lines_of_pole(data, pole)), pole)
+    reduced_chi_square(data, &described.residual(lines_of_pole(data, pole)), pole)
 }
 
 /// Reduced chi-square of a given residual on the lines of a pole, without the force noise that FRFs
 /// have in common.
 pub(in crate::identify) fn reduced_chi_square(
-    data: &Receptances,
-    residual: &Rest,
-    pole: &Root,
+    data: &BandFrfs,
+    residual: &Residual,
+    pole: &ModelPole,
 ) -> f64 {
     let lines = lines_of_pole(data, pole);
     let values = (lines.len() * data.functions()) as f64;
@@ -187,9 +187,9 @@ pub(in crate::identify) fn reduced_chi_square(
 
 /// Reduced chi-square of each FRF, force noise included.
 pub(in crate::identify) fn reduced_chi_square_by_frf(
-    data: &Receptances,
-    residual: &Rest,
-    pole: &Root,
+    data: &BandFrfs,
+    residual: &Residual,
+    pole: &ModelPole,
 ) -> Vec<f64> {
     let lines = lines_of_pole(data, pole);
     let of = |f: usize| {
@@ -200,14 +200,14 @@ pub(in crate::identify) fn reduced_chi_square_by_frf(
 }
 
 /// Lines of a pole on which its reduced chi-square is measured.
-pub(in crate::identify) fn lines_of_pole(data: &Receptances, pole: &Root) -> Range<usize> {
+pub(in crate::identify) fn lines_of_pole(data: &BandFrfs, pole: &ModelPole) -> Range<usize> {
     lines_around(data, pole, CHI_SQUARE_BANDWIDTHS)
 }
 
 /// Lines within a number of half-power bandwidths of a pole, and a minimum on each side.
 pub(in crate::identify) fn lines_around(
-    data: &Receptances,
-    pole: &Root,
+    data: &BandFrfs,
+    pole: &ModelPole,
     widths: f64,
 ) -> Range<usize> {
     let side = (widths * pole.width() / data.step).round() as usize;
@@ -245,7 +245,7 @@ impl PoleMetrics {
 
     /// Standard deviation of real and imaginary part of the pole, rad/s, with the effect of misfit
     /// and of narrower bands.
-    pub fn pole_std(&self, pole: &Root) -> f64 {
+    pub fn pole_std(&self, pole: &ModelPole) -> f64 {
         (pole.quality.pole_std * self.inflation()).hypot(self.band_deviation)
     }
 }
@@ -271,7 +271,7 @@ pub(in crate::identify) enum RejectionPolicy {
 
 /// Reason to reject a pole, if there is one.
 pub(in crate::identify) fn doubt(
-    poles: &[Root],
+    poles: &[ModelPole],
     pole_metrics: &[PoleMetrics],
     (j, policy): (usize, RejectionPolicy),
 ) -> Option<Rejection> {
@@ -318,7 +318,7 @@ pub(in crate::identify) fn doubt(
 
 /// The pole with which the phase of a pole is compared: the nearest dominant mode, else the
 /// strongest pole.
-fn reference(poles: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
+fn reference(poles: &[ModelPole], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
     let others = || (0..poles.len()).filter(|i| *i != j);
     let distance = |i: &usize| apart(&poles[j], &poles[*i]);
     let strength = |i: &usize| poles[*i].quality.significance();
@@ -329,7 +329,7 @@ fn reference(poles: &[Root], pole_metrics: &[PoleMetrics], j: usize) -> Option<u
 }
 
 /// Standard deviation of the phase of a pole, rad, with misfit as noise.
-fn phase_std(pole: &Root, metrics: &PoleMetrics) -> f64 {
+fn phase_std(pole: &ModelPole, metrics: &PoleMetrics) -> f64 {
     pole.quality.pole_std * metrics.reduced_chi_square.max(1.0).sqrt() / pole.decay()
 }
 
@@ -340,8 +340,11 @@ fn phase_std(pole: &Root, metrics: &PoleMetrics) -> f64 {
 /// With enough poles a model fits any smooth profile down to the noise. The residual does not show
 /// such poles as spurious, but the arbitrary phases of their shapes do. With one or two FRFs every
 /// shape is nearly real: only shapes more in quadrature than in phase count there.
-pub(in crate::identify) fn phases_scatter(poles: &[Root], pole_metrics: &[PoleMetrics]) -> bool {
-    let strength = |pole: &&Root| pole.quality.significance();
+pub(in crate::identify) fn phases_scatter(
+    poles: &[ModelPole],
+    pole_metrics: &[PoleMetrics],
+) -> bool {
+    let strength = |pole: &&ModelPole| pole.quality.significance();
     let strongest = poles
         .iter()
         .max_by(|a, b| strength(a).total_cmp(&strength(b)));
@@ -367,7 +370,7 @@ pub(in crate::identify) fn phases_scatter(poles: &[Root], pole_metrics: &[PoleMe
 
 /// Part of the residues of a pole in phase with normal modes rotated by `phase`, less the part in
 /// quadrature: `−Re Σ a² e^(−2iφ) / Σ |a|²`.
-fn in_phase(pole: &Root, phase: f64) -> f64 {
+fn in_phase(pole: &ModelPole, phase: f64) -> f64 {
     let turn = Complex64::from_polar(1.0, -2.0 * phase);
     let squares: Complex64 = pole.residues.iter().map(|a| a * a * turn).sum();
     -squares.re / pole.residues.iter().map(Complex64::norm_sqr).sum::<f64>()
@@ -377,7 +380,7 @@ fn in_phase(pole: &Root, phase: f64) -> f64 {
 ///
 /// Errors of real and imaginary part of λ have one standard deviation and are independent, and so
 /// are those of frequency and damping: `σ_f = σ_λ/2π`, `σ_ζ = σ_λ √(1 − ζ²)/|λ|`.
-pub(in crate::identify) fn candidate(pole: &Root, metrics: &PoleMetrics) -> Candidate {
+pub(in crate::identify) fn candidate(pole: &ModelPole, metrics: &PoleMetrics) -> Candidate {
     let std = metrics.pole_std(pole);
     let (bias, along) = (pole.quality.bias, pole.lambda / pole.lambda.norm());
     Candidate {
@@ -402,7 +405,7 @@ pub(in crate::identify) fn candidate(pole: &Root, metrics: &PoleMetrics) -> Cand
 }
 
 /// Phase of all residues together, rad, modulo π: 0 for real modes.
-fn residue_phase(pole: &Root) -> f64 {
+fn residue_phase(pole: &ModelPole) -> f64 {
     let squares: Complex64 = pole.residues.iter().map(|a| a * a).sum();
     0.5 * (-squares).arg()
 }

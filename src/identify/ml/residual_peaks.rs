@@ -5,11 +5,11 @@ use num_complex::Complex64;
 use crate::linalg;
 use crate::modal::mac;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
-use crate::identify::data::model_pole::{Root, resonates};
-use crate::identify::data::residual::Rest;
-use crate::identify::fit::detection_threshold::{norm_of_noise, upper_quantile};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::{ModelPole, is_resonance};
+use crate::identify::data::residual::Residual;
+use crate::identify::fit::detection_threshold::{noise_norm_quantile, upper_quantile};
 
 /// Minimum number of segments in the band: sets the maximum segment length.
 const MIN_SEGMENTS_PER_BAND: usize = 8;
@@ -37,11 +37,11 @@ struct Segment {
 /// most a given number. Noise reaches such a peak anywhere in the band with less than the
 /// false-alarm probability.
 pub(in crate::identify) fn residual_peak_poles(
-    (data, sides): (&Receptances, &Sides),
-    poles: &[Root],
-    residual: &Rest,
+    (data, sides): (&BandFrfs, &FrfMatrix),
+    poles: &[ModelPole],
+    residual: &Residual,
     (false_alarm_probability, most): (f64, usize),
-) -> Vec<Root> {
+) -> Vec<ModelPole> {
     let functions = data.functions();
     let power = data.shared.held_by_line(data, residual);
     let segments = segments(
@@ -60,9 +60,9 @@ pub(in crate::identify) fn residual_peak_poles(
 }
 
 struct ResidualPeak<'a> {
-    data: &'a Receptances,
-    sides: &'a Sides,
-    residual: &'a Rest,
+    data: &'a BandFrfs,
+    sides: &'a FrfMatrix,
+    residual: &'a Residual,
     /// False-alarm probability at one frequency line.
     false_alarm_probability: f64,
 }
@@ -70,10 +70,10 @@ struct ResidualPeak<'a> {
 impl ResidualPeak<'_> {
     /// Trial pole for a segment: at the nearest existing pole, with as many modes as noise does not
     /// explain and that pole does not have, or else in the middle of the segment.
-    fn trial_pole(&self, segment: &Segment, poles: &[Root]) -> Option<Root> {
+    fn trial_pole(&self, segment: &Segment, poles: &[ModelPole]) -> Option<ModelPole> {
         let decay = 0.5 * segment.width.max(2) as f64 * self.data.step;
         let middle = Complex64::new(-decay, self.data.omega[segment.top]);
-        let distance = |pole: &&Root| (pole.lambda - middle).norm();
+        let distance = |pole: &&ModelPole| (pole.lambda - middle).norm();
         let there = poles
             .iter()
             .filter(|pole| distance(pole) < pole.decay().max(decay));
@@ -83,16 +83,16 @@ impl ResidualPeak<'_> {
             self.pole_at((existing.lambda, most), segment, poles)
         });
         more.or_else(|| self.pole_at((middle, 1), segment, poles))
-            .filter(|pole| resonates(pole.lambda))
+            .filter(|pole| is_resonance(pole.lambda))
     }
 
     /// Number of modes that a pole can have in addition to those at existing poles: inputs and
     /// outputs separate no more.
-    fn remaining_multiplicity(&self, lambda: Complex64, poles: &[Root]) -> usize {
+    fn remaining_multiplicity(&self, lambda: Complex64, poles: &[ModelPole]) -> usize {
         let there = poles
             .iter()
             .filter(|existing| is_same_pole(existing, lambda));
-        let modes: usize = there.map(Root::multiplicity).sum();
+        let modes: usize = there.map(ModelPole::multiplicity).sum();
         let most = self.sides.inputs.min(self.sides.outputs.len());
         most.saturating_sub(modes)
     }
@@ -102,8 +102,8 @@ impl ResidualPeak<'_> {
         &self,
         (lambda, most): (Complex64, usize),
         segment: &Segment,
-        poles: &[Root],
-    ) -> Option<Root> {
+        poles: &[ModelPole],
+    ) -> Option<ModelPole> {
         let lines = segment.top.saturating_sub(segment.width)
             ..(segment.top + segment.width + 1).min(self.data.lines());
         let profile = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
@@ -120,8 +120,8 @@ impl ResidualPeak<'_> {
         let by_lines = self
             .data
             .correlation
-            .of_amplitude(-lambda.re, self.data.step);
-        let limit = by_lines.sqrt() * norm_of_noise(self.sides, self.false_alarm_probability);
+            .amplitude_noise_factor(-lambda.re, self.data.step);
+        let limit = by_lines.sqrt() * noise_norm_quantile(self.sides, self.false_alarm_probability);
         let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
@@ -135,19 +135,19 @@ impl ResidualPeak<'_> {
         });
         parts.truncate(most);
         let first = parts.first()?;
-        let mut pole = Root::single(lambda, first, self.data.functions());
+        let mut pole = ModelPole::single(lambda, first, self.data.functions());
         pole.join(parts.split_off(1));
         Some(pole)
     }
 }
 
 /// Whether an existing pole has this pole and participation factor.
-fn is_same_participation(existing: &Root, lambda: Complex64, part: &[Complex64]) -> bool {
+fn is_same_participation(existing: &ModelPole, lambda: Complex64, part: &[Complex64]) -> bool {
     let alike = |other: &Vec<Complex64>| mac(other, part) > Some(MAX_MAC_NEW_PARTICIPATION);
     is_same_pole(existing, lambda) && existing.parts.iter().any(alike)
 }
 
-fn is_same_pole(existing: &Root, lambda: Complex64) -> bool {
+fn is_same_pole(existing: &ModelPole, lambda: Complex64) -> bool {
     (existing.lambda - lambda).norm() < MATCH_DECAY_RATES * existing.decay()
 }
 
@@ -201,7 +201,7 @@ fn segments(
 /// Participation factors of the strongest rank-one terms of an FRF matrix with a value per FRF:
 /// right singular vectors over the inputs.
 pub(in crate::identify) fn strongest_inputs(
-    sides: &Sides,
+    sides: &FrfMatrix,
     count: usize,
     value: impl Fn(usize) -> Complex64,
 ) -> Vec<Vec<Complex64>> {
@@ -241,25 +241,25 @@ mod tests {
                 .push((how.pairs[i].0.clone(), how.pairs[1].0.clone()));
         }
         let set = structure.measured(&how);
-        let data = Receptances::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
-        let sides = Sides::new(set.functions());
+        let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let sides = FrfMatrix::new(set.functions());
         assert_eq!(sides.inputs, 2);
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
-        let fitted = Root::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
+        let fitted = ModelPole::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
         // The residual of a fit of one mode has two independent terms far above the noise.
         let residual = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
             let profile = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
             1e3 * (1.0 + (f * f) as f64).sin() * profile
         });
-        let residual = Rest::of_all(residual);
-        let tried = |poles: &[Root]| {
+        let residual = Residual::of_all(residual);
+        let tried = |poles: &[ModelPole]| {
             let found = residual_peak_poles((&data, &sides), poles, &residual, (1e-3, 4));
-            let at_pole = |pole: &&Root| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();
-            found.iter().find(at_pole).map(Root::multiplicity)
+            let at_pole = |pole: &&ModelPole| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();
+            found.iter().find(at_pole).map(ModelPole::multiplicity)
         };
         assert_eq!(tried(std::slice::from_ref(&fitted)), Some(1));
         // No trial pole where both modes exist.
-        let other = Root::single(lambda, &[Complex64::ZERO, Complex64::ONE], set.len());
+        let other = ModelPole::single(lambda, &[Complex64::ZERO, Complex64::ONE], set.len());
         assert_eq!(tried(&[fitted.clone(), other]), None);
     }
 }

@@ -1,9 +1,9 @@
 //! Rejection of spurious poles above the noise, the weakest first.
 
-use crate::identify::data::model_pole::Root;
-use crate::identify::fit::block_descent::{Stop, apart, unsettle};
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::fit::block_descent::{Convergence, apart, mark_unconverged};
 use crate::identify::ml::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
-use crate::identify::ml::estimator::Fit;
+use crate::identify::ml::estimator::PoleModel;
 use crate::identify::ml::findings::{DropReason, Dropped};
 use crate::identify::ml::pole_metrics::{
     Rejection, RejectionPolicy, doubt, phases_scatter, residual_chi_square,
@@ -22,7 +22,7 @@ const MIN_CHI_SQUARE_INCREASE: f64 = 10.0;
 /// again without it.
 const RETEST_BANDWIDTHS: f64 = 2.0;
 
-impl Fit {
+impl PoleModel {
     /// Removes spurious poles above the noise, the weakest first: see [`doubt`].
     ///
     /// Where the model fits the data, poles are flagged once, with all poles in the model: without
@@ -32,7 +32,7 @@ impl Fit {
     /// counts as noise.
     pub fn doubt(&mut self) {
         let rejection_reasons = self.rejection_reasons();
-        let policy = if phases_scatter(&self.roots, &self.standings()) {
+        let policy = if phases_scatter(&self.roots, &self.pole_metrics()) {
             RejectionPolicy::ScatteredPhases
         } else if self.model_misses_data(&rejection_reasons) {
             RejectionPolicy::Strict
@@ -43,7 +43,7 @@ impl Fit {
             pole.suspect = policy != RejectionPolicy::Standard || doubt.is_some();
         }
         for _ in 0..MAX_REJECTION_ROUNDS {
-            let pole_metrics = self.standings();
+            let pole_metrics = self.pole_metrics();
             let doubted = |j: usize| {
                 let doubt = doubt(&self.roots, &pole_metrics, (j, policy))?;
                 self.roots[j].suspect.then_some((j, doubt))
@@ -71,7 +71,7 @@ impl Fit {
                 self.scattered.get_or_insert(self.roots.len());
                 rejected.truncate(rejected.len().div_ceil(REMOVE_ONE_IN));
             }
-            let removed: Vec<(Root, f64)> = rejected
+            let removed: Vec<(ModelPole, f64)> = rejected
                 .iter()
                 .map(|(j, _)| (self.roots[*j].clone(), pole_metrics[*j].reduced_chi_square))
                 .collect();
@@ -83,8 +83,8 @@ impl Fit {
                 ));
             }
             self.roots.retain(|pole| !pole.parts.is_empty());
-            unsettle(&mut self.roots);
-            self.settle(Stop::Coarse);
+            mark_unconverged(&mut self.roots);
+            self.refine_and_prune(Convergence::Coarse);
             if policy == RejectionPolicy::ScatteredPhases {
                 self.data.count_misfit_as_noise();
                 self.reestimate_noise_and_prune();
@@ -100,7 +100,7 @@ impl Fit {
     /// Removes poles that are undetermined when misfit counts as noise: the residual of aligned
     /// runs exceeds the noise.
     fn drop_undetermined(&mut self) {
-        let pole_metrics = self.standings();
+        let pole_metrics = self.pole_metrics();
         let ratio = |j: usize| {
             let pole = &self.roots[j];
             pole.quality.pole_std * pole_metrics[j].inflation() / pole.decay()
@@ -120,22 +120,22 @@ impl Fit {
             ));
         }
         self.roots.retain(|pole| !pole.parts.is_empty());
-        unsettle(&mut self.roots);
-        self.settle(Stop::Coarse);
+        mark_unconverged(&mut self.roots);
+        self.refine_and_prune(Convergence::Coarse);
     }
 
     /// Reinstates, for good, single isolated poles without which the misfit rises far: two poles in
     /// one resonance fit any response that one does not.
-    fn reinstate_needed(&mut self, removed: &[(Root, f64)]) {
+    fn reinstate_needed(&mut self, removed: &[(ModelPole, f64)]) {
         let described = self.data.far().beside(&self.data, &self.roots);
-        let needed = |(pole, before): &&(Root, f64)| {
+        let needed = |(pole, before): &&(ModelPole, f64)| {
             let is_isolated = self.roots.iter().all(|other| apart(pole, other) > 1.0);
             let now = residual_chi_square(&self.data, &described, pole);
             pole.multiplicity() == 1
                 && is_isolated
                 && now > MIN_CHI_SQUARE_INCREASE * before.max(1.0)
         };
-        let needed: Vec<Root> = removed
+        let needed: Vec<ModelPole> = removed
             .iter()
             .filter(needed)
             .map(|(pole, _)| pole.clone())
@@ -145,16 +145,16 @@ impl Fit {
         }
         let back = |dropped: &Dropped| needed.iter().any(|pole| pole.lambda == dropped.lambda);
         self.dropped.retain(|dropped| !back(dropped));
-        self.roots.extend(needed.into_iter().map(|pole| Root {
+        self.roots.extend(needed.into_iter().map(|pole| ModelPole {
             suspect: false,
             ..pole
         }));
-        unsettle(&mut self.roots);
-        self.settle(Stop::Coarse);
+        mark_unconverged(&mut self.roots);
+        self.refine_and_prune(Convergence::Coarse);
     }
 
     pub fn rejection_reasons(&self) -> Vec<Option<Rejection>> {
-        let pole_metrics = self.standings();
+        let pole_metrics = self.pole_metrics();
         (0..self.roots.len())
             .map(|j| doubt(&self.roots, &pole_metrics, (j, RejectionPolicy::Standard)))
             .collect()
@@ -168,6 +168,6 @@ impl Fit {
             .flatten()
             .filter(|doubt| doubt.is_misfit());
         misses.count() >= MIN_REJECTIONS_MISFIT.max(self.roots.len() / 10)
-            || phases_scatter(&self.roots, &self.standings())
+            || phases_scatter(&self.roots, &self.pole_metrics())
     }
 }

@@ -3,16 +3,16 @@
 
 use num_complex::Complex64;
 
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::residual::Rest;
-use crate::identify::fit::block_descent::{Stop, unsettle};
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::residual::Residual;
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
 use crate::identify::fit::detection_threshold::upper_quantile;
 use crate::identify::ml::acceptance::{PoleEdit, remove_or_reduce};
 use crate::identify::ml::close_pole_test::close_pair_candidates;
-use crate::identify::ml::estimator::Fit;
+use crate::identify::ml::estimator::PoleModel;
 use crate::identify::ml::findings::{DropReason, Dropped};
 use crate::identify::ml::residual_peaks::residual_peak_poles;
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::line_correlation::LineCorrelation;
 
 /// Minimum of the limit of trial poles in one search; the limit is a quarter of the number of
 /// poles. More trial poles would mean misfit rather than missing modes.
@@ -29,29 +29,29 @@ const MAX_STD_WELL_DETERMINED: f64 = 0.05;
 /// One in this number of the other poles is removed at once.
 const REMOVE_ONE_IN: usize = 4;
 
-impl Fit {
+impl PoleModel {
     /// Detects noise that is correlated between frequency lines
-    /// ([`Receptances::lines_share_noise`](crate::identify::data::band_frfs::Receptances::lines_share_noise)).
+    /// ([`BandFrfs::detect_correlated_noise`](crate::identify::data::band_frfs::BandFrfs::lines_share_noise)).
     /// If there is such noise, poles that were fitted to it are removed, the least determined
     /// first, and the noise is estimated again with their contribution; the search finds modes
     /// among them again. Where the residual without these poles is no noise, all changes are
     /// undone.
-    pub fn lines_share_noise(&mut self) -> bool {
+    pub fn detect_correlated_noise(&mut self) -> bool {
         let (noise, poles, drops_before) =
             (self.data.noise(), self.roots.clone(), self.dropped.len());
-        if !self.data.lines_share_noise(&mut self.rest()) {
+        if !self.data.detect_correlated_noise(&mut self.rest()) {
             return false;
         }
         self.reestimate_noise_and_prune();
         loop {
-            if !Correlation::functions_differ(&self.rest()) {
+            if !LineCorrelation::frfs_have_independent_noise(&self.rest()) {
                 self.data.set_noise(noise);
                 self.roots = poles;
                 self.dropped.truncate(drops_before);
-                self.settle(Stop::Judging);
+                self.refine_and_prune(Convergence::Judging);
                 return false;
             }
-            let relative_std = |pole: &Root| pole.quality.pole_std / pole.decay();
+            let relative_std = |pole: &ModelPole| pole.quality.pole_std / pole.decay();
             let mut doubtful: Vec<f64> = self.roots.iter().map(relative_std).collect();
             doubtful.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
             doubtful.sort_by(f64::total_cmp);
@@ -59,7 +59,7 @@ impl Fit {
             else {
                 return true;
             };
-            let (determined, undetermined): (Vec<Root>, Vec<Root>) =
+            let (determined, undetermined): (Vec<ModelPole>, Vec<ModelPole>) =
                 std::mem::take(&mut self.roots)
                     .into_iter()
                     .partition(|pole| relative_std(pole) < *limit);
@@ -70,7 +70,7 @@ impl Fit {
             // The other pole of a close pair is a single pole again.
             self.roots = determined
                 .into_iter()
-                .map(|pole| Root { pair: None, ..pole })
+                .map(|pole| ModelPole { pair: None, ..pole })
                 .collect();
             self.reestimate_noise_and_prune();
         }
@@ -109,22 +109,22 @@ impl Fit {
     }
 
     fn modes(&self) -> usize {
-        self.roots.iter().map(Root::multiplicity).sum()
+        self.roots.iter().map(ModelPole::multiplicity).sum()
     }
 
     /// As [`Self::search`], with given trial poles, from the residual without them.
-    fn try_poles(&mut self, found: Vec<Root>, residual: &Rest) -> Option<f64> {
+    fn try_poles(&mut self, found: Vec<ModelPole>, residual: &Residual) -> Option<f64> {
         let (before, modes, drops_before) = (self.roots.clone(), self.modes(), self.dropped.len());
-        self.roots.extend(found.into_iter().map(|pole| Root {
+        self.roots.extend(found.into_iter().map(|pole| ModelPole {
             suspect: true,
             ..pole
         }));
-        unsettle(&mut self.roots);
-        self.settle(Stop::Coarse);
+        mark_unconverged(&mut self.roots);
+        self.refine_and_prune(Convergence::Coarse);
         let gain = |fit: &Self| residual.energy() / fit.rest().energy();
         let mut now = gain(self);
         if now < MIN_RESIDUAL_GAIN && self.reject_trial_poles() {
-            self.settle(Stop::Coarse);
+            self.refine_and_prune(Convergence::Coarse);
             now = if self.modes() > modes {
                 gain(self)
             } else {
@@ -149,7 +149,7 @@ impl Fit {
     /// Two poles closer than the standard deviation of their distance can still be separated from
     /// one pole by the residual: a second pole must lower it by more than its number of unknowns
     /// does in noise.
-    fn split_close_pairs(&mut self, residual: &Rest) -> Option<f64> {
+    fn split_close_pairs(&mut self, residual: &Residual) -> Option<f64> {
         let false_alarm_probability = self.options.false_alarm_probability;
         let frfs = (&self.data, &self.sides);
         let found = close_pair_candidates(frfs, &self.roots, residual, false_alarm_probability);
@@ -158,7 +158,7 @@ impl Fit {
         let (first, most) = (self.residual_energy(residual), self.max_trial_poles());
         let mut residual_energy = first;
         for (index, second) in found.into_iter().take(most) {
-            let distance = |pole: &Root| (pole.lambda - lambdas[index]).norm();
+            let distance = |pole: &ModelPole| (pole.lambda - lambdas[index]).norm();
             let free = |j: &usize| self.roots[*j].pair.is_none();
             let nearest = (0..self.roots.len())
                 .filter(free)
@@ -184,7 +184,7 @@ impl Fit {
     /// the second pole is no mode.
     fn try_close_pair(
         &mut self,
-        (j, second): (usize, Root),
+        (j, second): (usize, ModelPole),
         (residual_energy, false_alarm_probability): (f64, f64),
     ) -> Option<f64> {
         let pairs = self.roots.iter().filter_map(|pole| pole.pair);
@@ -192,18 +192,21 @@ impl Fit {
         let modes = self.modes();
         let decay = second.decay();
         self.roots[j].pair = pair;
-        self.roots.push(Root {
+        self.roots.push(ModelPole {
             suspect: true,
             pair,
             ..second
         });
-        self.settle(Stop::Judging);
-        let members: Vec<&Root> = self.roots.iter().filter(|pole| pole.pair == pair).collect();
+        self.refine_and_prune(Convergence::Judging);
+        let members: Vec<&ModelPole> = self.roots.iter().filter(|pole| pole.pair == pair).collect();
         let [a, b] = members[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
         let now = self.residual_energy(&self.rest());
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
-        let correlation_factor = self.data.correlation.of_amplitude(decay, self.data.step);
+        let correlation_factor = self
+            .data
+            .correlation
+            .amplitude_noise_factor(decay, self.data.step);
         let enough = correlation_factor * upper_quantile(unknowns as f64, false_alarm_probability);
         if apart < MIN_SEPARATION_BANDWIDTHS
             || 2.0 * (residual_energy - now) <= enough
@@ -219,7 +222,7 @@ impl Fit {
     }
 
     /// Residual energy over the noise, without the force noise that FRFs have in common.
-    fn residual_energy(&self, residual: &Rest) -> f64 {
+    fn residual_energy(&self, residual: &Residual) -> f64 {
         let energies = self.data.shared.held_by_line(&self.data, residual);
         energies.iter().sum()
     }
@@ -241,7 +244,7 @@ impl Fit {
             self.apply(*change);
         }
         self.roots.retain(|pole| !pole.parts.is_empty());
-        unsettle(&mut self.roots);
+        mark_unconverged(&mut self.roots);
         !changes.is_empty()
     }
 }

@@ -4,23 +4,23 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 
 /// Lines whose sums fit into the nearest cache.
 const CACHE_LINES: usize = 1024;
 
 /// Variance of FRF f at line k of the range: `level_f² course_k²`.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Profile {
+pub(in crate::identify) struct BandProfile {
     /// Root of the mean variance of each FRF, m/N.
     pub level: Vec<f64>,
     /// Relative profile over the lines of the range; its square has the mean 1.
     pub course: Vec<f64>,
 }
 
-impl Profile {
+impl BandProfile {
     /// Profile of a range of lines.
-    pub fn new(data: &Receptances, lines: Range<usize>) -> Self {
+    pub fn new(data: &BandFrfs, lines: Range<usize>) -> Self {
         let mean: Vec<f64> = (0..data.functions())
             .into_par_iter()
             .map(|f| data.mean_variance(f, lines.clone()))

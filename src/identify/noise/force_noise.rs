@@ -23,12 +23,12 @@ use rayon::prelude::*;
 use crate::dof::Dof;
 use crate::frf::Function;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::residual::Rest;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::residual::Residual;
 use crate::identify::ml::pole_metrics::lines_around;
 use crate::identify::noise::input_variance::Noise;
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::variance_model::{SmoothedVariance, VarianceSamples};
 
 /// Minimum score for common noise, standard deviations.
@@ -63,14 +63,18 @@ pub(in crate::identify) struct ForceNoise {
     common_fraction: Vec<f64>,
     fraction_from_variances: Vec<f64>,
     /// Line correlation of the noise in the direction of the response, and that of a stated window.
-    line_correlation: Correlation,
-    window: Correlation,
+    line_correlation: LineCorrelation,
+    window: LineCorrelation,
 }
 
 impl ForceNoise {
     /// Estimate from the variances, before any residual exists, with the line correlation of a
     /// stated window.
-    pub fn from_variances(functions: &[Function], noise: &[Noise], window: &Correlation) -> Self {
+    pub fn from_variances(
+        functions: &[Function],
+        noise: &[Noise],
+        window: &LineCorrelation,
+    ) -> Self {
         let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
         for (number, function) in functions.iter().enumerate() {
             groups.entry(&function.reference).or_default().push(number);
@@ -100,12 +104,12 @@ impl ForceNoise {
     }
 
     /// Line correlation of the force noise.
-    pub fn along(&self) -> &Correlation {
+    pub fn along(&self) -> &LineCorrelation {
         &self.line_correlation
     }
 
     /// Estimate from the residual of a fit on all lines.
-    pub fn of_rest(&self, data: &Receptances, rest: &Rest) -> Self {
+    pub fn from_residual(&self, data: &BandFrfs, rest: &Residual) -> Self {
         let response = ModelResponse { data, rest };
         let groups: Vec<Vec<ResponseLine>> = self
             .groups
@@ -142,8 +146,8 @@ impl ForceNoise {
         });
         // A fit absorbs much of correlated noise: the correlation of a stated window is more
         // accurate, unless a force window makes the correlation stronger.
-        let estimate = Correlation::from_phases(&phases.collect::<Vec<_>>());
-        let stated = (self.window != Correlation::WHITE).then(|| self.window.clone());
+        let estimate = LineCorrelation::from_phases(&phases.collect::<Vec<_>>());
+        let stated = (self.window != LineCorrelation::WHITE).then(|| self.window.clone());
         let candidates = stated.into_iter().chain(estimate);
         let strongest = candidates.max_by(|a, b| a.alike().total_cmp(&b.alike()));
         Self {
@@ -156,12 +160,16 @@ impl ForceNoise {
 
     /// Factor by which noise raises the strength of a pole where there is no mode: the component of
     /// the pole along the response of the other poles counts as force noise.
-    pub fn of_amplitude(&self, data: &Receptances, root: &Root) -> f64 {
-        let response_factor = data.correlation.of_amplitude(root.decay(), data.step);
+    pub fn amplitude_noise_factor(&self, data: &BandFrfs, root: &ModelPole) -> f64 {
+        let response_factor = data
+            .correlation
+            .amplitude_noise_factor(root.decay(), data.step);
         if self.variance_ratio.is_empty() {
             return response_factor;
         }
-        let force_factor = self.line_correlation.of_amplitude(root.decay(), data.step);
+        let force_factor = self
+            .line_correlation
+            .amplitude_noise_factor(root.decay(), data.step);
         let parts = self.energy_splits(data, root, 1, |k, f| {
             data.values[f][k] - contribution(data, root, (k, f))
         });
@@ -173,12 +181,14 @@ impl ForceNoise {
     }
 
     /// Factor of the variance of a pole over that in white noise that is independent between FRFs.
-    pub fn of_pole(&self, data: &Receptances, root: &Root) -> f64 {
-        let response_factor = data.correlation.of_pole(root.decay(), data.step);
+    pub fn pole_noise_factor(&self, data: &BandFrfs, root: &ModelPole) -> f64 {
+        let response_factor = data.correlation.pole_noise_factor(root.decay(), data.step);
         if self.variance_ratio.is_empty() {
             return response_factor;
         }
-        let force_factor = self.line_correlation.of_pole(root.decay(), data.step);
+        let force_factor = self
+            .line_correlation
+            .pole_noise_factor(root.decay(), data.step);
         let parts = self.energy_splits(data, root, 2, |k, f| data.values[f][k]);
         let across: f64 = parts.iter().map(|part| part.across).sum();
         let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
@@ -191,7 +201,7 @@ impl ForceNoise {
     /// variance ratio, so that independent noise of the same energy has the same significance.
     pub fn held(
         &self,
-        (data, rest): (&Receptances, &Rest),
+        (data, rest): (&BandFrfs, &Residual),
         line: usize,
         value: impl Fn(usize) -> Complex64,
     ) -> f64 {
@@ -208,7 +218,7 @@ impl ForceNoise {
     }
 
     /// The same energy of the residual, at each of its lines.
-    pub fn held_by_line(&self, data: &Receptances, rest: &Rest) -> Vec<f64> {
+    pub fn held_by_line(&self, data: &BandFrfs, rest: &Residual) -> Vec<f64> {
         per_segment(&rest.lines, |lines| {
             if self.variance_ratio.is_empty() {
                 let mut power = vec![0.0; lines.len()];
@@ -233,8 +243,8 @@ impl ForceNoise {
     /// across it, by reference and line.
     fn energy_splits(
         &self,
-        data: &Receptances,
-        root: &Root,
+        data: &BandFrfs,
+        root: &ModelPole,
         power: usize,
         response: impl Fn(usize, usize) -> Complex64,
     ) -> Vec<EnergySplit> {
@@ -324,7 +334,7 @@ fn ratio_of_at_least_one(above: f64, below: f64) -> Option<f64> {
 }
 
 /// Contribution of a pole to an FRF at a line, with its conjugate.
-fn contribution(data: &Receptances, root: &Root, (k, f): (usize, usize)) -> Complex64 {
+fn contribution(data: &BandFrfs, root: &ModelPole, (k, f): (usize, usize)) -> Complex64 {
     let pole = |lambda| data.line_shape.pole(data.omega[k], lambda);
     let residue = root.residues[f];
     residue * pole(root.lambda) + residue.conj() * pole(root.lambda.conj())
@@ -363,8 +373,8 @@ fn split_by_direction(
 
 /// Response of the model, over the noise of every FRF.
 struct ModelResponse<'a> {
-    data: &'a Receptances,
-    rest: &'a Rest,
+    data: &'a BandFrfs,
+    rest: &'a Residual,
 }
 
 impl ModelResponse<'_> {

@@ -27,7 +27,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::identify::data::residual::Rest;
+use crate::identify::data::residual::Residual;
 
 /// Maximum number of segments of the band.
 const MAX_SEGMENTS: usize = 16;
@@ -74,12 +74,12 @@ const MIN_LAG_PAIRS: f64 = 40.0;
 
 /// Correlation of noise between frequency lines.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct Correlation {
+pub(in crate::identify) struct LineCorrelation {
     /// `E[r_k conj(r_(k+m))]` over the variance, from m = 1.
     lags: Vec<Complex64>,
 }
 
-impl Correlation {
+impl LineCorrelation {
     /// Of noise that is white over the lines.
     pub const WHITE: Self = Self { lags: Vec::new() };
 
@@ -103,13 +103,13 @@ impl Correlation {
     }
 
     /// Estimate from the residual of a fit; `None` where it exceeds the noise nearly everywhere.
-    pub fn of_rest(rest: &Rest) -> Option<Self> {
+    pub fn from_residual(rest: &Residual) -> Option<Self> {
         Some(NoiseSegments::new(rest, MAX_SEGMENTS)?.correlation())
     }
 
-    /// As [`Self::of_rest`], where the residual can only be noise with small second differences:
+    /// As [`Self::from_residual`], where the residual can only be noise with small second differences:
     /// every FRF has an independent profile, and distant lines of a segment are uncorrelated.
-    pub fn of_correlated_noise(rest: &Rest) -> Option<Self> {
+    pub fn of_correlated_noise(rest: &Residual) -> Option<Self> {
         let is_independent = |noise: &NoiseSegments| {
             let (enough_segments, longest) =
                 (noise.segments.len() >= LONG_SEGMENTS, noise.longest_lag());
@@ -126,7 +126,7 @@ impl Correlation {
 
     /// Whether the FRFs have independent residuals, in long segments, where noise correlated over
     /// many lines is no longer similar at random.
-    pub fn functions_differ(rest: &Rest) -> bool {
+    pub fn frfs_have_independent_noise(rest: &Residual) -> bool {
         NoiseSegments::new(rest, LONG_SEGMENTS)
             .is_some_and(|noise| noise.similarity() < MAX_LONG_SEGMENT_SIMILARITY)
     }
@@ -160,12 +160,12 @@ impl Correlation {
 
     /// Variance of the amplitude of a pole over that under white noise, at least 1; `step` is the
     /// spacing of the lines, rad/s.
-    pub fn of_amplitude(&self, decay: f64, step: f64) -> f64 {
+    pub fn amplitude_noise_factor(&self, decay: f64, step: f64) -> f64 {
         self.factor(decay, step, |s| s.inv())
     }
 
     /// Variance of the pole itself over that under white noise, at least 1.
-    pub fn of_pole(&self, decay: f64, step: f64) -> f64 {
+    pub fn pole_noise_factor(&self, decay: f64, step: f64) -> f64 {
         self.factor(decay, step, |s| s.inv() - 2.0 / (s * s) + 2.0 / (s * s * s))
     }
 
@@ -239,7 +239,7 @@ struct NoiseSegments {
 
 impl NoiseSegments {
     /// Divides the band into at most `most` segments; `None` where too few are noise alone.
-    fn new(rest: &Rest, most: usize) -> Option<Self> {
+    fn new(rest: &Residual, most: usize) -> Option<Self> {
         let (lines, functions) = (rest.lines.len(), rest.values.ncols());
         let count = (lines / MIN_SEGMENT_LINES).clamp(1, most);
         let length = lines / count;
@@ -277,7 +277,7 @@ impl NoiseSegments {
         (MAX_LAG_OVER_SEGMENT * self.length() as f64) as usize
     }
 
-    fn correlation(&self) -> Correlation {
+    fn correlation(&self) -> LineCorrelation {
         let values = (self.segments.len() * self.length() * self.phases.len()) as f64;
         let limit = MIN_LAG_STDS * (MEDIAN_VARIANCE_RATIO / (2.0 * values)).sqrt();
         let mut lags = Vec::new();
@@ -301,7 +301,7 @@ impl NoiseSegments {
         };
         let tail = (count + 1..=self.lines).filter(|_| count > 0);
         lags.extend(tail.map(|m| Complex64::new(0.0, tail_factor / m as f64)));
-        Correlation { lags }
+        LineCorrelation { lags }
     }
 
     /// Median over the segments of the mean product of phases `lag` lines apart.

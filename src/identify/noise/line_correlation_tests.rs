@@ -15,8 +15,11 @@ fn decaying(lines: usize, functions: usize, at_end: f64) -> linalg::ComplexMatri
 fn white_noise_has_no_correlation() {
     let noise: Vec<Vec<Complex64>> = (0..4).map(|f| white_noise(2000, 1.0, 3 + f)).collect();
     let rest = linalg::complex_matrix(2000, 4, |k, f| noise[f][k]);
-    let rest = Rest::of_all(rest);
-    assert_eq!(Correlation::of_rest(&rest), Some(Correlation::WHITE));
+    let rest = Residual::of_all(rest);
+    assert_eq!(
+        LineCorrelation::from_residual(&rest),
+        Some(LineCorrelation::WHITE)
+    );
 }
 
 #[test]
@@ -27,7 +30,8 @@ fn noise_factor_under_an_exponential_window_is_that_of_theory() {
         let noise = decaying(8192, 6, at_end);
         let size = size_of(&noise);
         let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
-        let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
+        let estimated =
+            LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
         for ratio in [3.0, 60.0] {
             let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
             // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the
@@ -37,8 +41,8 @@ fn noise_factor_under_an_exponential_window_is_that_of_theory() {
             let amplitude = first / q;
             let pole = first * (1.0 / q - 2.0 / (q * q) + 2.0 / (q * q * q));
             let (a, p) = (
-                estimated.of_amplitude(decay, step),
-                estimated.of_pole(decay, step),
+                estimated.amplitude_noise_factor(decay, step),
+                estimated.pole_noise_factor(decay, step),
             );
             // A record that hardly decays has much of its correlation in lags below the limit, and
             // the noise of a mode far wider than the correlation consists of them.
@@ -56,8 +60,11 @@ fn noise_factor_under_an_exponential_window_is_that_of_theory() {
                 "{at_end} {ratio}: {p} {pole}"
             );
             if at_end >= 4.0 {
-                let exact = Correlation::of_window(at_end, (step, 8192));
-                let (a, p) = (exact.of_amplitude(decay, step), exact.of_pole(decay, step));
+                let exact = LineCorrelation::of_window(at_end, (step, 8192));
+                let (a, p) = (
+                    exact.amplitude_noise_factor(decay, step),
+                    exact.pole_noise_factor(decay, step),
+                );
                 assert!(
                     (a / amplitude - 1.0).abs() < 0.1,
                     "{at_end} {ratio}: {a} {amplitude}"
@@ -73,7 +80,8 @@ fn noise_decay_rate_is_estimated_and_smoothed_noise_has_none() {
     let decay_rate = |noise: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
-        let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
+        let estimated =
+            LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
         estimated.decay(std::f64::consts::TAU)
     };
     for at_end in [4.0, 10.0, 40.0] {
@@ -99,8 +107,8 @@ fn noise_factor_of_noise_in_a_quarter_of_the_record_is_that_of_theory() {
         })
         .collect();
     let rest = linalg::complex_matrix(8192, 6, |k, f| columns[f][k]);
-    let estimated = Correlation::of_rest(&Rest::of_all(rest)).expect("lines enough");
-    let factor = estimated.of_amplitude(60.0, std::f64::consts::TAU);
+    let estimated = LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
+    let factor = estimated.amplitude_noise_factor(60.0, std::f64::consts::TAU);
     assert!((factor / 4.0 - 1.0).abs() < 0.15, "{factor}");
 }
 
@@ -109,7 +117,7 @@ fn correlated_noise_is_separated_from_missing_modes() {
     let noise_correlation = |rest: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / rest.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * rest[(k, f)]);
-        Correlation::of_correlated_noise(&Rest::of_all(rest))
+        LineCorrelation::of_correlated_noise(&Residual::of_all(rest))
     };
     let noise = decaying(4096, 4, 40.0);
     assert!(noise_correlation(noise.clone()).is_some());
@@ -138,7 +146,10 @@ fn correlated_noise_is_separated_from_missing_modes() {
 #[test]
 fn a_residual_above_the_noise_gives_no_correlation() {
     let rest = linalg::complex_matrix(400, 2, |k, _| Complex64::new(0.0, 0.1 * k as f64) - 40.0);
-    assert_eq!(Correlation::of_rest(&Rest::of_all(rest)), None);
+    assert_eq!(
+        LineCorrelation::from_residual(&Residual::of_all(rest)),
+        None
+    );
 }
 
 #[test]
@@ -159,7 +170,7 @@ fn correlation_follows_from_the_mean_product_of_phases() {
 
 #[test]
 fn a_steep_window_has_no_more_lags_than_lines() {
-    assert_eq!(Correlation::of_window(1e12, (1.0, 100)).lags.len(), 100);
+    assert_eq!(LineCorrelation::of_window(1e12, (1.0, 100)).lags.len(), 100);
 }
 
 #[test]
@@ -167,7 +178,7 @@ fn frfs_differ_with_independent_noise_and_not_with_a_common_profile() {
     let differ = |noise: &linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
-        Correlation::functions_differ(&Rest::of_all(rest))
+        LineCorrelation::frfs_have_independent_noise(&Residual::of_all(rest))
     };
     let independent = decaying(4096, 4, 100.0);
     assert!(differ(&independent));

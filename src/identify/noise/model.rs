@@ -3,10 +3,10 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::residual::Rest;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::residual::Residual;
 use crate::identify::noise::force_noise::ForceNoise;
-use crate::identify::noise::line_correlation::Correlation;
+use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
 use crate::identify::noise::variance_model::SmoothedVariance;
 
@@ -30,15 +30,15 @@ pub(in crate::identify) enum VarianceSource {
 pub(in crate::identify) struct NoiseSnapshot {
     variance: Vec<Vec<f64>>,
     force_fraction: Vec<Vec<f64>>,
-    correlation: Correlation,
+    correlation: LineCorrelation,
     shared: ForceNoise,
     variance_source: VarianceSource,
 }
 
-impl Receptances {
+impl BandFrfs {
     /// Whether the noise is correlated between frequency lines although the data state no window;
     /// with its decay rate over the record, 1/s, where it decays.
-    pub fn unstated_decay(&self) -> Option<Option<f64>> {
+    pub fn unreported_window_decay(&self) -> Option<Option<f64>> {
         let shared = self.variance_source == VarianceSource::Level
             && self.correlation.has_small_second_differences();
         shared.then(|| self.correlation.decay(self.step))
@@ -47,9 +47,9 @@ impl Receptances {
     /// Estimates the noise of all FRFs and its line correlation from the residual of a fit, and
     /// divides the residual by that noise. To variances supplied with the data it adds force noise
     /// that they do not contain.
-    pub fn tell_noise(&mut self, rest: &mut Rest) {
+    pub fn estimate_noise_and_correlation(&mut self, rest: &mut Residual) {
         self.estimate_noise(rest);
-        if let Some(correlation) = Correlation::of_rest(rest) {
+        if let Some(correlation) = LineCorrelation::from_residual(rest) {
             self.correlation = correlation;
         }
     }
@@ -58,7 +58,7 @@ impl Receptances {
     /// independent profile, with strong correlation of adjacent lines and none of distant ones.
     /// Missing modes leave the same profile in all FRFs. The level of the residual then estimates
     /// the noise. Records under an unreported window have such noise.
-    pub fn lines_share_noise(&mut self, rest: &mut Rest) -> bool {
+    pub fn detect_correlated_noise(&mut self, rest: &mut Residual) -> bool {
         let stated = self.stated.iter().any(Option::is_some);
         let too_few_frfs = self.functions() < MIN_FRFS;
         let more_than_noise = rest.mean_power() > MAX_NOISE_POWER;
@@ -73,7 +73,7 @@ impl Receptances {
         let before = (self.noise(), self.variance.clone());
         self.variance_source = VarianceSource::Level;
         self.estimate_noise(rest);
-        if let Some(correlation) = Correlation::of_correlated_noise(rest) {
+        if let Some(correlation) = LineCorrelation::of_correlated_noise(rest) {
             self.correlation = correlation;
             self.estimate_noise(rest);
             return true;
@@ -92,7 +92,7 @@ impl Receptances {
         }
     }
 
-    fn estimate_noise(&mut self, rest: &mut Rest) {
+    fn estimate_noise(&mut self, rest: &mut Residual) {
         let difference_square = self.correlation.second_difference_square();
         let line_ratio = self.correlation.alike();
         let mut now = vec![SmoothedVariance::default(); self.functions()];
@@ -145,7 +145,7 @@ impl Receptances {
     fn residual_of_frf(
         &self,
         f: usize,
-        rest: &Rest,
+        rest: &Residual,
         (difference_square, line_ratio): (f64, f64),
     ) -> ResidualVariance {
         let scale = &self.measured_scale[f];

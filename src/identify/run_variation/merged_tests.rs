@@ -8,7 +8,7 @@ use crate::identify::estimator::Candidate;
 use crate::modal::Pole;
 
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::run_variation::{Moved, ShiftDecision, ShiftedMode};
+use crate::identify::run_variation::{RunShifts, ShiftDecision, ShiftedMode};
 
 #[test]
 fn an_frf_is_aligned_from_the_pole_of_its_run_to_the_mean() {
@@ -46,13 +46,13 @@ fn an_unmerged_mode_with_misfit_has_the_typical_scatter_of_the_others() {
         stds: Vec::new(),
         residues: Vec::new(),
     };
-    let moved = Moved {
+    let moved = RunShifts {
         modes: vec![
             moving(10.0, 0.004),
             moving(20.0, 0.001),
             moving(30.0, 0.002),
         ],
-        ..Moved::default()
+        ..RunShifts::default()
     };
     let candidate = |hz: f64| Candidate {
         order: None,
@@ -108,9 +108,9 @@ fn a_mode_that_does_not_shift_with_the_others_is_excluded() {
         decision([0.5, -0.6, 1.0, 0.1, -1.0], 4),
         decision([0.0; 5], 4),
     ];
-    let moved = Moved {
+    let moved = RunShifts {
         runs: (0..5).map(|run| vec![run]).collect(),
-        ..Moved::default()
+        ..RunShifts::default()
     };
     let taken = moved.modes_with_common_cause(all.iter().collect());
     let groups: Vec<usize> = taken.iter().map(|decision| decision.group).collect();

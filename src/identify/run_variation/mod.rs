@@ -24,10 +24,10 @@ use rayon::prelude::*;
 
 use crate::frf::{Function, runs};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::frf_matrix::Sides;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::model_pole::ModelPole;
 use crate::identify::estimator::Candidate;
 
 mod model_selection;
@@ -64,7 +64,7 @@ const OUTLYING_STDS: f64 = 5.0;
 
 /// Measurement runs of the FRFs, and the modes with a frequency that shifts between them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::identify) struct Moved {
+pub(in crate::identify) struct RunShifts {
     runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor rather than an excitation point.
     roving_sensor: bool,
@@ -109,11 +109,11 @@ pub(in crate::identify) struct OutlyingRun {
     pub limit: f64,
 }
 
-impl Moved {
+impl RunShifts {
     /// Runs of the FRFs, without shifted modes.
     pub fn none(functions: &[Function]) -> Self {
         let (runs, roving_sensor) = runs(functions);
-        let sides = Sides::new(functions);
+        let sides = FrfMatrix::new(functions);
         Self {
             runs,
             roving_sensor,
@@ -123,7 +123,7 @@ impl Moved {
     }
 
     /// Aligns every FRF to the mean of the runs.
-    pub fn straighten(&self, data: &mut Receptances) {
+    pub fn align_runs(&self, data: &mut BandFrfs) {
         if self.modes.is_empty() {
             return;
         }
@@ -141,7 +141,7 @@ impl Moved {
 
     /// Updates the shifted modes from a fit of the FRFs as aligned now. Returns whether anything
     /// changed.
-    pub fn update_from_fit(&mut self, data: &Receptances, model_poles: &[Root]) -> bool {
+    pub fn update_from_fit(&mut self, data: &BandFrfs, model_poles: &[ModelPole]) -> bool {
         if self.rounds == MAX_ROUNDS || self.runs.len() < MIN_RUNS {
             return false;
         }
@@ -235,7 +235,7 @@ impl Moved {
 
     /// Shifted modes by the grouping of poles with the fewest modes, and of several such groupings
     /// the one with the largest gain.
-    fn shifted_modes(&self, data: &Receptances, model_poles: &[Root]) -> Vec<ShiftedMode> {
+    fn shifted_modes(&self, data: &BandFrfs, model_poles: &[ModelPole]) -> Vec<ShiftedMode> {
         let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
             .map(|reach| groups(model_poles, reach))
             .into();
@@ -256,8 +256,8 @@ impl Moved {
     fn modes_of_grouping(
         &self,
         groups: Vec<Vec<usize>>,
-        data: &Receptances,
-        model_poles: &[Root],
+        data: &BandFrfs,
+        model_poles: &[ModelPole],
     ) -> Grouping {
         let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, model_poles);
         let resonance = |group: &Vec<usize>| Resonance::new(data, (model_poles, group), self);
@@ -369,7 +369,7 @@ impl Moved {
     fn modes_by_group(
         &self,
         groups: &[Vec<usize>],
-        model_poles: &[Root],
+        model_poles: &[ModelPole],
     ) -> Vec<Vec<&ShiftedMode>> {
         let mut group_modes = vec![Vec::new(); groups.len()];
         for mode in &self.modes {
@@ -536,7 +536,7 @@ impl ShiftedMode {
 
 /// Groups of the poles around each strong one, within a number of half-power bandwidths or a
 /// fraction of the frequency, the strong one first.
-fn groups(model_poles: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
+fn groups(model_poles: &[ModelPole], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
     let strength = |j: &usize| model_poles[*j].quality.significance();
     let mut order: Vec<usize> = (0..model_poles.len()).collect();
     order.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -557,7 +557,7 @@ fn groups(model_poles: &[Root], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
 
 /// Poles of the other groups in a run: shifted where that is estimated, else the poles of the fit.
 fn poles_of_other_groups(
-    model_poles: &[Root],
+    model_poles: &[ModelPole],
     (groups, moved): (&[Vec<usize>], &[Option<Poles>]),
     (excluded, run): (usize, usize),
 ) -> Vec<Complex64> {

@@ -5,16 +5,16 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::model_pole::Root;
-use crate::identify::data::out_of_band_basis::Background;
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::data::residual::{courses, residues};
 use crate::identify::ml::pole_metrics::lines_around;
-use crate::identify::noise::band_profile::Profile;
+use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::run_variation::model_selection::{Criterion, between_runs};
 use crate::identify::run_variation::pole_shift::{Fitted, Track};
 use crate::identify::run_variation::run_fit::{Run, Step, without};
-use crate::identify::run_variation::{Moved, ShiftedMode};
+use crate::identify::run_variation::{RunShifts, ShiftedMode};
 
 /// Half-width of the fitted lines around a pole, half-power bandwidths.
 const HALF_WIDTH_BANDWIDTHS: f64 = 3.0;
@@ -53,16 +53,16 @@ pub(super) const CONVERGED_STEP_DECAY_RATES: f64 = 1e-6;
 /// The lines around a strong pole and the poles of its group, without the response of poles farther
 /// away.
 pub(super) struct Resonance<'a> {
-    pub(super) data: &'a Receptances,
+    pub(super) data: &'a BandFrfs,
     pub(super) omega: Vec<f64>,
-    pub(super) profile: Profile,
+    pub(super) profile: BandProfile,
     /// Values over the noise, of aligned runs: lines × FRFs.
     aligned: ComplexMatrix,
     /// Values over the noise, as measured.
     values: ComplexMatrix,
     /// Profiles of out-of-band terms, with a curvature: lines × columns.
     background: ComplexMatrix,
-    group: Vec<&'a Root>,
+    group: Vec<&'a ModelPole>,
     /// Poles outside the group.
     others: Vec<Complex64>,
 }
@@ -112,9 +112,9 @@ pub(super) enum Screening {
 impl<'a> Resonance<'a> {
     /// `None` where too few lines separate the poles around.
     pub fn new(
-        data: &'a Receptances,
-        (model_poles, group): (&'a [Root], &[usize]),
-        moved: &Moved,
+        data: &'a BandFrfs,
+        (model_poles, group): (&'a [ModelPole], &[usize]),
+        moved: &RunShifts,
     ) -> Option<Self> {
         let strong = &model_poles[group[0]];
         let distance = |j: &usize| (model_poles[*j].lambda.im - strong.lambda.im).abs();
@@ -124,11 +124,11 @@ impl<'a> Resonance<'a> {
         let lines = lines_around(data, strong, side);
         let omega = data.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| is_nearby(&omega, lambda);
-        let (poles_near, farther): (Vec<Root>, Vec<Root>) = model_poles
+        let (poles_near, farther): (Vec<ModelPole>, Vec<ModelPole>) = model_poles
             .iter()
             .cloned()
             .partition(|model_pole| near(model_pole.lambda));
-        let background = Background::new(&data.omega, &lines, data.outside());
+        let background = OutOfBandBasis::new(&data.omega, &lines, data.outside());
         let middle = 0.5 * omega.len() as f64;
         let columns = background.columns();
         let background = linalg::complex_matrix(omega.len(), columns + 1, |k, column| {
@@ -143,7 +143,7 @@ impl<'a> Resonance<'a> {
         if omega.len() < 2 * (poles_near.len() + background.ncols() + 2) {
             return None;
         }
-        let profile = Profile::new(data, lines.clone());
+        let profile = BandProfile::new(data, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
         let explained =
             courses(data.line_shape, &omega, &farther) * residues(&farther, data.functions());
@@ -233,7 +233,7 @@ impl<'a> Resonance<'a> {
         let run_step = |run: &Vec<usize>| fit.steps(run.iter().copied())[0];
         let steps: Vec<Step> = runs.iter().map(run_step).collect();
         let values = (self.omega.len() * functions.len()) as f64;
-        let correlation_factor = self.data.shared.of_pole(self.data, model_pole);
+        let correlation_factor = self.data.shared.pole_noise_factor(self.data, model_pole);
         let noise = correlation_factor * (fit.without_derivative() / values).min(1.0);
         let variances = steps.iter().map(|step| 0.5 / step.weight);
         if !has_enough_runs(
@@ -366,7 +366,7 @@ impl<'a> Resonance<'a> {
     fn criterion(&self, runs: &[Vec<usize>], residual_energy: f64) -> Criterion {
         let functions = runs.iter().map(Vec::len).sum();
         let values = (self.omega.len() * functions) as f64;
-        let correlation_factor = self.data.shared.of_pole(self.data, self.group[0]);
+        let correlation_factor = self.data.shared.pole_noise_factor(self.data, self.group[0]);
         let rounding = ROUND_OFF_ENERGY * self.aligned.squared_norm_l2();
         let residual_energy = residual_energy.max(rounding).max(f64::MIN_POSITIVE);
         Criterion {
@@ -465,14 +465,14 @@ impl<'a> Resonance<'a> {
     /// Residual energy `Σ|r|²` of the poles of the group as fitted; other poles and out-of-band
     /// terms are fitted here.
     fn residual_energy_as_fitted(&self) -> f64 {
-        let group_poles: Vec<Root> = self
+        let group_poles: Vec<ModelPole> = self
             .group
             .iter()
             .map(|model_pole| (*model_pole).clone())
             .collect();
         let explained = courses(self.data.line_shape, &self.omega, &group_poles)
             * residues(&group_poles, self.data.functions());
-        let Profile { course, level } = &self.profile;
+        let BandProfile { course, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.functions());
         let residual = linalg::complex_matrix(lines, functions, |k, f| {
             self.aligned[(k, f)] - explained[(k, f)] / (course[k] * level[f])

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::frf::{Function, runs};
 
-use crate::identify::data::model_pole::Root;
+use crate::identify::data::model_pole::ModelPole;
 
 /// Maximum separation of two modes that may be one, half-power bandwidths.
 const MAX_SEPARATION_BANDWIDTHS: f64 = 2.0;
@@ -35,11 +35,11 @@ pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
 
 /// Poles with such a partner, and the distance to the nearest one in half-power bandwidths.
 pub(in crate::identify) fn run_partners(
-    poles: &[&Root],
+    poles: &[&ModelPole],
     runs: &[Vec<usize>],
 ) -> Vec<(Complex64, f64)> {
-    let of = |mode: &&Root| {
-        let partner = |other: &&Root| {
+    let of = |mode: &&ModelPole| {
+        let partner = |other: &&ModelPole| {
             let width = 0.5 * (mode.width() + other.width());
             let distance = (mode.lambda.im - other.lambda.im).abs() / width;
             let near = distance > 0.0 && distance < MAX_SEPARATION_BANDWIDTHS;
@@ -53,8 +53,8 @@ pub(in crate::identify) fn run_partners(
 
 /// Whether only one of two poles responds in every run, and each does in the minimum number of
 /// runs.
-fn respond_separately(a: &Root, b: &Root, runs: &[Vec<usize>]) -> bool {
-    let power = |pole: &Root, run: &[usize]| -> f64 {
+fn respond_separately(a: &ModelPole, b: &ModelPole, runs: &[Vec<usize>]) -> bool {
+    let power = |pole: &ModelPole, run: &[usize]| -> f64 {
         run.iter().map(|f| pole.residues[*f].norm_sqr()).sum()
     };
     let both = |run: &Vec<usize>| (power(a, run), power(b, run));
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn only_modes_that_respond_in_separate_runs_are_partners() {
         let pole = |hz: f64, residues: [f64; 6]| {
-            let mut pole = Root::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
+            let mut pole = ModelPole::single(Complex64::new(-1.0, hz), &[Complex64::ONE], 6);
             pole.residues = residues.map(Complex64::from).to_vec();
             pole
         };

@@ -18,9 +18,9 @@ use crate::axis::Band;
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::detection_spectrum::Indicator;
-use crate::identify::data::peak_detection::{self, Found, Peak};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::detection_spectrum::DetectionSpectrum;
+use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::residues;
@@ -134,15 +134,15 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let data = Receptances::new(set, band)?;
-        let indicator = Indicator::new(&data);
+        let data = BandFrfs::new(set, band)?;
+        let indicator = DetectionSpectrum::new(&data);
         let mut found =
             peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
         let (resonances, residues) = loop {
             let (resonances, residues) =
                 self.run_passes(&data, initial_resonances(&data, &indicator, &found));
             let fitted = |mode: usize| resonances[mode].fit.is_some();
-            if !peak_detection::drop_humps(&mut found, (&data, &indicator), fitted) {
+            if !peak_detection::reject_background_maxima(&mut found, (&data, &indicator), fitted) {
                 break (resonances, residues);
             }
         };
@@ -174,7 +174,7 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
 impl<M: SingleModeMethod> SingleModeEstimator<M> {
     fn run_passes(
         &self,
-        data: &Receptances,
+        data: &BandFrfs,
         mut resonances: Vec<Resonance>,
     ) -> (Vec<Resonance>, Vec<Vec<Complex64>>) {
         for _ in 0..REFINEMENT_PASSES {
@@ -190,7 +190,7 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
 
     fn refit(
         &self,
-        data: &Receptances,
+        data: &BandFrfs,
         (poles, residues): (&[Complex64], &[Vec<Complex64>]),
         resonances: &[Resonance],
         mode: usize,
@@ -229,7 +229,7 @@ fn plausible(initial_poles: &[Complex64], mode: usize, step: f64, fit: &SingleMo
 }
 
 fn update_residues(
-    data: &Receptances,
+    data: &BandFrfs,
     resonances: &mut [Resonance],
 ) -> (Vec<Complex64>, Vec<Vec<Complex64>>) {
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
@@ -247,7 +247,7 @@ fn update_residues(
 }
 
 /// Indices of the modes to report: those of the highest peaks when their number is limited.
-fn strongest_modes(found: &Found, max_modes: Option<usize>) -> Vec<usize> {
+fn strongest_modes(found: &DetectedPeaks, max_modes: Option<usize>) -> Vec<usize> {
     let power = |mode: &usize| found.peaks[*mode].power;
     let mut modes: Vec<usize> = (0..found.peaks.len()).collect();
     if let Some(max_modes) = max_modes {
@@ -258,7 +258,11 @@ fn strongest_modes(found: &Found, max_modes: Option<usize>) -> Vec<usize> {
     modes
 }
 
-fn initial_resonances(data: &Receptances, indicator: &Indicator, found: &Found) -> Vec<Resonance> {
+fn initial_resonances(
+    data: &BandFrfs,
+    indicator: &DetectionSpectrum,
+    found: &DetectedPeaks,
+) -> Vec<Resonance> {
     let resonance = |peak: &Peak| {
         let initial = peak_detection::first_pole(data, indicator, found, peak);
         Resonance {
@@ -275,7 +279,7 @@ fn initial_resonances(data: &Receptances, indicator: &Indicator, found: &Found) 
 /// neighbour. Either side has a minimum number of lines; at an end of the band the other side makes
 /// up for the missing ones.
 fn window(
-    data: &Receptances,
+    data: &BandFrfs,
     poles: &[Complex64],
     mode: usize,
     (half_width, min_side_lines): (f64, usize),

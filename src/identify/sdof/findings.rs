@@ -9,8 +9,8 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use crate::identify::data::band_frfs::Receptances;
-use crate::identify::data::peak_detection::{self, Drop, Found, Peak};
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak, PeakRejection};
 use crate::identify::error::IdentifyError;
 use crate::identify::fit::residues;
 use crate::identify::sdof::estimator::Resonance;
@@ -36,9 +36,9 @@ pub(in crate::identify) struct Context<'a> {
     /// The FRFs as given.
     pub set: &'a FrfSet,
     /// Their receptances in the band.
-    pub data: &'a Receptances,
+    pub data: &'a BandFrfs,
     /// Detected peaks.
-    pub found: &'a Found,
+    pub found: &'a DetectedPeaks,
     /// Fitted modes in ascending frequency.
     pub resonances: &'a [Resonance],
     /// Results of the close-mode tests by mode.
@@ -63,8 +63,8 @@ pub(in crate::identify) struct SdofVerdict {
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
 pub(in crate::identify) fn verdicts(
-    data: &Receptances,
-    found: &Found,
+    data: &BandFrfs,
+    found: &DetectedPeaks,
     (resonances, residues): (&[Resonance], &[Vec<Complex64>]),
     (table, highest_rad_s): (Option<&PairTable>, f64),
 ) -> Result<Vec<SdofVerdict>, IdentifyError> {
@@ -93,7 +93,9 @@ pub(in crate::identify) fn verdicts(
             (&isolated, &variance),
         );
         let residues = match shape {
-            Some(_) => residues::with_own_frequencies(data, poles[mode], (&isolated, lines)),
+            Some(_) => {
+                residues::residues_at_individual_frequencies(data, poles[mode], (&isolated, lines))
+            }
             None => mode_residues.clone(),
         };
         let table = table.filter(|_| poles[mode].im <= highest_rad_s);
@@ -128,16 +130,20 @@ pub(in crate::identify) fn findings(context: &Context, modes: &[usize]) -> Vec<F
     let modes = modes.iter().flat_map(|mode| mode_findings(context, *mode));
     let mut findings: Vec<Finding> = modes.collect();
     let dropped = context.found.dropped.iter();
-    findings.extend(dropped.map(|(peak, drop)| dropped_peak(context.data, peak, drop)));
+    findings.extend(dropped.map(|(peak, drop)| rejected_peak_finding(context.data, peak, drop)));
     findings
 }
 
 /// The finding of a rejected peak.
-pub(in crate::identify) fn dropped_peak(data: &Receptances, peak: &Peak, drop: &Drop) -> Finding {
+pub(in crate::identify) fn rejected_peak_finding(
+    data: &BandFrfs,
+    peak: &Peak,
+    drop: &PeakRejection,
+) -> Finding {
     let (value, limit) = match drop {
-        Drop::NotHighest(ratio) => (*ratio, 2.0),
-        Drop::Unstable(turn) => (*turn, 0.0),
-        Drop::NotTurning(turn) => (*turn, peak_detection::LEAST_TURN),
+        PeakRejection::NotHighest(ratio) => (*ratio, 2.0),
+        PeakRejection::Unstable(turn) => (*turn, 0.0),
+        PeakRejection::NotTurning(turn) => (*turn, peak_detection::MIN_PHASE_CHANGE_RATIO),
     };
     let place = Place::Mode(peak_detection::hz(data, peak.line));
     Finding::new(Severity::Info, Code::PeakDropped, place)
@@ -205,7 +211,7 @@ fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
 /// band.
 pub(in crate::identify) fn reach(
     set: &FrfSet,
-    data: &Receptances,
+    data: &BandFrfs,
     lambda: Complex64,
     place: &Place,
 ) -> Vec<Finding> {
@@ -232,7 +238,7 @@ pub(in crate::identify) fn reach(
 
 /// The finding of a resonance so narrow that leakage biases its damping, where the leakage was not
 /// corrected and the data do not contradict it.
-fn leakage(data: &Receptances, lambda: Complex64, place: &Place) -> Option<Finding> {
+fn leakage(data: &BandFrfs, lambda: Complex64, place: &Place) -> Option<Finding> {
     let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
     let bias = shape.leakage_bias(-lambda.re)?;
     let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, place.clone());
@@ -260,8 +266,8 @@ pub(in crate::identify) fn window_decay(set: &FrfSet) -> Option<Finding> {
 /// Separation from the nearest other visible peak, rejected ones included, in half-power bandwidths
 /// of the mode, where it is too small.
 fn nearest(
-    data: &Receptances,
-    found: &Found,
+    data: &BandFrfs,
+    found: &DetectedPeaks,
     resonances: &[Resonance],
     mode: usize,
 ) -> Option<Excess> {
@@ -300,8 +306,8 @@ mod tests {
         let lambda = Pole::from_frequency(60.0, 0.01).lambda;
         let context = Context {
             set: &set,
-            data: &Receptances::new(&set, band).unwrap(),
-            found: &Found::default(),
+            data: &BandFrfs::new(&set, band).unwrap(),
+            found: &DetectedPeaks::default(),
             resonances: &[Resonance {
                 initial: lambda,
                 lambda,

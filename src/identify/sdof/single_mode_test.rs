@@ -20,7 +20,7 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, LinalgError};
 
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::peak_detection::noise_limit;
 use crate::identify::sdof::estimator::Resonance;
 
@@ -102,7 +102,7 @@ fn without_line(row: &[Complex64]) -> Vec<Complex64> {
 /// Root mean square residual of one pole over the peak where it exceeds its limit; `None` below,
 /// and with too few lines for the test.
 pub(in crate::identify) fn second_pole(
-    data: &Receptances,
+    data: &BandFrfs,
     resonance: &Resonance,
     residues: &[Complex64],
     (values, variance): (&[Vec<Complex64>], &[f64]),

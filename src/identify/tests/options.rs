@@ -6,7 +6,7 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding};
 use crate::frf::{FrfSet, Function, FunctionData};
-use crate::identify::data::band_frfs::Receptances;
+use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{IdentifyOptions, MethodOptions};
 use crate::identify::synthetic::{Measurement, Structure};
@@ -206,7 +206,7 @@ fn lines_without_any_response_have_no_poles_and_hide_none() {
     let measured = set(0.01);
     let whole = Band::new(0.1, 200.0).expect("a band");
     let lines = |set: &FrfSet| {
-        let data = Receptances::new(set, whole).expect("a sound set");
+        let data = BandFrfs::new(set, whole).expect("a sound set");
         data.lines()
     };
     let both_ends = changed(&measured, |_, k, v| {

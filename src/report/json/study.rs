@@ -90,7 +90,7 @@ fn test_needs(test_needs: &TestNeeds) -> Value {
         "identified_roots": test_needs.support.identified,
         "roots_by_bic": test_needs.support.by_bic(),
         "roots_by_prediction": test_needs.support.by_prediction(),
-        "roots_by_rest": test_needs.support.by_rest(),
+        "roots_by_rest": test_needs.support.by_residual(),
         "functions": test_needs.support.functions,
         "lines": test_needs.support.lines,
         "stretch": test_needs.support.stretch,

@@ -1,6 +1,6 @@
 //! What each further root brings: how unlikely left-out lines are, the rest, and BIC.
 
-use crate::identify::{Support, Tried};
+use crate::identify::{OrderSelection, OrderStep};
 use crate::study::{SceneNeeds, TestNeeds};
 
 use super::axis::{Axis, frame, range};
@@ -28,16 +28,16 @@ pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
 /// A course over the number of roots.
 struct Course<'a> {
     name: &'static str,
-    value: &'a dyn Fn(&Tried) -> Option<f64>,
+    value: &'a dyn Fn(&OrderStep) -> Option<f64>,
     least: Option<usize>,
 }
 
 fn figure(test: &TestNeeds) -> Option<String> {
     let support = &test.support;
     let least = support.tried.get(support.by_bic())?.bic;
-    let bic = |tried: &Tried| Some(tried.bic - least + 1.0);
-    let rest = |tried: &Tried| Some(tried.rest);
-    let foretold = |tried: &Tried| tried.predicted.map(|score| score.mean);
+    let bic = |tried: &OrderStep| Some(tried.bic - least + 1.0);
+    let rest = |tried: &OrderStep| Some(tried.rest);
+    let foretold = |tried: &OrderStep| tried.predicted.map(|score| score.mean);
     let courses = [
         vec![
             Course {
@@ -48,7 +48,7 @@ fn figure(test: &TestNeeds) -> Option<String> {
             Course {
                 name: "misfit of all lines",
                 value: &rest,
-                least: Some(support.by_rest()),
+                least: Some(support.by_residual()),
             },
         ],
         vec![Course {
@@ -85,7 +85,7 @@ fn figure(test: &TestNeeds) -> Option<String> {
 
 fn panel(
     canvas: &mut Canvas,
-    (own, left, label): (&Support, f64, &str),
+    (own, left, label): (&OrderSelection, f64, &str),
     (courses, first): (&[Course], usize),
 ) -> Option<()> {
     let last = own.tried.len() - 1;
@@ -103,7 +103,7 @@ fn panel(
     for (number, course) in courses.iter().enumerate() {
         let color = COLORS[first + number];
         let beside = BESIDE * (number as f64 - 0.5 * (courses.len() - 1) as f64);
-        let place = |(roots, tried): (usize, &Tried)| {
+        let place = |(roots, tried): (usize, &OrderStep)| {
             let at = x.place(roots as f64 + beside);
             Some([at, y.shown((course.value)(tried)?)?])
         };

@@ -20,7 +20,7 @@ mod tests;
 use crate::axis::Band;
 use crate::finding::{Finding, Severity};
 use crate::frf::FrfSet;
-use crate::identify::{Support, identification, support};
+use crate::identify::{OrderSelection, identification, support};
 use crate::modal::{InputFile, ModalModel};
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
@@ -46,7 +46,7 @@ pub struct TestNeeds {
     /// Warnings of reading, estimation and the refined identification.
     pub warnings: Vec<Finding>,
     /// How many roots its data support.
-    pub support: Support,
+    pub support: OrderSelection,
     /// Modes that the refined method took.
     pub modes: usize,
     /// Modes among them without an estimated damping ratio; they are no roots.

@@ -1,6 +1,6 @@
 //! The summary of a study states the needs of a scene in sentences.
 
-use crate::identify::Tried;
+use crate::identify::OrderStep;
 
 use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, TheoryNeeds};
 
@@ -57,7 +57,7 @@ fn count(number: usize, what: &str) -> String {
     }
 }
 
-fn places(tried: &[Tried]) -> String {
+fn places(tried: &[OrderStep]) -> String {
     let poles = tried.iter().filter_map(|step| step.pole);
     let text = poles.map(|pole| format!("{:.2}", pole.natural_frequency_hz()));
     format!("{} Hz", listed(&text.collect::<Vec<_>>()))
@@ -117,7 +117,7 @@ fn modes(test: &TestNeeds) -> Option<String> {
         "the data support {last}{} by BIC, {predicted}, {} leave a residual at most a tenth larger; `ml` identified {identified}{repeated}. With \
          {by_bic} the misfit is {:.2} times {noise}{against}{undecided}.",
         count(by_bic, "root"),
-        selection.by_rest(),
+        selection.by_residual(),
         taken.rest
     ))
 }

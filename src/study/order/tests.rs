@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::identify::{Foretold, Tried};
+use crate::identify::{OrderStep, PredictiveScore};
 use crate::modal::Pole;
 use crate::scene::Scene;
 use crate::study::StudyError;
@@ -39,12 +39,12 @@ fn invalid_options_are_reported() {
 
 /// Two identified roots and one more pole, of which BIC takes a stated number.
 fn needs(bic: [f64; 4]) -> SceneNeeds {
-    let tried = |(number, bic): (usize, f64)| Tried {
+    let tried = |(number, bic): (usize, f64)| OrderStep {
         pole: (number > 0).then(|| Pole::from_frequency(10.0 * number as f64, 0.01)),
         identified: (1..=2).contains(&number),
         holding: 3,
         bic,
-        predicted: Some(Foretold {
+        predicted: Some(PredictiveScore {
             mean: 1.0 + bic.abs(),
             std: 0.0,
         }),
@@ -61,7 +61,7 @@ fn needs(bic: [f64; 4]) -> SceneNeeds {
         synthetic: true,
         band: Band::new(1.0, 500.0).unwrap(),
         warnings: Vec::new(),
-        support: Support {
+        support: OrderSelection {
             functions: 3,
             lines: 100,
             stretch: 1,
