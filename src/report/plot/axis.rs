@@ -86,8 +86,7 @@ impl Axis {
         }
     }
 
-    /// The power of ten that the numbers of a linear axis are told in: 0 where they are short as
-    /// they are.
+    /// Common power of ten of the numbers of a linear axis; 0 where they are short without one.
     fn common_power(&self) -> i32 {
         let largest = f64::max(self.lo.abs(), self.hi.abs());
         if self.log || self.step.is_some() || (1e-2..1e5).contains(&largest) || largest == 0.0 {
@@ -98,7 +97,7 @@ impl Axis {
     }
 
     /// Ticks and label, with a common power of ten beside the unit.
-    fn told(&self, count: f64, label: &str) -> (Vec<Tick>, String) {
+    fn labelled_ticks(&self, count: f64, label: &str) -> (Vec<Tick>, String) {
         let power = self.common_power();
         if power == 0 {
             return (self.ticks(count), label.to_owned());
@@ -151,8 +150,12 @@ impl Axis {
                 let at = f64::from(m) * 10f64.powi(n);
                 let inside = at >= self.lo * (1.0 - 1e-9) && at <= self.hi * (1.0 + 1e-9);
                 if inside {
-                    let told = m == 1 && n % every == 0;
-                    let text = if told { power_of_ten(n) } else { String::new() };
+                    let labelled = m == 1 && n % every == 0;
+                    let text = if labelled {
+                        power_of_ten(n)
+                    } else {
+                        String::new()
+                    };
                     ticks.push(Tick { at, text });
                 }
             }
@@ -199,7 +202,7 @@ fn power_of_ten(n: i32) -> String {
 /// whose numbers stand elsewhere.
 pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
-    let (ticks, x_told) = x.told((right - left) / 80.0, x_label);
+    let (ticks, x_title) = x.labelled_ticks((right - left) / 80.0, x_label);
     for tick in ticks {
         let at = x.place(tick.at);
         canvas.line([at, top], [at, bottom], (GRID, 0.6));
@@ -207,7 +210,7 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
             canvas.text([at, bottom + 15.0], &tick.text, (Anchor::Middle, INK));
         }
     }
-    let (ticks, y_told) = y.told((bottom - top) / 40.0, y_label);
+    let (ticks, y_title) = y.labelled_ticks((bottom - top) / 40.0, y_label);
     for tick in ticks {
         let at = y.place(tick.at);
         canvas.line([left, at], [right, at], (GRID, 0.6));
@@ -216,12 +219,12 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
     canvas.rect([left, top], [right, bottom], ("none", FAINT));
     canvas.text(
         [0.5 * (left + right), bottom + 32.0],
-        if x_label.is_empty() { "" } else { &x_told },
+        if x_label.is_empty() { "" } else { &x_title },
         (Anchor::Middle, INK),
     );
     canvas.turned(
         [left - 48.0, 0.5 * (top + bottom)],
-        &y_told,
+        &y_title,
         (Anchor::Middle, INK),
         -90.0,
     );
@@ -268,13 +271,16 @@ mod tests {
     #[test]
     fn small_numbers_have_their_power_of_ten_in_the_label() {
         let axis = Axis::linear((-2.6e-8, 1e-9), (0.0, 100.0));
-        let (ticks, label) = axis.told(6.0, "Imaginary part (m/N)");
+        let (ticks, label) = axis.labelled_ticks(6.0, "Imaginary part (m/N)");
         let texts: Vec<&str> = ticks.iter().map(|tick| tick.text.as_str()).collect();
         assert_eq!(texts, ["-2.5", "-2.0", "-1.5", "-1.0", "-0.5", "0.0"]);
         assert_eq!(label, "Imaginary part (10⁻⁸ m/N)");
         assert!((ticks[0].at + 2.5e-8).abs() < 1e-20);
         let plain = Axis::linear((0.0, 3200.0), (0.0, 100.0));
-        assert_eq!(plain.told(6.0, "Frequency (Hz)").1, "Frequency (Hz)");
+        assert_eq!(
+            plain.labelled_ticks(6.0, "Frequency (Hz)").1,
+            "Frequency (Hz)"
+        );
     }
 
     #[test]

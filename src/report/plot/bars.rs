@@ -1,4 +1,4 @@
-//! Bars: frequency errors by mode, shares of energy by root.
+//! Bar charts show frequency errors by mode and kinetic energy fractions by natural frequency.
 
 use crate::correlate::Status;
 use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
@@ -6,11 +6,11 @@ use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW, legend_rows};
 
-/// Kinds of bodies that have a colour of their own.
-const COLORED: usize = 6;
+/// Maximum number of kinds of bodies with an individual colour.
+const MAX_COLORED_BODIES: usize = 6;
 
-/// Error of every root that a test of the band has, with its standard deviation, and a cross below
-/// those that it missed; `None` where there is none.
+/// Error of every natural frequency in the band of a test, with its standard deviation, and a cross
+/// where the test has no partner; `None` without any.
 pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<String> {
     let inside = |row: &&OverviewRow| {
         let seen = row
@@ -28,11 +28,15 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
     if rows.is_empty() || hi <= lo {
         return None;
     }
-    let tests: Vec<&str> = overview.tests.iter().map(|own| own.test.as_str()).collect();
+    let tests: Vec<&str> = overview
+        .tests
+        .iter()
+        .map(|test| test.test.as_str())
+        .collect();
     let titles = titles(&tests, figures);
     let mut names: Vec<(&str, &str)> = titles.iter().map(String::as_str).zip(colors()).collect();
     if any_missed(&rows) {
-        names.push(("× missed", INK));
+        names.push(("× unmatched", INK));
     }
     let more = LEGEND_ROW * (legend_rows(70.0, 735.0, &names) - 1) as f64;
     let mut canvas = Canvas::new(735.0, 320.0 + more);
@@ -53,7 +57,7 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
             canvas.text([x.place(middle), 276.0], &row.label, (Anchor::Middle, INK));
         }
         for cell in &row.cells {
-            let Some(n) = tests.iter().position(|own| *own == cell.test) else {
+            let Some(n) = tests.iter().position(|test| *test == cell.test) else {
                 continue;
             };
             let at = middle + (n as f64 - 0.5 * (tests.len() as f64 - 1.0)) * wide;
@@ -84,11 +88,11 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
     Some(canvas.finish())
 }
 
-/// The names of tests; those that nobody measured say so.
+/// The names of tests, marked where they are synthetic.
 fn titles(tests: &[&str], figures: &[TestFigures]) -> Vec<String> {
     let title = |name: &&str| {
-        let own = figures.iter().find(|own| own.name == **name);
-        own.map_or_else(|| (*name).to_owned(), super::title)
+        let figure = figures.iter().find(|figure| figure.name == **name);
+        figure.map_or_else(|| (*name).to_owned(), super::title)
     };
     tests.iter().map(title).collect()
 }
@@ -109,37 +113,36 @@ fn is_missed(cell: &OverviewCell) -> bool {
     )
 }
 
-/// A missed root: it has no error that could stand on the axis.
+/// Marks an unmatched natural frequency, which has no error on the axis.
 fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
     for rise in [-3.5, 3.5] {
         canvas.line([x - 3.5, y - rise], [x + 3.5, y + rise], (INK, 1.2));
     }
 }
 
-/// Kinetic energy of every root by kind of body; `None` without roots.
+/// Kinetic energy of every natural frequency by kind of body; `None` without any.
 pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
     if bars.is_empty() {
         return None;
     }
     let mut totals: Vec<(&str, f64)> = Vec::new();
     for (name, share) in bars.iter().flat_map(|bar| &bar.kinetic) {
-        match totals.iter_mut().find(|(own, _)| own == name) {
+        match totals.iter_mut().find(|(body, _)| body == name) {
             Some((_, total)) => *total += share,
             None => totals.push((name, *share)),
         }
     }
     totals.sort_by(|a, b| b.1.total_cmp(&a.1));
     let color = |name: &str| {
-        let place = totals.iter().position(|(own, _)| *own == name);
-        place
-            .filter(|place| *place < COLORED)
-            .map_or("#d0d0d0", |place| COLORS[place])
+        let rank = totals.iter().position(|(body, _)| *body == name);
+        rank.filter(|rank| *rank < MAX_COLORED_BODIES)
+            .map_or("#d0d0d0", |rank| COLORS[rank])
     };
     let bottom = 30.0 + 20.0 * bars.len() as f64;
     let mut canvas = Canvas::new(735.0, bottom + 40.0);
     canvas.text(
         [110.0, 18.0],
-        "Share of the kinetic energy of the model's roots",
+        "Fraction of the kinetic energy by natural frequency of the model",
         (Anchor::Start, INK),
     );
     for (k, bar) in bars.iter().enumerate() {
@@ -151,7 +154,7 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
         );
         let mut left = 110.0;
         for (name, _) in &totals {
-            let Some((_, share)) = bar.kinetic.iter().find(|(own, _)| own == name) else {
+            let Some((_, share)) = bar.kinetic.iter().find(|(body, _)| body == name) else {
                 continue;
             };
             let right = left + 600.0 * share;
@@ -162,7 +165,7 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
     }
     let names: Vec<(&str, &str)> = totals
         .iter()
-        .take(COLORED)
+        .take(MAX_COLORED_BODIES)
         .map(|(name, _)| (*name, color(name)))
         .collect();
     canvas.legend([110.0, bottom + 26.0], &names);

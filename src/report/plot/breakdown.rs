@@ -1,8 +1,8 @@
-//! Breakdown maps: the contours of all methods over two factors, with a user's own modes; and
-//! digits lost by order.
+//! Breakdown maps show the failure boundaries of all methods over two factors, with the modes of
+//! the user; a second figure shows the digits lost by model order.
 //!
-//! Methods differ by colour, dash and mark, so that grey prints and readers who confuse colours
-//! tell them apart.
+//! Methods differ by colour, dash and mark, so that they remain distinct in grey prints and to
+//! readers with a colour vision deficiency.
 
 use crate::study::breakdown::{
     Bound, Field, LEVEL, Scale, SliceResult, Stability, StabilityPoint, UserModePosition,
@@ -18,11 +18,12 @@ const TOP: f64 = 46.0;
 const BOTTOM: f64 = 416.0;
 const WIDTH: f64 = 740.0;
 /// Distance of marks along a contour, px.
-const MARKS: f64 = 70.0;
+const MARK_SPACING_PX: f64 = 70.0;
 /// Darkness where every method fails.
 const DARKEST: f64 = 72.0;
 
-/// A slice: beyond its contour a method meets the stated error in fewer than 95 % of the draws.
+/// A slice with the failure boundary of each method: beyond it the method meets the stated error
+/// in fewer than 95 % of the draws.
 pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> String {
     let slice = &result.slice;
     let mut canvas = Canvas::new(WIDTH, BOTTOM + 50.0);
@@ -51,21 +52,22 @@ pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> Strin
     canvas.finish()
 }
 
-fn axis(own: &crate::study::breakdown::Axis, places: (f64, f64)) -> Axis {
-    let few = own.factor.is_whole() && own.hi - own.lo <= 10.0;
-    match own.scale {
-        Scale::Linear if few => Axis::linear((own.lo, own.hi), places).stepped(1.0),
-        Scale::Linear => Axis::linear((own.lo, own.hi), places),
-        Scale::Log => Axis::log((own.lo, own.hi), places),
+fn axis(factor_axis: &crate::study::breakdown::Axis, places: (f64, f64)) -> Axis {
+    let few = factor_axis.factor.is_whole() && factor_axis.hi - factor_axis.lo <= 10.0;
+    match factor_axis.scale {
+        Scale::Linear if few => Axis::linear((factor_axis.lo, factor_axis.hi), places).stepped(1.0),
+        Scale::Linear => Axis::linear((factor_axis.lo, factor_axis.hi), places),
+        Scale::Log => Axis::log((factor_axis.lo, factor_axis.hi), places),
     }
 }
 
-/// The place of shares of both axes.
+/// Position on the page, px, of fractions of both axes.
 fn place([x, y]: [f64; 2]) -> [f64; 2] {
     [LEFT + x * (RIGHT - LEFT), BOTTOM + y * (TOP - BOTTOM)]
 }
 
-/// The darker, the more methods fail; equal neighbours of a row in one rectangle.
+/// Shades each element of the map by the number of methods that fail there; equal neighbours of a
+/// row share a rectangle.
 fn shades(canvas: &mut Canvas, fields: &[Field]) {
     let (columns, rows) = (fields[0].values.len(), fields[0].values[0].len());
     let failing = |i: usize, j: usize| {
@@ -105,13 +107,14 @@ fn shade(failing: usize, methods: usize) -> String {
     format!("#{level:02x}{level:02x}{level:02x}")
 }
 
-/// A contour with a mark every so often, each method's at places of its own.
+/// A contour with marks at a constant distance; the first mark is at a different distance for each
+/// method.
 fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
-    let points: Vec<[f64; 2]> = line.iter().map(|own| place(*own)).collect();
+    let points: Vec<[f64; 2]> = line.iter().map(|shares| place(*shares)).collect();
     let style = (color(method), 1.8, DASHES[method % DASHES.len()]);
     let strokes: Vec<Option<[f64; 2]>> = points.iter().copied().map(Some).collect();
     canvas.curve("contour", &strokes, style);
-    let mut next = MARKS * (0.25 + 0.5 * (method as f64 * 0.37).fract());
+    let mut next = MARK_SPACING_PX * (0.25 + 0.5 * (method as f64 * 0.37).fract());
     let mut run = 0.0;
     for pair in points.windows(2) {
         let [a, b] = [pair[0], pair[1]];
@@ -120,28 +123,28 @@ fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
             let share = (next - run) / length;
             let at = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
             mark(canvas, at, (method, color(method)));
-            next += MARKS;
+            next += MARK_SPACING_PX;
         }
         run += length;
     }
 }
 
 fn color(method: usize) -> &'static str {
-    // Black stands for the user's own modes.
+    // Black marks the modes of the user.
     COLORS[method % (COLORS.len() - 1)]
 }
 
-/// Labels of own modes, at most.
-const LABELS: usize = 6;
+/// Maximum number of labels of user modes.
+const MAX_LABELS: usize = 6;
 
-/// Modes as black points; those that lie on one another share a label. Those nearest to where a
-/// method fails are named, as far as there is room.
+/// Draws the modes of the user as black points. Coincident points share a label. The points nearest
+/// to a failure boundary are labelled, as far as there is room.
 fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     let mut groups: Vec<([f64; 2], Vec<&UserModePosition>)> = Vec::new();
     for point in points.iter().filter(|point| point.inside()) {
         let at = place(point.place);
-        let near = |own: &&mut ([f64; 2], Vec<&UserModePosition>)| {
-            (own.0[0] - at[0]).hypot(own.0[1] - at[1]) < 8.0
+        let near = |group: &&mut ([f64; 2], Vec<&UserModePosition>)| {
+            (group.0[0] - at[0]).hypot(group.0[1] - at[1]) < 8.0
         };
         match groups.iter_mut().find(near) {
             Some((_, all)) => all.push(point),
@@ -151,14 +154,21 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     }
     let around = |at: &[f64; 2]| [at[0] - 4.0, at[1] - 4.0, at[0] + 4.0, at[1] + 4.0];
     let mut taken: Vec<[f64; 4]> = groups.iter().map(|(at, _)| around(at)).collect();
-    for (at, all) in groups.iter().take(LABELS) {
+    for (at, all) in groups.iter().take(MAX_LABELS) {
         let Some(text) = listed(all) else { continue };
         let width = 5.6 * text.chars().count() as f64;
-        let area = |own: &[f64; 2]| [own[0], own[1] - 10.0, own[0] + width, own[1] + 2.0];
-        let free = |own: &[f64; 2]| {
-            let own = area(own);
-            let inside = own[0] > LEFT && own[2] < RIGHT && own[1] > TOP && own[3] < BOTTOM;
-            inside && !taken.iter().any(|other| overlap(&own, other))
+        let area = |corner: &[f64; 2]| {
+            [
+                corner[0],
+                corner[1] - 10.0,
+                corner[0] + width,
+                corner[1] + 2.0,
+            ]
+        };
+        let free = |corner: &[f64; 2]| {
+            let label = area(corner);
+            let inside = label[0] > LEFT && label[2] < RIGHT && label[1] > TOP && label[3] < BOTTOM;
+            inside && !taken.iter().any(|other| overlap(&label, other))
         };
         let offers = [-6.0, 14.0, -20.0, 28.0, -34.0, 42.0].into_iter();
         let mut offers = offers.flat_map(|down| {
@@ -170,11 +180,11 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
         let Some(at) = offers.find(free) else {
             continue;
         };
-        let own = area(&at);
-        taken.push(own);
+        let label = area(&at);
+        taken.push(label);
         canvas.rect(
-            [own[0] - 1.0, own[1]],
-            [own[2] + 1.0, own[3]],
+            [label[0] - 1.0, label[1]],
+            [label[2] + 1.0, label[3]],
             ("#ffffff", "none"),
         );
         canvas.text(at, &text, (Anchor::Start, INK));
@@ -185,10 +195,10 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
 /// `None` for modes of several tests.
 fn listed(all: &[&UserModePosition]) -> Option<String> {
     let test = all[0].mode.test.as_str();
-    if all.iter().any(|own| own.mode.test != test) {
+    if all.iter().any(|point| point.mode.test != test) {
         return None;
     }
-    let mut numbers: Vec<usize> = all.iter().map(|own| own.mode.number).collect();
+    let mut numbers: Vec<usize> = all.iter().map(|point| point.mode.number).collect();
     numbers.sort_unstable();
     let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
     let is_run = last - first + 1 == numbers.len();
@@ -240,15 +250,15 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
         y += 20.0;
     }
     canvas.dot([x + 20.0, y - 4.0], 3.6, (INK, "#ffffff"));
-    canvas.text([x + 48.0, y], "own modes", (Anchor::Start, INK));
+    canvas.text([x + 48.0, y], "user modes", (Anchor::Start, INK));
 }
 
 const HALF: f64 = 300.0;
 
 /// Condition number, and error of the poles in f64 and f32, over the order.
-pub fn stability_svg(own: &Stability) -> String {
+pub fn stability_svg(stability: &Stability) -> String {
     let mut canvas = Canvas::new(WIDTH, 2.0 * HALF + 60.0);
-    let orders = own.courses.iter().flat_map(|own| &own.points);
+    let orders = stability.courses.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
     canvas.text([LEFT, 20.0], title, (Anchor::Start, INK));
@@ -266,7 +276,7 @@ pub fn stability_svg(own: &Stability) -> String {
         let y = Axis::linear(range, (bottom, top)).stepped(2.0);
         frame(&mut canvas, (&x, &y), ("Order", label));
         canvas.clip([LEFT, top], [RIGHT, bottom]);
-        for (index, course) in own.courses.iter().enumerate() {
+        for (index, course) in stability.courses.iter().enumerate() {
             let courses: &[(Value, &str)] = match shift > 0.0 {
                 true => &ERRORS,
                 false => &CONDITION,
@@ -286,11 +296,11 @@ pub fn stability_svg(own: &Stability) -> String {
         }
         canvas.unclip();
     }
-    stability_legend(&mut canvas, own);
+    stability_legend(&mut canvas, stability);
     canvas.finish()
 }
 
-/// A value of a point.
+/// Quantity that a curve of the figure shows.
 type Value = fn(&StabilityPoint) -> Option<f64>;
 
 const CONDITION: [(Value, &str); 1] = [(|point| Some(point.condition), "")];
@@ -300,9 +310,9 @@ const ERRORS: [(Value, &str); 3] = [
     (|point| point.error_f32_matrix, "2 3"),
 ];
 
-fn stability_legend(canvas: &mut Canvas, own: &Stability) {
+fn stability_legend(canvas: &mut Canvas, stability: &Stability) {
     let x = RIGHT + 18.0;
-    for (index, course) in own.courses.iter().enumerate() {
+    for (index, course) in stability.courses.iter().enumerate() {
         let y = TOP + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, (color(index), 1.8, ""));

@@ -114,10 +114,10 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
         (Anchor::Middle, INK),
         -90.0,
     );
-    let told = format!(
+    let caption = format!(
         "Damping ratio of each pair of lines: {:.4} % (light) to {:.4} % (dark)",
         100.0 * least,
         100.0 * most
     );
-    canvas.text([left, 430.0], &told, (Anchor::Start, INK));
+    canvas.text([left, 430.0], &caption, (Anchor::Start, INK));
 }

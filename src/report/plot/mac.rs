@@ -86,10 +86,10 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
 }
 
 /// What the frames are, and cells without a value.
-fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], own: &MacFigure) {
-    let some_missing = own.mac.iter().flatten().any(Option::is_none);
+fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
+    let some_missing = figure.mac.iter().flatten().any(Option::is_none);
     let names = [
-        (!own.pairs.is_empty(), "pair", ("none", COLORS[1])),
+        (!figure.pairs.is_empty(), "pair", ("none", COLORS[1])),
         (some_missing, "no common degree of freedom", (UNKNOWN, GRID)),
     ];
     for (_, name, style) in names.into_iter().filter(|(wanted, ..)| *wanted) {

@@ -1,8 +1,7 @@
 //! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white; and
 //! the same as PNG.
 //!
-//! What is drawn comes finished from [`crate::scene::Figures`] and [`crate::study`]; here it is
-//! only placed.
+//! [`crate::scene::Figures`] and [`crate::study`] supply the data; this module draws them.
 
 mod axis;
 mod bars;
@@ -34,17 +33,17 @@ pub use update::update_figures_svg;
 /// Every figure with its name, unique and made of letters, digits, points and hyphens.
 pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = Vec::new();
-    let own = figures.overview.as_ref();
-    let own = own.and_then(|overview| bars::errors(overview, &figures.tests));
-    all.extend(own.map(|text| ("errors".to_owned(), text)));
-    let own = bars::energies(&figures.energies);
-    all.extend(own.map(|text| ("energies".to_owned(), text)));
+    let overview = figures.overview.as_ref();
+    let errors = overview.and_then(|overview| bars::errors(overview, &figures.tests));
+    all.extend(errors.map(|text| ("errors".to_owned(), text)));
+    let energies = bars::energies(&figures.energies);
+    all.extend(energies.map(|text| ("energies".to_owned(), text)));
     for test in &figures.tests {
         all.extend(of_test(test));
     }
     let mut named: Vec<(String, String)> = Vec::with_capacity(all.len());
     for (name, text) in all {
-        let taken = |name: &str| named.iter().any(|(own, _)| own == name);
+        let taken = |name: &str| named.iter().any(|(used, _)| used == name);
         let mut free = name.clone();
         let mut number = 2;
         while taken(&free) {
@@ -92,8 +91,8 @@ pub fn png_lacks_letters(_svg: &str) -> bool {
     false
 }
 
-/// The second figure of a name is called name-2, and so on: two tests may differ in letters that
-/// files cannot have.
+/// Appends -2, -3 and so on to repeated names: two tests may differ only in letters that file names
+/// cannot have.
 fn number_the_same(figures: &mut [(String, String)]) {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for (name, _) in figures {
@@ -105,7 +104,7 @@ fn number_the_same(figures: &mut [(String, String)]) {
     }
 }
 
-/// The name of a test; of one that nobody measured it says so.
+/// The name of a test, marked where it is synthetic.
 fn title(test: &TestFigures) -> String {
     match test.synthetic {
         true => format!("{} (synthetic)", test.name),
@@ -126,23 +125,28 @@ fn of_test(test: &TestFigures) -> Vec<(String, String)> {
             all.push((name, bode::bode(test, set, curve)));
         }
     }
-    let own = test.stabilization.as_ref();
-    all.extend(own.map(|own| {
+    let diagram = test.stabilization.as_ref();
+    all.extend(diagram.map(|figure| {
         (
             format!("{stem}-stabilisation"),
-            poles::stabilization(test, own),
+            poles::stabilization(test, figure),
         )
     }));
-    let own = test.mac.as_ref();
-    all.extend(own.map(|own| (format!("{stem}-mac"), mac::mac(own, &title(test)))));
-    for own in &test.circles {
+    let matrix = test.mac.as_ref();
+    all.extend(matrix.map(|figure| (format!("{stem}-mac"), mac::mac(figure, &title(test)))));
+    for circle in &test.circles {
         all.push((
-            format!("{stem}-circle-{}", own.mode),
-            circle::circle(own, &title(test)),
+            format!("{stem}-circle-{}", circle.mode),
+            circle::circle(circle, &title(test)),
         ));
     }
-    let own = test.shapes.as_ref();
-    all.extend(own.map(|own| (format!("{stem}-shapes"), shapes::shapes(own, &title(test)))));
+    let set = test.shapes.as_ref();
+    all.extend(set.map(|figure| {
+        (
+            format!("{stem}-shapes"),
+            shapes::shapes(figure, &title(test)),
+        )
+    }));
     all
 }
 
@@ -213,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn every_figure_is_whole_and_has_a_name_of_its_own() {
+    fn every_figure_is_complete_and_has_a_unique_name() {
         let figures = Figures {
             tests: vec![test_figures()],
             ..Figures::default()
@@ -232,7 +236,7 @@ mod tests {
             assert!(!text.contains("NaN") && !text.contains("inf"), "{name}");
             let open = text.matches("<g").count();
             assert_eq!(open, text.matches("</g>").count(), "{name}");
-            // Nobody measured it.
+            // The test is synthetic.
             assert!(text.contains("a &lt;test&gt; (synthetic)"), "{name}");
         }
         let bode = &all[0].1;
@@ -255,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_phase_that_wraps_is_no_line_across_the_plot() {
+    fn phase_wrap_breaks_the_phase_curve() {
         let test = test_figures();
         let set = test.frfs.as_ref().expect("the test has FRFs");
         let text = bode::bode(&test, set, &set.curves[0]);
@@ -268,7 +272,7 @@ mod tests {
                 .expect("the plot has a path of this class");
             path.split('"')
                 .take(1)
-                .map(|own| own.matches('M').count())
+                .map(|stroke| stroke.matches('M').count())
                 .sum::<usize>()
         };
         assert_eq!((strokes("magnitude"), strokes("phase")), (1, 2));

@@ -1,4 +1,5 @@
-//! What each further root brings: how unlikely left-out lines are, the rest, and BIC.
+//! The order selection figure shows, over the number of modes, the prediction of held-out lines, the
+//! reduced chi-square, and BIC.
 
 use crate::identify::{OrderSelection, OrderStep};
 use crate::study::{SceneNeeds, TestNeeds};
@@ -13,8 +14,8 @@ const WIDTH: f64 = 320.0;
 const SIZE: [f64; 2] = [815.0, 400.0];
 const TOP: f64 = 48.0;
 const BOTTOM: f64 = 300.0;
-/// Distance of the marks of two courses at one number of roots, so that none hides the other.
-const BESIDE: f64 = 0.3;
+/// Distance of the marks of two curves at one number of modes, so that neither hides the other.
+const MARK_OFFSET_ROOTS: f64 = 0.3;
 
 /// A figure for each test.
 pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
@@ -25,7 +26,7 @@ pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
     needs.tests.iter().filter_map(of_test).collect()
 }
 
-/// A course over the number of roots.
+/// A curve over the number of modes.
 struct Course<'a> {
     name: &'static str,
     value: &'a dyn Fn(&OrderStep) -> Option<f64>,
@@ -36,18 +37,18 @@ fn figure(test: &TestNeeds) -> Option<String> {
     let support = &test.support;
     let least = support.tried.get(support.by_bic())?.bic;
     let bic = |tried: &OrderStep| Some(tried.bic - least + 1.0);
-    let rest = |tried: &OrderStep| Some(tried.rest);
-    let foretold = |tried: &OrderStep| tried.predicted.map(|score| score.mean);
+    let residual = |tried: &OrderStep| Some(tried.rest);
+    let prediction = |tried: &OrderStep| tried.predicted.map(|score| score.mean);
     let courses = [
         vec![
             Course {
-                name: "left-out lines",
-                value: &foretold,
+                name: "held-out lines",
+                value: &prediction,
                 least: support.by_prediction(),
             },
             Course {
-                name: "misfit of all lines",
-                value: &rest,
+                name: "reduced chi-square of all lines",
+                value: &residual,
                 least: Some(support.by_residual()),
             },
         ],
@@ -57,10 +58,13 @@ fn figure(test: &TestNeeds) -> Option<String> {
             least: Some(support.by_bic()),
         }],
     ];
-    let labels = ["Over the noise", "BIC above its least + 1"];
+    let labels = ["Relative to the noise", "BIC above its minimum + 1"];
     let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
     let synthetic = if test.synthetic { " (synthetic)" } else { "" };
-    let title = format!("{}{synthetic}: how many roots the data support", test.name);
+    let title = format!(
+        "{}{synthetic}: number of modes that the data support",
+        test.name
+    );
     canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
     let mut number = 0;
     for ((courses, label), left) in courses.iter().zip(labels).zip(LEFT) {
@@ -77,37 +81,36 @@ fn figure(test: &TestNeeds) -> Option<String> {
         canvas.text([x + 16.0, BOTTOM + 60.0], course.name, (Anchor::Start, INK));
         x += 200.0;
     }
-    let note = "Dashed: roots that were identified; beyond it poles that stay over the orders. A dot in a mark: the number that is \
-                supported.";
+    let note = "Dashed: last identified mode; beyond it, further stable poles. A dot in a mark: the supported number of modes.";
     canvas.text([LEFT[0], BOTTOM + 82.0], note, (Anchor::Start, FAINT));
     Some(canvas.finish())
 }
 
 fn panel(
     canvas: &mut Canvas,
-    (own, left, label): (&OrderSelection, f64, &str),
+    (support, left, label): (&OrderSelection, f64, &str),
     (courses, first): (&[Course], usize),
 ) -> Option<()> {
-    let last = own.tried.len() - 1;
+    let last = support.tried.len() - 1;
     let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH));
     let x = x.stepped((last as f64 / 12.0).ceil().max(1.0));
     let all = courses
         .iter()
-        .flat_map(|course| own.tried.iter().filter_map(course.value));
+        .flat_map(|course| support.tried.iter().filter_map(course.value));
     let (lo, hi) = range(all.filter(|value| *value > 0.0))?;
     let y = Axis::log((0.7 * lo, 1.5 * hi), (BOTTOM, TOP));
-    frame(canvas, (&x, &y), ("Roots", label));
-    let at = x.place(own.identified as f64 + 0.5);
+    frame(canvas, (&x, &y), ("Modes", label));
+    let at = x.place(support.identified as f64 + 0.5);
     let ends = [Some([at, TOP]), Some([at, BOTTOM])];
     canvas.curve("identified", &ends, (INK, 1.0, "7 4"));
     for (number, course) in courses.iter().enumerate() {
         let color = COLORS[first + number];
-        let beside = BESIDE * (number as f64 - 0.5 * (courses.len() - 1) as f64);
+        let offset = MARK_OFFSET_ROOTS * (number as f64 - 0.5 * (courses.len() - 1) as f64);
         let place = |(roots, tried): (usize, &OrderStep)| {
-            let at = x.place(roots as f64 + beside);
+            let at = x.place(roots as f64 + offset);
             Some([at, y.shown((course.value)(tried)?)?])
         };
-        let points: Vec<Option<[f64; 2]>> = own.tried.iter().enumerate().map(place).collect();
+        let points: Vec<Option<[f64; 2]>> = support.tried.iter().enumerate().map(place).collect();
         canvas.curve("course", &points, (color, 1.1, ""));
         for (roots, at) in points.into_iter().enumerate() {
             if let Some(at) = at {

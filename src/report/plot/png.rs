@@ -1,5 +1,5 @@
-//! SVG to PNG for papers: the only place that names a rasteriser. The font is in the program, so
-//! that no installed one is needed and every machine draws the same.
+//! The rasteriser converts SVG figures to PNG for papers. The program contains the font, so that
+//! every machine draws the same figure.
 
 use std::sync::Arc;
 
@@ -11,8 +11,9 @@ const FONT: &[u8] = include_bytes!("font/Arimo-Regular.ttf");
 const PX_PER_INCH: f64 = 96.0;
 /// Resolution for print.
 const DOTS_PER_INCH: f64 = 300.0;
-/// Larger figures, such as a MAC of hundreds of modes, have fewer dots to the inch.
-const MOST_DOTS: f64 = 3.0e7;
+/// Maximum dots of an image; larger figures, such as a MAC of hundreds of modes, have fewer dots to
+/// the inch.
+const MAX_IMAGE_DOTS: f64 = 3.0e7;
 const METRES_PER_INCH: f64 = 0.0254;
 
 /// A figure as PNG at 300 dots to the inch of its SVG's size, which the file states; with fewer
@@ -26,7 +27,7 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
         f64::from(tree.size().width()),
         f64::from(tree.size().height()),
     );
-    let scale = (DOTS_PER_INCH / PX_PER_INCH).min((MOST_DOTS / (width * height)).sqrt());
+    let scale = (DOTS_PER_INCH / PX_PER_INCH).min((MAX_IMAGE_DOTS / (width * height)).sqrt());
     let dots = [width, height].map(|px| (px * scale).round().max(1.0) as u32);
     let mut image = tiny_skia::Pixmap::new(dots[0], dots[1])
         .expect("a canvas has a size, and dots are limited");
@@ -36,16 +37,16 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     encoded(&image, scale * PX_PER_INCH / METRES_PER_INCH)
 }
 
-/// Letters up to here, and punctuation and signs from the second to the third, are in the font; the
-/// first without need to look.
+/// Last letter of the range that the font covers completely.
 const LATIN_TO_CYRILLIC: char = '\u{052f}';
+/// Punctuation and signs, which the font covers too.
 const SIGNS: std::ops::RangeInclusive<char> = '\u{2000}'..='\u{22ff}';
 
 /// Whether a figure has letters that the font of its PNG lacks: boxes stand there.
 pub fn png_lacks_letters(svg: &str) -> bool {
-    let doubtful = |own: char| own > LATIN_TO_CYRILLIC && !SIGNS.contains(&own);
+    let may_be_missing = |letter: char| letter > LATIN_TO_CYRILLIC && !SIGNS.contains(&letter);
     let tree = svg
-        .contains(doubtful)
+        .contains(may_be_missing)
         .then(|| usvg::Tree::from_str(svg, &options()));
     tree.and_then(Result::ok)
         .is_some_and(|tree| lacks_letters(tree.root()))
@@ -53,10 +54,13 @@ pub fn png_lacks_letters(svg: &str) -> bool {
 
 fn lacks_letters(group: &usvg::Group) -> bool {
     group.children().iter().any(|node| match node {
-        usvg::Node::Group(own) => lacks_letters(own),
-        usvg::Node::Text(own) => {
-            let mut glyphs = own.layouted().iter().flat_map(|own| &own.positioned_glyphs);
-            glyphs.any(|own| own.id.0 == 0)
+        usvg::Node::Group(group) => lacks_letters(group),
+        usvg::Node::Text(text) => {
+            let mut glyphs = text
+                .layouted()
+                .iter()
+                .flat_map(|run| &run.positioned_glyphs);
+            glyphs.any(|glyph| glyph.id.0 == 0)
         }
         _ => false,
     })

@@ -1,4 +1,4 @@
-//! The stabilisation diagram over the CMIF.
+//! The stabilization diagram shows the poles of all model orders over the CMIF.
 
 use crate::scene::{StabilizationFigure, TestFigures};
 
@@ -9,8 +9,8 @@ const LEFT: f64 = 64.0;
 const RIGHT: f64 = 720.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 420.0;
-/// The CMIF is shown down to this part of its peak.
-const LEAST: f64 = 1e-6;
+/// Lower end of the shown CMIF, relative to its peak.
+const MIN_SHOWN_OVER_PEAK: f64 = 1e-6;
 
 pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) -> String {
     let mut canvas = Canvas::new(RIGHT + 16.0, BOTTOM + 64.0);
@@ -52,10 +52,10 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
     canvas.finish()
 }
 
-/// Poles as they are drawn, the line of a mode and that of the CMIF.
+/// Legend of the poles, of the line of an identified mode, and of the CMIF.
 fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
     let (mut x, y) = (LEFT, BOTTOM + 56.0);
-    let names = ["alone", "stable", "chosen", "identified modes", "CMIF"];
+    let names = ["unstable", "stable", "selected", "identified modes", "CMIF"];
     for (k, name) in names.into_iter().enumerate() {
         match (poles.get(k), name) {
             (Some((radius, style)), _) => canvas.dot([x + 8.0, y - 4.0], *radius, *style),
@@ -76,7 +76,7 @@ fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
         .copied()
         .filter(|value| *value > 0.0);
     let Some((lo, hi)) = range(all) else { return };
-    let lo = lo.max(LEAST * hi);
+    let lo = lo.max(MIN_SHOWN_OVER_PEAK * hi);
     let y = Axis::log((lo, 1.3 * hi), (BOTTOM, TOP));
     for course in &figure.cmif.values {
         let points = figure.cmif.hz.iter().zip(course);

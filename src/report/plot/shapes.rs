@@ -1,5 +1,5 @@
-//! Mode shapes at their largest, a panel each: the test's on its points and, with a broken line,
-//! the theory's.
+//! Mode shapes of test and theory at their maximum deflection, a panel for each test mode; the
+//! theory has a dashed line.
 
 use crate::scene::{Partner, ShapeFigure, ShapeValues};
 
@@ -13,7 +13,7 @@ const COLUMNS: usize = 3;
 /// Largest displacement as a part of the half size of the structure.
 const AMPLITUDE: f64 = 0.35;
 
-/// Where points are on the page.
+/// Projection of points on the page.
 struct View {
     center: [f64; 3],
     size: f64,
@@ -24,9 +24,9 @@ struct View {
 }
 
 impl View {
-    fn of(own: &ShapeFigure) -> Self {
+    fn of(figure: &ShapeFigure) -> Self {
         let ends = |k: usize| {
-            let all = own.points.iter().map(|point| point.at_m[k]);
+            let all = figure.points.iter().map(|point| point.at_m[k]);
             super::axis::range(all).unwrap_or((0.0, 0.0))
         };
         let bounds = [ends(0), ends(1), ends(2)];
@@ -39,20 +39,20 @@ impl View {
             center: bounds.map(|(lo, hi)| 0.5 * (lo + hi)),
             size: if half > 0.0 { half } else { 1.0 },
             above: flat
-                && own
+                && figure
                     .readings
                     .iter()
                     .all(|reading| reading.direction[2].abs() < 0.01),
             unit: 1.0,
         };
-        let reach = |k: usize| {
-            let all = own
+        let extent = |k: usize| {
+            let all = figure
                 .points
                 .iter()
                 .map(|point| view.turned(point.at_m)[k].abs());
             all.fold(0.0, f64::max) + AMPLITUDE
         };
-        view.unit = f64::min(0.48 * WIDE / reach(0), (0.48 * HIGH - TITLE) / reach(1));
+        view.unit = f64::min(0.48 * WIDE / extent(0), (0.48 * HIGH - TITLE) / extent(1));
         view
     }
 
@@ -74,14 +74,14 @@ impl View {
     }
 }
 
-pub(super) fn shapes(own: &ShapeFigure, test: &str) -> String {
-    let view = View::of(own);
-    let rows = own.test.len().div_ceil(COLUMNS);
+pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
+    let view = View::of(figure);
+    let rows = figure.test.len().div_ceil(COLUMNS);
     let mut canvas = Canvas::new(WIDE * COLUMNS as f64, HIGH * rows as f64 + 34.0);
-    for (k, shape) in own.test.iter().enumerate() {
+    for (k, shape) in figure.test.iter().enumerate() {
         let corner = [(k % COLUMNS) as f64 * WIDE, (k / COLUMNS) as f64 * HIGH];
-        let partner = own.partners.get(k).and_then(Option::as_ref);
-        panel(&mut canvas, own, (&view, corner), (k, shape, partner));
+        let partner = figure.partners.get(k).and_then(Option::as_ref);
+        panel(&mut canvas, figure, (&view, corner), (k, shape, partner));
     }
     let names = [
         (test, COLORS[0]),
@@ -94,12 +94,12 @@ pub(super) fn shapes(own: &ShapeFigure, test: &str) -> String {
 
 fn panel(
     canvas: &mut Canvas,
-    own: &ShapeFigure,
+    figure: &ShapeFigure,
     (view, corner): (&View, [f64; 2]),
     (index, shape, partner): (usize, &ShapeValues, Option<&Partner>),
 ) {
     let mac = partner
-        .and_then(|own| own.mac)
+        .and_then(|partner| partner.mac)
         .map_or_else(String::new, |mac| format!(", MAC {mac:.3}"));
     let title = format!("{}: {:.1} Hz{mac}", index + 1, shape.hz);
     canvas.text(
@@ -108,11 +108,11 @@ fn panel(
         (Anchor::Start, INK),
     );
     let test = at_its_largest(&complex(shape));
-    let theory = partner.and_then(|partner| sum(own, partner));
+    let theory = partner.and_then(|partner| sum(figure, partner));
     // Both at the phase at which the test's shape is largest.
     let phase = test.1;
     let theory = theory.map(|values| at_phase(&values, phase));
-    let moved = displacements(own, &test.0);
+    let moved = displacements(figure, &test.0);
     let largest = moved
         .iter()
         .map(|d| d.iter().map(|x| x * x).sum::<f64>().sqrt())
@@ -124,23 +124,26 @@ fn panel(
     };
     let mut draw = |moved: Option<&[[f64; 3]]>, (color, width, dash): (&str, f64, &str)| {
         let at = |n: usize| {
-            let point = &own.points[n];
+            let point = &figure.points[n];
             let shift = moved.map_or([0.0; 3], |moved| moved[n]);
             let at = [0, 1, 2].map(|k| point.at_m[k] + scale * shift[k]);
             view.place(at, corner)
         };
-        for [a, b] in &own.lines {
+        for [a, b] in &figure.lines {
             canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], (color, width, dash));
         }
-        for n in 0..own.points.len() {
-            let from = view.place(own.points[n].at_m, corner);
+        for n in 0..figure.points.len() {
+            let from = view.place(figure.points[n].at_m, corner);
             canvas.line(from, at(n), (color, 0.4));
             canvas.dot(at(n), 1.2 * width, (color, "none"));
         }
     };
     draw(None, (GRID, 1.0, ""));
     if let Some(theory) = theory {
-        draw(Some(&displacements(own, &theory)), (COLORS[1], 1.4, "4 3"));
+        draw(
+            Some(&displacements(figure, &theory)),
+            (COLORS[1], 1.4, "4 3"),
+        );
     }
     draw(Some(&moved), (COLORS[0], 1.7, ""));
 }
@@ -157,8 +160,8 @@ fn complex(shape: &ShapeValues) -> Values {
 
 /// Real values at the phase at which the largest component is largest, and that phase, rad.
 fn at_its_largest(values: &Values) -> (Vec<Option<f64>>, f64) {
-    let known = values.iter().flatten();
-    let largest = known.max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    let components = values.iter().flatten();
+    let largest = components.max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
     let phase = largest.map_or(0.0, |[re, im]| -im.atan2(*re));
     (at_phase(values, phase), phase)
 }
@@ -171,10 +174,10 @@ fn at_phase(values: &Values, phase: f64) -> Vec<Option<f64>> {
 }
 
 /// The sum of the partner's modes with their factors; `None` where one is not shown.
-fn sum(own: &ShapeFigure, partner: &Partner) -> Option<Values> {
-    let mut total: Values = vec![Some([0.0; 2]); own.readings.len()];
+fn sum(figure: &ShapeFigure, partner: &Partner) -> Option<Values> {
+    let mut total: Values = vec![Some([0.0; 2]); figure.readings.len()];
     for (j, re, im) in &partner.modes {
-        let shape = complex(own.theory.get(*j)?);
+        let shape = complex(figure.theory.get(*j)?);
         for (all, one) in total.iter_mut().zip(shape) {
             *all = all.zip(one).map(|(all, one)| {
                 [
@@ -187,9 +190,9 @@ fn sum(own: &ShapeFigure, partner: &Partner) -> Option<Values> {
     Some(total)
 }
 
-fn displacements(own: &ShapeFigure, values: &[Option<f64>]) -> Vec<[f64; 3]> {
-    let mut moved = vec![[0.0; 3]; own.points.len()];
-    for (reading, value) in own.readings.iter().zip(values) {
+fn displacements(figure: &ShapeFigure, values: &[Option<f64>]) -> Vec<[f64; 3]> {
+    let mut moved = vec![[0.0; 3]; figure.points.len()];
+    for (reading, value) in figure.readings.iter().zip(values) {
         let Some(value) = value else { continue };
         for (part, along) in moved[reading.point].iter_mut().zip(&reading.direction) {
             *part += value * along;

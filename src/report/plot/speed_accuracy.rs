@@ -1,5 +1,5 @@
-//! Speed against accuracy: time and error of every method, and errors over their bound against
-//! noise.
+//! The speed and accuracy figures show time and error of every method, and errors over their
+//! Cramér-Rao bound against noise.
 
 use crate::study::{Condition, DetectionCounts, Method, SpeedAccuracy, TestStudy};
 
@@ -13,8 +13,8 @@ const WIDTH: f64 = 320.0;
 const SIZE: [f64; 2] = [815.0, 446.0];
 const TOP: f64 = 48.0;
 const BOTTOM: f64 = 320.0;
-/// Errors below this share of the accuracy limit are drawn there.
-const FLOOR: f64 = 0.1;
+/// Minimum drawn error over the accuracy limit; smaller errors are drawn there.
+const MIN_DRAWN_OVER_LIMIT: f64 = 0.1;
 
 /// The figures of a study: three for each test.
 pub fn speed_accuracy_figures(study: &SpeedAccuracy) -> Vec<(String, String)> {
@@ -52,7 +52,7 @@ struct Chart {
 fn number_of(method: Method) -> usize {
     let names = Method::all(&[]).into_iter();
     names
-        .map(|own| own.name)
+        .map(|listed| listed.name)
         .position(|name| name == method.name)
         .unwrap_or(0)
 }
@@ -87,13 +87,13 @@ fn on_data(test: &TestStudy) -> Chart {
     });
     Chart {
         title: format!(
-            "{}: every method on its own FRFs, against the refined solution",
+            "{}: every method on the measured FRFs, error relative to the refined solution",
             test.name
         ),
         points: points.collect(),
         accuracy: (
             [test.frequency_std, test.damping_std],
-            "stated deviation of the refined solution",
+            "standard deviation of the refined solution",
         ),
         transform_s: test.limits[0].transform_s,
         pass_s: test.limits[0].pass_s,
@@ -117,12 +117,12 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
     let bounds = test
         .twin
         .iter()
-        .filter(|own| own.condition == Condition::White);
-    let bounds = bounds.filter(|own| own.snr_db.total_cmp(&snr_db).is_eq());
+        .filter(|row| row.condition == Condition::White);
+    let bounds = bounds.filter(|row| row.snr_db.total_cmp(&snr_db).is_eq());
     let most = |value: &dyn Fn(&DetectionCounts) -> Option<f64>| {
         bounds
             .clone()
-            .filter_map(|own| value(&own.tally))
+            .filter_map(|row| value(&row.tally))
             .reduce(f64::max)
     };
     Chart {
@@ -143,7 +143,7 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
     }
 }
 
-/// Time and error, of frequency and of damping beside each other; `None` where nobody measured.
+/// Time and error, with frequency and damping in adjacent panels; `None` without a measured time.
 fn cost(chart: &Chart) -> Option<String> {
     let limits = [chart.transform_s, chart.pass_s];
     let times = chart.points.iter().map(|point| point.time_s).chain(limits);
@@ -163,8 +163,8 @@ fn cost(chart: &Chart) -> Option<String> {
     ];
     line_legend(&mut canvas, [LEFT[0], BOTTOM + 80.0], &names);
     let notes = [
-        "A dot in a mark: every mode that can be seen is found and none is invented. A ring: on the front of those with the fewest mistakes.",
-        "CPU time of one machine, all threads. Errors under a tenth of the dashed line stand at it.",
+        "A dot in a mark: every observable mode is found and none is spurious. A ring: on the Pareto front of the methods with the fewest mistakes.",
+        "CPU time of one machine, all threads. Errors under a tenth of the dashed line are drawn at a tenth.",
     ];
     for (row, note) in (0..).zip(notes) {
         let y = BOTTOM + 100.0 + 16.0 * f64::from(row);
@@ -186,8 +186,8 @@ fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
     let Some((lo, hi)) = range(positive) else {
         return;
     };
-    // Far below the accuracy limit nothing is told by a difference.
-    let lo = bound.map_or(lo, |bound| lo.max(FLOOR * bound));
+    // Differences far below the accuracy limit have no significance.
+    let lo = bound.map_or(lo, |bound| lo.max(MIN_DRAWN_OVER_LIMIT * bound));
     let y = Axis::log((80.0 * lo, 200.0 * hi), (BOTTOM, TOP));
     frame(canvas, (x, &y), ("CPU time (ms)", label));
     for (time, color) in [(chart.transform_s, INK), (chart.pass_s, FAINT)] {
@@ -236,8 +236,9 @@ fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
         };
         let mut at = [x + dx, y + 14.0];
         let meets = |at: [f64; 2]| {
-            let close =
-                |own: &[f64; 2]| (own[0] - at[0]).abs() < 90.0 && (own[1] - at[1]).abs() < 12.0;
+            let close = |label: &[f64; 2]| {
+                (label[0] - at[0]).abs() < 90.0 && (label[1] - at[1]).abs() < 12.0
+            };
             taken.iter().any(close)
         };
         while meets(at) {
@@ -302,7 +303,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
             .twin
             .iter()
             .filter_map(|row| value(&row.tally, quantity));
-        let (_, hi) = range(all.filter(|own| *own > 0.0))?;
+        let (_, hi) = range(all.filter(|ratio| *ratio > 0.0))?;
         for (column, condition) in conditions.iter().enumerate() {
             let left = 75.0 + (COLUMN + GAP) * column as f64;
             let x = Axis::linear((first - 2.0, last + 2.0), (left, left + COLUMN));
@@ -345,7 +346,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                 });
                 let points: Vec<Option<([f64; 2], bool)>> = points.collect();
                 let course: Vec<Option<[f64; 2]>> =
-                    points.iter().map(|own| Some(own.as_ref()?.0)).collect();
+                    points.iter().map(|point| Some(point.as_ref()?.0)).collect();
                 canvas.curve("method", &course, (color(number), 1.1, ""));
                 for (at, right) in points.into_iter().flatten() {
                     marker(&mut canvas, at, (number, right));
@@ -357,7 +358,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
     method_legend(&mut canvas, [75.0, 552.0]);
     canvas.text(
         [75.0, 574.0],
-        "Grey: within 20 % of the bound. A dot in a mark: no mode missed or invented in any draw.",
+        "Grey: within 20 % of the bound. A dot in a mark: no mode missed or spurious in any draw.",
         (Anchor::Start, FAINT),
     );
     Some(canvas.finish())

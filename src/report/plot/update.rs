@@ -156,13 +156,13 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, (x, left, y): (&Ax
         "" | "-" | "1" => String::new(),
         unit => format!(" {unit}"),
     };
-    let told = format!(
+    let values = format!(
         "{} → {} ± {}{unit}",
         short(row.initial, 4),
         short(row.updated, 4),
         short(row.std, 2)
     );
-    canvas.text([RIGHT + 10.0, y + 4.0], &told, (Anchor::Start, INK));
+    canvas.text([RIGHT + 10.0, y + 4.0], &values, (Anchor::Start, INK));
 }
 
 /// Significant digits; large and small numbers with their power of ten.
