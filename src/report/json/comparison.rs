@@ -162,8 +162,8 @@ pub struct Additions<'a> {
     pub limits: &'a [LimitCheck],
 }
 
-/// The text of `comparison.json` with what stands beside the rows, each under a key of its own
-/// where there is something.
+/// The text of `comparison.json` with further results beside the rows; each kind of result has a
+/// key, which is absent where there is none.
 pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String {
     let alignment = more.alignment.map(serde_json::to_value);
     let file = ComparisonFile {

@@ -36,8 +36,9 @@ pub(super) fn reversed_value(tests: &[(String, Vec<ReversedSensor>)]) -> Option<
 
 /// An object for each test, with its name as `test`.
 fn named<T: serde::Serialize>(tests: &[(String, T)]) -> Value {
-    let object = |(name, own): &(String, T)| {
-        let mut value = serde_json::to_value(own).expect("plain data has no key that is not text");
+    let object = |(name, measures): &(String, T)| {
+        let mut value =
+            serde_json::to_value(measures).expect("plain data has no key that is not text");
         value["test"] = Value::from(name.as_str());
         value
     };

@@ -32,7 +32,7 @@ pub use study::{
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
 pub use theory::{TheoryPart, with_theory};
 pub use update::{
-    AssumedFile, ChangeFile, ExplanationFile, FitFile, FitRowFile, ForetoldFile, IterationFile,
-    LeftOutFile, OtherOptimumFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile,
+    AssumedFile, ChangeFile, ExplanationFile, FitFile, FitRowFile, IterationFile, LeftOutFile,
+    OtherOptimumFile, PredictionFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile,
     update_file, update_from_json, update_to_json,
 };

@@ -27,7 +27,7 @@ pub(super) fn limits_value(limits: &[LimitCheck]) -> Option<Value> {
 
 fn placed_test(placed: &PlacedTest) -> Value {
     let mut value = match &placed.placement {
-        Ok(own) => placement(own),
+        Ok(points) => placement(points),
         Err(why) => json!({ "not_known": why.to_string() }),
     };
     value["test"] = placed.test.as_str().into();

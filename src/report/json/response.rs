@@ -43,9 +43,9 @@ struct SignalFile<'a> {
 
 /// The text of a response, ending in a newline. Samples are left out.
 pub fn response_to_json(response: &TimeResponse) -> String {
-    let last = response.details.last().map_or("", |own| own.detail);
-    let signal = |detail: &DetailResponse, own: &'_ ResponseSignal| {
-        response.difference(own.name, detail.detail, last)
+    let last = response.details.last().map_or("", |detail| detail.detail);
+    let distance = |detail: &DetailResponse, signal: &'_ ResponseSignal| {
+        response.difference(signal.name, detail.detail, last)
     };
     let details = response.details.iter().map(|detail| DetailFile {
         detail: detail.detail,
@@ -55,17 +55,17 @@ pub fn response_to_json(response: &TimeResponse) -> String {
         signals: detail
             .signals
             .iter()
-            .map(|own| SignalFile {
-                name: own.name,
-                unit: own.unit,
-                meaning: own.meaning,
-                mean: own.mean(),
-                rms: own.rms(),
-                std: own.deviation(),
-                largest: own.largest(),
-                least: own.least(),
-                distance_from_last: signal(detail, own),
-                harmonics: &own.harmonics,
+            .map(|signal| SignalFile {
+                name: signal.name,
+                unit: signal.unit,
+                meaning: signal.meaning,
+                mean: signal.mean(),
+                rms: signal.rms(),
+                std: signal.deviation(),
+                largest: signal.largest(),
+                least: signal.least(),
+                distance_from_last: distance(detail, signal),
+                harmonics: &signal.harmonics,
             })
             .collect(),
     });

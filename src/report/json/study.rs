@@ -163,8 +163,8 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
     format!("{value:#}\n")
 }
 
-/// What is known of a test beside its rows. Deviations are rms and relative: no error against the
-/// refined solution is known better.
+/// Properties of a test. Standard deviations are rms and relative; they limit the accuracy of errors
+/// against the refined solution.
 fn test(study: &TestStudy) -> Value {
     let inputs = study.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));

@@ -59,7 +59,7 @@ pub fn sweeps_to_json(sweeps: &[Sweep]) -> String {
 }
 
 fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
-    let locus = |locus: &'_ Locus| {
+    let frequencies = |locus: &'_ Locus| {
         let all = locus.omega_rad_s.iter();
         all.map(|omega| omega.map(|omega| omega / TAU)).collect()
     };
@@ -72,11 +72,11 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
         coupling: event.coupling,
         width: event.width,
     };
-    let loci = sweep.loci.iter().map(|own| LocusFile {
-        multiplicity: own.multiplicity[0],
-        multiplicities: changing(&own.multiplicity),
-        class: own.class.as_deref(),
-        frequency_hz: locus(own),
+    let loci = sweep.loci.iter().map(|locus| LocusFile {
+        multiplicity: locus.multiplicity[0],
+        multiplicities: changing(&locus.multiplicity),
+        class: locus.class.as_deref(),
+        frequency_hz: frequencies(locus),
     });
     SweepFile {
         parameter: &sweep.parameter.name,
@@ -90,5 +90,5 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
 
 /// Numbers that are not all the same.
 fn changing(all: &[usize]) -> Option<&[usize]> {
-    all.iter().any(|own| *own != all[0]).then_some(all)
+    all.iter().any(|number| *number != all[0]).then_some(all)
 }

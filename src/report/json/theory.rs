@@ -1,4 +1,5 @@
-//! What was asked of a model beside its modes, as a key `theory` of the JSON that is there already.
+//! Energies, sensitivities and further quantities of a model under the key `theory` of an existing
+//! JSON object.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -13,7 +14,7 @@ use crate::theory::{ModelQuantity, ModelRoot, ParameterSpec, ParameterStatus, Ro
 pub struct TheoryPart<'a> {
     /// Parameters with their values.
     pub parameters: &'a [(ParameterSpec, f64)],
-    /// The band of the roots that are told.
+    /// The band of the roots that are written.
     pub band: Option<Band>,
     /// Roots with their energies.
     pub energies: Option<&'a [ModelRoot]>,
@@ -91,11 +92,11 @@ struct QuantityFile<'a> {
 /// The text of a JSON object with the key `theory` at its end, ending in a newline; everything in
 /// it stays as it is.
 pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
-    let own =
+    let part =
         serde_json::to_string_pretty(&file(part)).expect("plain data has no key that is not text");
     let head = json.trim_end();
     let head = head.strip_suffix('}').unwrap_or(head).trim_end();
-    let tail = own.strip_prefix('{').unwrap_or(&own);
+    let tail = part.strip_prefix('{').unwrap_or(&part);
     format!("{head},{tail}\n")
 }
 
@@ -143,11 +144,11 @@ fn by_name(shares: &[(String, f64)]) -> BTreeMap<&str, f64> {
 
 fn sensitivity<'a>(part: &'a TheoryPart<'_>, root: &'a RootSensitivity) -> SensitivityFile<'a> {
     let slope = |(j, (spec, value)): (usize, &'a (ParameterSpec, f64))| {
-        let own = (!spec.whole).then(|| SlopeFile {
+        let derivatives = (!spec.whole).then(|| SlopeFile {
             relative: root.scaled(j, *value).filter(|_| value.abs() > 0.0),
             branches_rad2_s2: &root.branches[j],
         });
-        (spec.name.as_str(), own)
+        (spec.name.as_str(), derivatives)
     };
     SensitivityFile {
         frequency_hz: root.omega_rad_s / TAU,

@@ -19,12 +19,12 @@ pub const UPDATE_SCHEMA: &str = "modalign-update/1";
 pub struct UpdateFile {
     /// [`UPDATE_SCHEMA`].
     pub schema: String,
-    /// What was held against the model; frequencies and shapes where the file does not say.
+    /// The residual that the update minimises; frequencies and shapes where the file has none.
     #[serde(default = "of_modes")]
     pub residuals: Residuals,
     /// The free parameters.
     pub parameters: Vec<UpdatedParameterFile>,
-    /// What the data know, best known first.
+    /// Identifiable combinations of the parameters, the best determined first.
     pub combinations: Vec<Combination>,
     /// Correlation of the posterior errors of the free parameters.
     pub correlation: Vec<Vec<f64>>,
@@ -40,20 +40,20 @@ pub struct UpdateFile {
     pub degrees_of_freedom: f64,
     /// Chi-square per degree of freedom.
     pub reduced_chi_square: f64,
-    /// Whether that is no more than noise explains.
+    /// Whether noise alone explains that value.
     pub fits: bool,
     /// Measured modes without a partner at the start.
     pub left_out: Vec<LeftOutFile>,
     /// Sensors whose values took no part, as they have the opposite sign of the model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reversed_sensors: Vec<ReversedSensors>,
-    /// Measured roots that met other modes on the way.
+    /// Measured modes whose model partner changed during the iterations.
     pub pairing_changes: Vec<PairingChange>,
     /// Every step.
     pub history: Vec<IterationFile>,
     /// Which change explains the misfit, where it was asked for.
     pub explanation: Option<ExplanationFile>,
-    /// What the weights rest on beside the test.
+    /// Assumed standard deviations, in addition to those of the test.
     pub assumed: AssumedFile,
 }
 
@@ -86,7 +86,7 @@ pub struct UpdatedParameterFile {
     pub lower: Option<f64>,
     /// Upper bound; `null` without one.
     pub upper: Option<f64>,
-    /// What the data say of it.
+    /// Whether the data identify it.
     pub verdict: Verdict,
     /// Whether it was held where it started.
     pub held: bool,
@@ -126,7 +126,7 @@ pub struct FitFile {
     pub paired: usize,
     /// `sum r^2` of the data.
     pub chi_square: f64,
-    /// Number of residuals that say something.
+    /// Number of residuals that carry information.
     pub data_count: usize,
     /// Root mean square of the frequency errors, percent.
     pub rms_percent: Option<f64>,
@@ -182,7 +182,7 @@ pub struct IterationFile {
     pub values: Vec<f64>,
 }
 
-/// What explains the misfit, as [`Explanation`].
+/// Changes of parameters that explain the misfit, as [`Explanation`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExplanationFile {
     /// With the always free parameters alone, or nothing.
@@ -194,7 +194,8 @@ pub struct ExplanationFile {
     /// The set that is proposed.
     pub proposed: ChangeFile,
     /// Leave-one-out check of that set.
-    pub foretold: Vec<ForetoldFile>,
+    #[serde(rename = "foretold")]
+    pub predictions: Vec<PredictionFile>,
 }
 
 /// One set of parameters freed, as [`Change`].
@@ -218,9 +219,9 @@ pub struct ChangeFile {
     pub explains: bool,
 }
 
-/// A mode left out, as [`Foretold`](crate::update::Foretold).
+/// Prediction of a mode by the model that was updated without it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ForetoldFile {
+pub struct PredictionFile {
     /// Label of the measured root.
     pub label: String,
     /// Error of the model as it stood, percent.
@@ -229,12 +230,12 @@ pub struct ForetoldFile {
     pub after_percent: f64,
 }
 
-/// Deviations that the test did not state; of those that play no part, none.
+/// Assumed standard deviations; `null` where they have no effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AssumedFile {
-    /// Deviation of every frequency that the model is granted, a fraction.
+    /// Model error of every frequency, a fraction.
     pub frequency_floor: f64,
-    /// The same of shape components; `null` where shapes do not count.
+    /// Model error of shape components, a fraction; `null` where shapes are not used.
     pub shape_floor: Option<f64>,
     /// Deviation of shape components for which the test states none; `null` where it states all.
     #[serde(default)]
@@ -389,7 +390,7 @@ fn change(change: &Change) -> ChangeFile {
 }
 
 fn explanation(explanation: &Explanation) -> ExplanationFile {
-    let foretold = explanation.foretold.iter().map(|row| ForetoldFile {
+    let predictions = explanation.foretold.iter().map(|row| PredictionFile {
         label: row.label.clone(),
         before_percent: row.before_percent,
         after_percent: row.after_percent,
@@ -399,6 +400,6 @@ fn explanation(explanation: &Explanation) -> ExplanationFile {
         single: explanation.single.iter().map(change).collect(),
         pairs: explanation.pairs.iter().map(change).collect(),
         proposed: change(&explanation.proposed),
-        foretold: foretold.collect(),
+        predictions: predictions.collect(),
     }
 }
