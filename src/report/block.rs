@@ -1,4 +1,4 @@
-//! The pieces a report is made of.
+//! A report consists of headings, paragraphs, tables and findings.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::finding::Finding;
 
 use super::Language;
 
-/// Where a column's text stands.
+/// Alignment of the text of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Align {
     /// At the left, for text.
@@ -42,8 +42,8 @@ impl Column {
     }
 }
 
-/// No deviation is printed with more decimals than these.
-const MOST_DECIMALS: i32 = 9;
+/// Maximum decimals of a printed standard deviation.
+const MAX_STD_DECIMALS: i32 = 9;
 
 /// One field of a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,7 +59,7 @@ pub enum Cell {
         /// Whether a positive value carries its sign.
         signed: bool,
     },
-    /// Not known: a dash for people, an empty field for programs.
+    /// Unknown: a dash for people, an empty field for programs.
     Missing,
 }
 
@@ -93,7 +93,7 @@ impl Cell {
         let second = |std: f64| 1 - std.log10().floor() as i32;
         let wanted = value
             .filter(|std| *std > 0.0 && std.is_finite())
-            .map_or(0, |std| second(std).clamp(0, MOST_DECIMALS) as usize);
+            .map_or(0, |std| second(std).clamp(0, MAX_STD_DECIMALS) as usize);
         Cell::number(value, decimals.max(wanted))
     }
 
@@ -131,7 +131,7 @@ impl Cell {
     }
 }
 
-/// `-0.00` is 0.00: the sign of what rounds to nothing tells nothing.
+/// Removes the sign of a number that rounds to zero: `-0.00` becomes `0.00`.
 fn without_sign_of_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
@@ -139,7 +139,7 @@ fn without_sign_of_zero(text: String) -> String {
     }
 }
 
-/// A number with at most so many significant digits, none of them a trailing zero: plain between
+/// A number with at most `digits` significant digits and no trailing zeros: plain between
 /// 0.001 and a million, else with a power of ten.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits.max(1) - 1);
@@ -173,9 +173,9 @@ pub enum Block {
     Text(String),
     /// A table.
     Table(Table),
-    /// What the data said.
+    /// Findings on the data.
     Findings {
-        /// In the order in which they are told.
+        /// In the order of the report.
         findings: Vec<Finding>,
         /// The language of their sentences.
         language: Language,
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_small_deviation_is_not_printed_as_zero() {
+    fn small_standard_deviation_is_not_printed_as_zero() {
         for (std, expected) in [
             (Some(0.0), "0.000"),
             (Some(2.894e-4), "0.00029"),
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_sign() {
+    fn zero_is_printed_without_a_sign() {
         for (value, expected) in [(-0.04, "0.0"), (-0.06, "-0.1"), (0.04, "0.0")] {
             assert_eq!(Cell::number(Some(value), 1).display(), expected);
         }
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_keep_their_significant_digits_alone() {
+    fn numbers_are_rounded_to_their_significant_digits() {
         for (value, digits, expected) in [
             (6.927526007451222e10, 7, "6.927526e10"),
             (7e10, 7, "7e10"),

@@ -114,7 +114,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
         slice.draws,
         stated_text(result)
     )];
-    footnotes.extend(own_sentences(&result.points(user_modes)));
+    footnotes.extend(user_mode_sentences(&result.points(user_modes)));
     Block::Table(Table {
         caption: format!("Where methods fail: {}", slice.name),
         columns,
@@ -127,7 +127,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
 const MAX_MODE_SENTENCES: usize = 6;
 
 /// A sentence for each of the user's modes nearest to a contour, and the number of the other modes.
-fn own_sentences(points: &[UserModePosition]) -> Vec<String> {
+fn user_mode_sentences(points: &[UserModePosition]) -> Vec<String> {
     let (inside, outside): (Vec<&UserModePosition>, Vec<&UserModePosition>) =
         points.iter().partition(|point| point.inside());
     let mut sentences: Vec<String> = inside

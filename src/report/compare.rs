@@ -1,4 +1,4 @@
-//! Models of growing detail as tables, with the simplest that serves.
+//! The detail tables compare models of increasing detail and name the simplest sufficient one.
 
 use std::f64::consts::TAU;
 
@@ -112,7 +112,7 @@ pub fn simplest_details_block(model: &str, response: &TimeResponse, within: f64)
         ],
         rows: rows.collect(),
         footnotes: vec![
-            "By |a − b|/|b| over the periods told; the costs are in the table of details."
+            "By |a − b|/|b| over the recorded periods; the costs are in the table of details."
                 .to_owned(),
         ],
     })

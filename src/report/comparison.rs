@@ -1,4 +1,5 @@
-//! The comparison table as blocks.
+//! The comparison blocks list the pairs of test and model modes, their frequency errors, MAC and
+//! verdicts.
 
 use crate::correlate::{
     Basis, ComparisonTable, ErrorReference, Footnote, Row, Status, TestCell, TestSummary,
@@ -78,7 +79,7 @@ impl Part<'_> {
             body.extend(self.closing_rows());
         }
         let mut footnotes =
-            vec!["—: no partner, or not known. MAC = |a^H b|²/(a^H a · b^H b).".to_owned()];
+            vec!["—: no partner, or unknown. MAC = |a^H b|²/(a^H a · b^H b).".to_owned()];
         let applies = |note: &&Footnote| note.test().is_none_or(|test| self.tests.contains(&test));
         let notes = self.table.footnotes.iter().filter(applies);
         footnotes.extend(notes.map(ToString::to_string));
@@ -101,13 +102,14 @@ impl Part<'_> {
         self.tests.len() == 1
     }
 
-    /// Whether a frequency of these tests has a deviation that its error can be counted in.
+    /// Whether any frequency of these tests has a standard deviation, so that its error can be
+    /// normalised.
     fn normalised(&self) -> bool {
         let mut cells = self.table.rows.iter().flat_map(|row| self.cells(row));
         cells.any(|cell| cell.normalised_error.is_some())
     }
 
-    /// Rows of the theory's roots, and of the extra modes of these tests.
+    /// Rows of the model's natural frequencies, and of the unmatched modes of these tests.
     fn rows(&self) -> impl Iterator<Item = &Row> {
         let is_shown = |row: &&Row| row.theory.is_some() || self.cells(row).next().is_some();
         self.table.rows.iter().filter(is_shown)
@@ -129,7 +131,7 @@ impl Part<'_> {
         if self.single() {
             columns.extend(["test (Hz)", "std (Hz)", head].map(Column::number));
             if self.normalised() {
-                columns.push(Column::number("(test−theory)/std"));
+                columns.push(Column::number("normalised deviation"));
             }
             columns.extend(["damping (%)", "MAC", "chance level"].map(Column::number));
             columns.extend(["basis", "verdict"].map(Column::text));
@@ -198,18 +200,18 @@ impl Part<'_> {
         ]
     }
 
-    /// The reasons of the verdicts, each with the rows and tests that it belongs to.
+    /// The reasons of the verdicts, each with its test and rows.
     fn reasons(&self, rows: &[&Row]) -> Vec<String> {
-        let mut told: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+        let mut listed_reasons: Vec<(&str, &str, Vec<&str>)> = Vec::new();
         for row in rows {
             for cell in self.cells(row) {
                 for reason in &cell.reasons {
-                    let known = told
+                    let entry = listed_reasons
                         .iter_mut()
                         .find(|(test, listed, _)| *test == cell.test && listed == reason);
-                    match known {
+                    match entry {
                         Some((_, _, labels)) => labels.push(&row.label),
-                        None => told.push((&cell.test, reason, vec![&row.label])),
+                        None => listed_reasons.push((&cell.test, reason, vec![&row.label])),
                     }
                 }
             }
@@ -217,17 +219,16 @@ impl Part<'_> {
         let line = |(test, reason, labels): (&str, &str, Vec<&str>)| {
             format!("{}, {test}: {reason}.", labels.join(" "))
         };
-        told.into_iter().map(line).collect()
+        listed_reasons.into_iter().map(line).collect()
     }
 }
 
-/// Whether a parameter has another value than the one its status speaks of.
+/// Whether a parameter differs from its nominal value, to which its status refers.
 fn is_set(spec: &ParameterSpec, value: f64) -> bool {
     value.to_bits() != spec.nominal.to_bits()
 }
 
-/// Where the numbers of the theory come from: what is assumed, and of the parameters how many are
-/// what.
+/// Sources of the numbers of the theory: parameters by status, and assumptions.
 pub(super) fn provenance(theory: &Theory) -> Vec<String> {
     let named = |of: &dyn Fn(&ParameterSpec, bool) -> bool| -> Vec<&str> {
         let parameters = theory.parameters.iter();
@@ -302,18 +303,18 @@ fn basis_cell(cell: &TestCell) -> Cell {
     })
 }
 
-/// The verdict as printed; the words of `comparison.json`, but for a missed mode that could not be
-/// judged, which has a key of its own there.
+/// The verdict as printed. `comparison.json` keeps shorter codes, and states in `judged` whether
+/// the observability of an unmatched mode is known.
 fn status_text(cell: &TestCell) -> &'static str {
     match cell.status {
-        _ if !cell.judged() => "missed, not judged",
+        _ if !cell.judged() => "unmatched, observability unknown",
         Status::Paired => "paired",
         Status::Ambiguous => "ambiguous",
-        Status::MissedExpected => "missed-expected",
-        Status::MissedUnexpected => "missed-unexpected",
+        Status::MissedExpected => "unmatched, near a paired mode",
+        Status::MissedUnexpected => "unmatched model mode, should have been seen",
         Status::NotObservable => "not-observable",
         Status::OutsideBand => "outside-band",
-        Status::Extra => "extra",
+        Status::Extra => "unmatched test mode",
     }
 }
 
@@ -341,7 +342,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
         "by frequency alone",
         "missed",
         "not observable",
-        "extra",
+        "unmatched test modes",
         "ambiguous",
         "max |error| (%)",
         "mean |error| (%)",
@@ -377,11 +378,11 @@ fn summary_table(table: &ComparisonTable) -> Table {
     }
 }
 
-/// As many digits of a parameter as anybody states; an updated one has more.
+/// Printed digits of a parameter; stated values have no more, updated ones do.
 const PARAMETER_DIGITS: usize = 8;
 
-/// The model's parameters with the values used and where they come from; `None` for a model without
-/// any.
+/// The model's parameters with the values used and their sources; `None` for a model without
+/// parameters.
 pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
     let status = |status: ParameterStatus| match status {
         ParameterStatus::Printed => "printed",

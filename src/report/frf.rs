@@ -70,7 +70,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
     let rows: Vec<Vec<Cell>> = hits.iter().map(row).collect();
     let not_passed = hits.iter().any(|hit| !reasons(hit).is_empty());
     let footnote = not_passed.then(|| {
-        "What a rule noticed stands with its value and, in brackets, the limit beyond which it counts against the hit.".to_owned()
+        "Why: rule, channel, value and, in brackets, the limit beyond which a hit is rejected or a remark is made.".to_owned()
     });
     Block::Table(Table {
         caption: "Hits".to_owned(),
@@ -87,7 +87,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
 }
 
 fn verdict(hit: &HitReport) -> String {
-    let used = if hit.used { "used" } else { "left out" };
+    let used = if hit.used { "used" } else { "rejected" };
     if hit.stated {
         format!("{used} (stated)")
     } else {
@@ -95,11 +95,11 @@ fn verdict(hit: &HitReport) -> String {
     }
 }
 
-/// Rule, channel, value and limit of what a hit does not pass.
+/// Rule, channel, value and limit of every check that a hit does not pass.
 fn reasons(hit: &HitReport) -> String {
-    let told = hit.checks.iter().filter(|check| match check.outcome {
+    let findings = hit.checks.iter().filter(|check| match check.outcome {
         Outcome::Passed => false,
-        // Too few hits to compare with: that shows in the table itself.
+        // Too few hits for a comparison; the table shows their number.
         Outcome::NotDecidable => !matches!(check.rule, Rule::Level | Rule::InconsistentHit),
         Outcome::Noted | Outcome::Rejected => true,
     });
@@ -111,14 +111,14 @@ fn reasons(hit: &HitReport) -> String {
             .map_or_else(String::new, |dof| format!(" {dof}"));
         let (value, limit) = (number(check.value), number(check.limit));
         let what = match (check.outcome, check.rule, check.at) {
-            (Outcome::NotDecidable, ..) => "not decidable".to_owned(),
+            (Outcome::NotDecidable, ..) => "not assessable".to_owned(),
             (_, Rule::RollOff, Some(hz)) => format!("from {hz:.1} Hz"),
             (_, Rule::DoubleHit, Some(s)) => format!("{value} ({limit}) after {:.2} ms", 1e3 * s),
             _ => format!("{value} ({limit})"),
         };
         format!("{}{channel} {what}", check.rule.name())
     };
-    told.map(text).collect::<Vec<_>>().join("; ")
+    findings.map(text).collect::<Vec<_>>().join("; ")
 }
 
 fn median(values: &[f64]) -> Option<f64> {

@@ -1,5 +1,5 @@
-//! Headings of the comparison in another language: captions, heads of columns, labels of rows and
-//! verdicts; findings. Definitions and reasons under the tables stay as they are.
+//! Translation of captions, column heads, row labels, verdicts and findings. Definitions and reasons
+//! under the tables remain English.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,7 @@ impl Language {
         }
     }
 
-    /// What a code says, without place and numbers.
+    /// The sentence of a code, without location and numbers.
     pub fn sentence(self, code: Code) -> &'static str {
         match self {
             Language::English => code.sentence(),
@@ -44,7 +44,7 @@ impl Language {
         }
     }
 
-    /// What a code means and what to do about it.
+    /// Cause, consequence and remedy of a code.
     pub fn explanation(self, code: Code) -> &'static str {
         match self {
             Language::English => code.explanation(),
@@ -52,7 +52,7 @@ impl Language {
         }
     }
 
-    /// How much a finding matters.
+    /// The name of a severity.
     pub fn severity(self, severity: Severity) -> String {
         match self {
             Language::English => severity.to_string(),
@@ -60,7 +60,7 @@ impl Language {
         }
     }
 
-    /// A paragraph in this language; one without a translation stays as it is.
+    /// A paragraph in this language; one without a translation remains English.
     pub(super) fn translated_text(self, text: String) -> String {
         match self {
             Language::English => text,
@@ -68,7 +68,7 @@ impl Language {
         }
     }
 
-    /// Blocks with their headings in this language; a heading without a translation stays as it is.
+    /// Blocks with their headings in this language; a heading without a translation remains English.
     pub fn translated(self, blocks: Vec<Block>) -> Vec<Block> {
         match self {
             Language::English => blocks,
@@ -89,7 +89,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("std (Hz)", "标准差 (Hz)"),
     ("(test−theory)/theory (%)", "(试验−理论)/理论 (%)"),
     ("(theory−test)/test (%)", "(理论−试验)/试验 (%)"),
-    ("(test−theory)/std", "(试验−理论)/标准差"),
+    ("normalised deviation", "(试验−理论)/标准差"),
     ("damping (%)", "阻尼比 (%)"),
     ("verdict", "结论"),
     ("{}\n(Hz)", "{}\n(Hz)"),
@@ -105,7 +105,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("by frequency alone", "仅按频率"),
     ("missed", "漏检"),
     ("not observable", "不可观测"),
-    ("extra", "多余"),
+    ("unmatched test modes", "多余"),
     ("ambiguous", "不明确"),
     ("max |error| (%)", "最大 |误差| (%)"),
     ("mean |error| (%)", "平均 |误差| (%)"),
@@ -179,22 +179,21 @@ const PHRASES: &[(&str, &str)] = &[
         "{} 与 {} 的频响函数随频率",
     ),
     (
-        "{}: how many roots the data support",
-        "{}：数据支持多少个根",
+        "{}: number of modes that the data support",
+        "{}：数据支持的模态数",
     ),
     ("{}: lowest order of every method", "{}：各方法的最低阶数"),
     (
         "{}: where one mode at a time is enough",
         "{}：单模态方法足够之处",
     ),
-    ("roots", "根数"),
-    ("the last of them", "最后一个"),
+    ("modes", "模态数"),
+    ("last mode added", "最后加入的模态"),
     ("FRFs that need it", "需要它的频响函数数"),
-    ("left-out lines", "留出谱线"),
-    ("misfit/noise", "失拟/噪声"),
+    ("held-out lines", "留出谱线"),
+    ("reduced chi-square", "约化卡方"),
     ("lowest", "最低"),
-    ("its own", "自选"),
-    ("invented", "虚假"),
+    ("automatic", "自选"),
     ("tried", "已试"),
     ("enough", "足够"),
     (
@@ -253,11 +252,11 @@ const HEADLINES: &[(&str, &str)] = &[
 /// columns that hold them.
 const LABELS: &[(&str, &[(&str, &str)])] = &[
     (
-        "the last of them",
+        "last mode added",
         &[
-            ("background alone", "仅背景"),
+            ("out-of-band terms alone", "仅带外项"),
             ("identified", "已识别"),
-            ("pole that stays", "稳定极点"),
+            ("stable pole", "稳定极点"),
         ],
     ),
     ("enough", &[("none alone", "单独均不足")]),
@@ -266,16 +265,19 @@ const LABELS: &[(&str, &[(&str, &str)])] = &[
         &[
             ("paired", "已配对"),
             ("ambiguous", "不明确"),
-            ("missed-expected", "漏检(预期)"),
-            ("missed-unexpected", "漏检(非预期)"),
-            ("missed, not judged", "漏检(未判定)"),
+            ("unmatched, near a paired mode", "漏检(预期)"),
+            (
+                "unmatched model mode, should have been seen",
+                "漏检(非预期)",
+            ),
+            ("unmatched, observability unknown", "漏检(未判定)"),
             ("not-observable", "不可观测"),
             ("outside-band", "频带外"),
-            ("extra", "多余"),
+            ("unmatched test mode", "多余"),
             ("used", "采用"),
             ("used (stated)", "采用(指定)"),
-            ("left out", "剔除"),
-            ("left out (stated)", "剔除(指定)"),
+            ("rejected", "剔除"),
+            ("rejected (stated)", "剔除(指定)"),
             ("met", "满足"),
             ("MISSED", "未满足"),
             ("reproduced", "已复现"),
@@ -345,12 +347,13 @@ fn label(head: &str, text: &str) -> String {
     found.map_or(text, |(_, translated)| translated).to_owned()
 }
 
-/// The translation of a heading: that of the phrase with the most letters of its own that fits.
+/// The translation of a heading. Of several matching phrases, the one with the most letters
+/// outside `{}` applies.
 fn phrase(text: &str) -> String {
     best_phrase(PHRASES.iter().chain(PHRASES_OF_RUNS), text)
 }
 
-/// The same among some phrases.
+/// The translation by the best match of some phrases.
 fn best_phrase<'p>(phrases: impl Iterator<Item = &'p (&'p str, &'p str)>, text: &str) -> String {
     let letter_count = |phrase: &str| phrase.replace("{}", "").chars().count();
     let fits = phrases
@@ -455,11 +458,11 @@ mod tests {
 
     #[test]
     fn every_phrase_has_one_translation_with_its_names() {
-        let mut known = std::collections::BTreeSet::new();
+        let mut seen = std::collections::BTreeSet::new();
         for (from, to) in PHRASES.iter().chain(PHRASES_OF_RUNS) {
             let count = |text: &str| text.matches("{}").count();
             assert_eq!(count(from), count(to), "{from}");
-            assert!(known.insert(from), "{from}");
+            assert!(seen.insert(from), "{from}");
         }
     }
 }

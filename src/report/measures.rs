@@ -336,9 +336,10 @@ fn theory_table(test: &str, measures: &Measures) -> Table {
     };
     let caption = format!("AutoMAC of the theory at the sensors of {test}");
     let mut table = mac_table(caption, &near);
-    table
-        .footnotes
-        .push("Modes far from 0 with each other cannot be told apart by these sensors.".to_owned());
+    table.footnotes.push(
+        "These sensors cannot distinguish modes whose MAC with each other is far from 0."
+            .to_owned(),
+    );
     table
 }
 

@@ -1,4 +1,5 @@
-//! Modes as a table.
+//! The mode tables list identified modes with their uncertainty and complexity, natural frequencies
+//! of a model, energies and sensitivities.
 
 use crate::axis::Band;
 use crate::modal::{ModalModel, Mode};
@@ -6,7 +7,7 @@ use crate::theory::{ModelRoot, ParameterSpec, RootSensitivity};
 
 use super::{Block, Cell, Column, Table};
 
-/// Identified modes of a test: frequency and damping with their deviations, complexity, method.
+/// Identified modes of a test: frequency and damping with standard deviations, complexity, method.
 pub fn modes_block(test: &str, model: &ModalModel) -> Block {
     let biased = model.modes.iter().any(|m| m.frequency_bias_hz.is_some());
     let mut columns = vec![
@@ -17,15 +18,15 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         Column::number("std damping (%)"),
     ];
     if biased {
-        columns.push(Column::number("bias f (Hz)"));
-        columns.push(Column::number("bias damping (%)"));
+        columns.push(Column::number("f error by out-of-band modes (Hz)"));
+        columns.push(Column::number("damping error by out-of-band modes (%)"));
     }
     columns.extend([
         Column::number("MPC"),
         Column::number("MPD (°)"),
         Column::number("mean phase (°)"),
         Column::number("overlap"),
-        Column::number("lines"),
+        Column::number("lines in −3 dB band"),
         Column::number("DOFs"),
         Column::text("method"),
         Column::text("remark"),
@@ -59,10 +60,10 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         vec![
             "f: natural frequency |λ|/2π; std: one standard deviation.".to_owned(),
             "MPC: 1 for a shape on one line of the complex plane, 0 for a circle; mean phase: ½ arg Σφ²; MPD: mean angle from it, weighted by |φ|.".to_owned(),
-            "overlap: half-power width 2ζf over the mean distance to the neighbouring modes; lines: frequency lines across the half-power band as measured.".to_owned(),
+            "overlap: half-power bandwidth 2ζf over the mean distance to the neighbouring modes; lines in −3 dB band: frequency lines across the half-power bandwidth as measured.".to_owned(),
         ];
     if biased {
-        footnotes.push("bias: size of the error that modes outside the band leave, as far as the data tell; —: anything may lie there, and the deviation counts it.".to_owned());
+        footnotes.push("Error by out-of-band modes: magnitude as estimated from the data; —: not estimated, contained in the standard deviation.".to_owned());
     }
     if let Some(band) = model.band {
         footnotes.push(format!(
@@ -73,7 +74,7 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
     }
     if let Some(decay) = model.added_damping_rad_s.filter(|decay| *decay > 0.0) {
         footnotes.push(format!(
-            "The exponential window's {} rad/s are taken out of every pole.",
+            "The {} rad/s of the exponential window are subtracted from the decay rate of every pole.",
             short(decay)
         ));
     }
@@ -107,7 +108,7 @@ pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
     };
     let mut footnotes = Vec::new();
     if model.modes.iter().any(|mode| mode.group.is_some()) {
-        footnotes.push("Modes of one group are one repeated root.".to_owned());
+        footnotes.push("Modes of one group are a repeated root.".to_owned());
     }
     footnotes.extend(synthetic_note(model));
     Block::Table(Table {
@@ -118,8 +119,8 @@ pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
     })
 }
 
-/// Distinct roots of a model inside a band: multiplicity, frequency, class, and where the kinetic
-/// energy is.
+/// Distinct natural frequencies of a model inside a band: multiplicity, frequency, class, and the
+/// bodies with the largest kinetic energy.
 pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Block {
     let inside = |root: &&ModelRoot| {
         let hz = root.omega_rad_s / std::f64::consts::TAU;
@@ -151,14 +152,15 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
             .map(row)
             .collect(),
         footnotes: vec![
-            "Kinetic energy: the largest shares by body, bodies that differ only in their number together.".to_owned(),
+            "Kinetic energy: the largest fractions by body; bodies of the same kind are summed."
+                .to_owned(),
         ],
     })
 }
 
-/// Where the energy of each root inside a band is, percent: every body and every name of springs or
-/// groups in a column of its own; of more than forty bodies the twenty with the largest shares, and
-/// the others together. `None` without roots.
+/// Energy fractions of each natural frequency inside a band, percent: a column for every body and
+/// for every name of springs or groups. Of more than forty bodies, the twenty with the largest
+/// fractions have columns, and one column holds the others. `None` without natural frequencies.
 pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
     let inside = |root: &&ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
@@ -171,17 +173,19 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
         ("U", springs, (0..springs.len()).collect()),
     ];
     let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
-    for (kind, names, told) in &kinds {
-        let heads = told.iter().map(|&i| format!("{kind} {} (%)", names[i].0));
-        let others = (told.len() < names.len()).then(|| format!("{kind} others (%)"));
+    for (kind, names, indices) in &kinds {
+        let heads = indices
+            .iter()
+            .map(|&i| format!("{kind} {} (%)", names[i].0));
+        let others = (indices.len() < names.len()).then(|| format!("{kind} others (%)"));
         columns.extend(heads.chain(others).map(Column::number));
     }
-    let [(_, _, told_bodies), (_, _, told_springs)] = &kinds;
-    let percent = |shares: &[(String, f64)], told: &[usize], all: usize| -> Vec<Cell> {
+    let [(_, _, shown_bodies), (_, _, shown_springs)] = &kinds;
+    let percent = |shares: &[(String, f64)], indices: &[usize], all: usize| -> Vec<Cell> {
         let share = |i: usize| shares.get(i).map(|(_, share)| 100.0 * share.max(0.0));
-        let sum: f64 = told.iter().filter_map(|&i| share(i)).sum();
-        let others = (told.len() < all).then(|| Cell::number(Some((100.0 - sum).max(0.0)), 3));
-        let cells = told.iter().map(|&i| Cell::number(share(i), 3));
+        let sum: f64 = indices.iter().filter_map(|&i| share(i)).sum();
+        let others = (indices.len() < all).then(|| Cell::number(Some((100.0 - sum).max(0.0)), 3));
+        let cells = indices.iter().map(|&i| Cell::number(share(i), 3));
         cells.chain(others).collect()
     };
     let row = |(number, root): (usize, &ModelRoot)| {
@@ -189,8 +193,8 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
             Cell::text(number.to_string()),
             Cell::number(Some(hz(root)), 4),
         ];
-        cells.extend(percent(&root.kinetic_energy, told_bodies, bodies.len()));
-        cells.extend(percent(&root.strain_energy, told_springs, springs.len()));
+        cells.extend(percent(&root.kinetic_energy, shown_bodies, bodies.len()));
+        cells.extend(percent(&root.strain_energy, shown_springs, springs.len()));
         cells
     };
     Some(Block::Table(Table {
@@ -198,33 +202,33 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
         columns,
         rows: (1..).zip(roots).filter(|(_, root)| inside(root)).map(row).collect(),
         footnotes: vec![
-            "T: share of the kinetic energy by body; U: share of the strain energy by spring or group of matrices; of a repeated root the mean over its modes. For a spring of stiffness k, or a group that k scales: df/f = U/2 dk/k where k scales stiffness alone.".to_owned(),
+            "T: fraction of the kinetic energy by body; U: fraction of the strain energy by spring or group of matrices; mean over the modes of a repeated root. For a spring of stiffness k, or a group that k scales: df/f = U/2 dk/k where k scales stiffness alone.".to_owned(),
         ],
     }))
 }
 
-/// More bodies than this are not told one by one.
-const MOST_BODIES: usize = 40;
-/// Of so many as are not, those with the largest shares are.
-const BODIES_TOLD: usize = 20;
+/// Up to this number of bodies, each has a column.
+const MAX_BODY_COLUMNS: usize = 40;
+/// Columns of the bodies with the largest fractions, where there are more bodies than that.
+const LARGEST_BODY_COLUMNS: usize = 20;
 
-/// Indices, ascending, of the bodies that are told.
+/// Indices, ascending, of the bodies that have columns.
 fn largest_bodies(roots: &[&ModelRoot], count: usize) -> Vec<usize> {
-    let mut told: Vec<usize> = (0..count).collect();
-    if count > MOST_BODIES {
+    let mut indices: Vec<usize> = (0..count).collect();
+    if count > MAX_BODY_COLUMNS {
         let largest = |i: &usize| {
             let shares = roots.iter().map(|root| root.kinetic_energy[*i].1);
             shares.fold(0.0, f64::max)
         };
-        told.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
-        told.truncate(BODIES_TOLD);
-        told.sort_unstable();
+        indices.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
+        indices.truncate(LARGEST_BODY_COLUMNS);
+        indices.sort_unstable();
     }
-    told
+    indices
 }
 
-/// Relative change of the frequency of each root above 0 inside a band by that of every parameter:
-/// a row for each parameter, which has a dash where its value is 0.
+/// Relative sensitivity of each natural frequency above 0 inside a band to every parameter: a row
+/// for each parameter, with a dash where its value is 0.
 pub fn sensitivities_block(
     caption: &str,
     parameters: &[(ParameterSpec, f64)],
@@ -253,24 +257,24 @@ pub fn sensitivities_block(
         columns,
         rows: parameters.iter().enumerate().map(row).collect(),
         footnotes: vec![
-            "(df/f)/(dp/p), in closed form from the derivatives of the matrices; of a repeated root the mean over its branches. —: the parameter is 0, or a number of parts, which has no derivative.".to_owned(),
+            "(df/f)/(dp/p), in closed form from the derivatives of the matrices; mean over the branches of a repeated root. —: the parameter is 0, or an integer, which has no derivative.".to_owned(),
         ],
     })
 }
 
-/// Bodies named for each root.
+/// Number of bodies named for each natural frequency.
 const BODIES_SHOWN: usize = 3;
 
-/// The largest shares of the kinetic energy, as `planet-disc 0.62, ball 0.30`; those that print as
-/// 0.00 are left out.
+/// The largest fractions of the kinetic energy, as `planet-disc 0.62, ball 0.30`, without those that
+/// print as 0.00.
 pub(super) fn largest_shares(root: &ModelRoot) -> String {
     let shares = root.energy_by_kind();
-    let told = shares.iter().filter(|(_, share)| *share >= 0.005);
-    let told: Vec<String> = told
+    let texts = shares.iter().filter(|(_, share)| *share >= 0.005);
+    let texts: Vec<String> = texts
         .take(BODIES_SHOWN)
         .map(|(body, share)| format!("{body} {share:.2}"))
         .collect();
-    told.join(", ")
+    texts.join(", ")
 }
 
 /// Codes of the warnings that belong to one mode.
@@ -292,7 +296,7 @@ fn synthetic_note(model: &ModalModel) -> Option<String> {
         .findings
         .iter()
         .any(|finding| finding.code == crate::finding::Code::Synthetic);
-    synthetic.then(|| "Synthetic: computed from a model, nobody measured it.".to_owned())
+    synthetic.then(|| "Synthetic: computed from a model, not measured.".to_owned())
 }
 
 /// Six significant digits without trailing zeros.

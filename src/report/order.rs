@@ -1,4 +1,5 @@
-//! What a scene needs, as sentences and tables.
+//! The order selection report states the number of modes that the data of a scene support, the
+//! lowest model order of every method, and where single-mode methods are sufficient.
 
 use crate::identify::OrderStep;
 use crate::study::{
@@ -7,9 +8,9 @@ use crate::study::{
 
 use super::{Block, Cell, Column, Table};
 
-/// The answers, then the numbers behind them.
+/// The conclusions, then the tables that support them.
 pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
-    let heading = format!("{}: what it needs, and what it does not", needs.title);
+    let heading = format!("{}: model orders and methods that it needs", needs.title);
     let mut blocks = vec![Block::Heading(heading)];
     blocks.extend(answers(needs).into_iter().map(Block::Text));
     for test in &needs.tests {
@@ -24,12 +25,12 @@ fn count(value: usize) -> Cell {
     Cell::number(Some(value as f64), 0)
 }
 
-/// Three decimals near the noise, and none far from it.
+/// Three decimals near the noise level, none far above it.
 fn over_noise(value: f64) -> Cell {
     Cell::number(Some(value), if value < 100.0 { 3 } else { 0 })
 }
 
-/// A recording that was computed is called so.
+/// The name of a test, marked where its data are synthetic.
 fn named(test: &TestNeeds) -> String {
     match test.synthetic {
         true => format!("{} (synthetic)", test.name),
@@ -44,24 +45,23 @@ fn roots_block(test: &TestNeeds) -> Block {
         count => format!("{count} FRFs"),
     };
     let mut footnotes = vec![
-        "Roots one after the other, each time the one that explains most: those that were identified, then the other poles that stay \
-         over the orders; poles are held where all lines put them. BIC less that of the background alone. Left-out lines: how unlikely they \
-         are when predicted from the others, −ln p − ln π for each value, 1 for bare noise; * the fewest within one standard error of \
-         the least. Misfit: mean square of what is left over, over the noise, for each degree of freedom, below 1 where lines share noise \
-         of the force; * the fewest within a tenth of the least up to BIC's."
+        "Modes are added one at a time, by decreasing contribution: first the identified modes, then further stable poles; poles are fixed \
+         at their fit of all lines. BIC: relative to that of the out-of-band terms alone. Held-out lines: negative log-likelihood of lines \
+         predicted from the others, −ln p − ln π for each value, 1 for noise alone; * the minimum number of modes within one standard error \
+         of the minimum. Reduced chi-square: residual energy over noise variance and degrees of freedom, below 1 where force noise is \
+         common to lines; * the minimum number of modes within a tenth of the minimum, up to that of BIC."
             .to_owned(),
         match support.stretch {
-            1 => format!("{functions} of {} lines; each line left out by itself.", support.lines),
+            1 => format!("{functions} of {} lines; each line is held out separately.", support.lines),
             stretch => format!(
-                "{functions} of {} lines; {stretch} lines predicted at a time, as many on either side left out with them, as neighbours share noise.",
+                "{functions} of {} lines; {stretch} lines predicted at a time, with as many on either side held out, as the noise of neighbouring lines is correlated.",
                 support.lines
             ),
         },
     ];
     if !support.noise_stated {
         footnotes.push(
-            "No variance came with the data: the noise is told from what the fit leaves over."
-                .to_owned(),
+            "The data have no variances: the noise is estimated from the fit residual.".to_owned(),
         );
     }
     footnotes.extend(test.notes.iter().map(|note| format!("Not done: {note}.")));
@@ -79,9 +79,9 @@ fn roots_block(test: &TestNeeds) -> Block {
             })
         };
         let what = match (tried.pole, tried.identified) {
-            (None, _) => "background alone",
+            (None, _) => "out-of-band terms alone",
             (_, true) => "identified",
-            (_, false) => "pole that stays",
+            (_, false) => "stable pole",
         };
         vec![
             count(number),
@@ -100,18 +100,18 @@ fn roots_block(test: &TestNeeds) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: format!("{}: how many roots the data support", named(test)),
+        caption: format!("{}: number of modes that the data support", named(test)),
         columns: vec![
-            Column::number("roots"),
-            Column::text("the last of them"),
+            Column::number("modes"),
+            Column::text("last mode added"),
             Column::number("f (Hz)"),
             Column::number("ζ (%)"),
             Column::number("FRFs that need it"),
             Column::number("BIC"),
             Column::text(""),
-            Column::number("left-out lines"),
+            Column::number("held-out lines"),
             Column::text(""),
-            Column::number("misfit/noise"),
+            Column::number("reduced chi-square"),
             Column::text(""),
         ],
         rows: support.tried.iter().enumerate().map(row).collect(),
@@ -144,17 +144,17 @@ fn orders_block(test: &TestNeeds) -> Block {
         columns: vec![
             Column::text("method"),
             Column::number("lowest"),
-            Column::number("its own"),
+            Column::number("automatic"),
             Column::number("missed"),
-            Column::number("invented"),
+            Column::number("spurious"),
             Column::text("tried"),
         ],
         rows: test.orders.iter().map(row).collect(),
         footnotes: vec![
-            "Against the modes of `ml`: found is what lies within a quarter of the half-power width or three deviations, with a MAC of 0.9. \
-             Tried: highest order, modes missed (−) and invented (+); orders that a method refuses are left out, and what it drops by its own \
-             choice counts as missed. Missed and invented: with the order that the method takes itself. An order is the number of poles for \
-             some methods, of coefficients or of seeds for others: they do not compare from method to method."
+            "Compared with the modes of `ml`: a mode is found within a quarter of the half-power bandwidth or three standard deviations, with a MAC \
+             of 0.9. Tried: highest order, modes missed (−) and spurious (+); orders that a method refuses are not listed, and modes that it \
+             drops count as missed. Missed and spurious: with the automatic order of the method. An order is the number of poles for some \
+             methods, of coefficients or of initial poles for others: orders of different methods are not comparable."
                 .to_owned(),
         ],
     })
@@ -190,13 +190,13 @@ fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
         columns,
         rows: test.single.iter().map(row).collect(),
         footnotes: vec![format!(
-            "Errors against `ml`; enough: within {} % in frequency and {} % in damping, or within two of its deviations. —: missed, or with a MAC below 0.9.",
+            "Errors relative to `ml`; enough: within {} % in frequency and {} % in damping, or within two standard deviations. —: missed, or with a MAC below 0.9.",
             needs.options.frequency_percent, needs.options.damping_percent
         )],
     })
 }
 
-/// Every number of roots of every test, for programs.
+/// Every number of modes of every test, for programs.
 pub fn order_table(needs: &SceneNeeds) -> Block {
     let yes = |value: bool| Cell::text(if value { "yes" } else { "no" });
     let of_test = |test: &TestNeeds| {

@@ -1,12 +1,12 @@
-//! Where to hit or put a sensor next, as tables.
+//! The placement tables recommend further excitation points and sensors for a test.
 
 use crate::correlate::{ComparisonTable, Placement, PlannedRoot, RankedHit, Step};
 use crate::scene::PlacedTest;
 
 use super::{Block, Cell, Column, Table};
 
-/// The points that a test should have, what they make of every root, and what every point that can
-/// be hit is worth.
+/// The recommended points of a test, the observability of every natural frequency with them, and a
+/// ranking of all possible excitation points.
 pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Vec<Block> {
     match &placed.placement {
         Ok(placement) => vec![
@@ -15,13 +15,13 @@ pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) ->
             ranking_block(placed, placement),
         ],
         Err(why) => vec![Block::Text(format!(
-            "Where to hit next, {}: not known, {why}.",
+            "Recommended excitation points of {}: unknown, {why}.",
             placed.test
         ))],
     }
 }
 
-/// `f9`, as the comparison calls the root.
+/// Label of the natural frequency in the comparison, such as `f9`.
 fn label(root: &PlannedRoot, table: Option<&ComparisonTable>) -> String {
     let numbers: Vec<usize> = root.modes.iter().map(|j| j + 1).collect();
     let rows = table.iter().flat_map(|table| &table.rows);
@@ -60,35 +60,35 @@ fn steps_block(
     };
     let modes = |count: fn(&PlannedRoot) -> usize| placement.roots.iter().map(count).sum::<usize>();
     Block::Table(Table {
-        caption: format!("Where to hit or put a sensor next: {}", placed.test),
+        caption: format!("Recommended excitation points and sensors: {}", placed.test),
         columns: vec![
             Column::number("step"),
             Column::text("hit"),
             Column::text("sensor"),
-            Column::text("shows beside what is seen"),
+            Column::text("additionally observable"),
         ],
         rows: (1..).zip(&placement.steps).map(row).collect(),
         footnotes: vec![
             if placement.steps.is_empty() {
                 format!(
-                    "Of {} modes of the model in the band the test's points see {}; no further point shows another.",
+                    "Of {} modes of the model in the band, {} are observable at the points of the test; no further point makes another observable.",
                     modes(|root| root.modes.len()),
                     modes(|root| root.seen)
                 )
             } else {
                 format!(
-                    "Of {} modes of the model in the band the test's points see {}, with these {}.",
+                    "Of {} modes of the model in the band, {} are observable at the points of the test, {} with these points.",
                     modes(|root| root.modes.len()),
                     modes(|root| root.seen),
                     modes(|root| root.planned)
                 )
             },
             format!(
-                "Out of {} points that can be hit and {} that can carry a sensor; each step is the point that shows most, a hit and a sensor together where neither does alone.",
+                "Selected from {} possible excitation points and {} possible sensors; each step is the point that makes most modes observable, or an excitation point and a sensor together where neither alone is sufficient.",
                 placed.candidates.hits.len(),
                 placed.candidates.sensors.len()
             ),
-            "Seen: the peak stands 10 dB over the noise of the test's functions, for each mode of a repeated root by itself, and all pairs together tell the frequency to a quarter of the distance to the next root. A new hit goes with every sensor; with a new sensor the points that were hit are hit again.".to_owned(),
+            "Observable: the peak exceeds the noise of the FRFs of the test by 10 dB, for each mode of a repeated root separately, and all FRFs together determine the frequency to a quarter of the distance to the next natural frequency. A new excitation point is measured with every sensor; a new sensor is measured with all excitation points again.".to_owned(),
         ],
     })
 }
@@ -96,12 +96,12 @@ fn steps_block(
 fn remark(root: &PlannedRoot) -> &'static str {
     let whole = root.modes.len();
     match root.still {
-        _ if root.seen == whole => "seen",
-        _ if root.planned == whole => "seen with these points",
-        [true, _] => "every point that can be hit stands still",
-        [_, true] => "every point that can carry a sensor stands still",
-        _ if root.planned > 0 => "seen in part; no point shows the rest",
-        _ => "every point shows too little of it",
+        _ if root.seen == whole => "observable",
+        _ if root.planned == whole => "observable with these points",
+        [true, _] => "all possible excitation points are at nodes",
+        [_, true] => "all possible sensors are at nodes",
+        _ if root.planned > 0 => "partly observable; no point makes the other modes observable",
+        _ => "response too small at every point",
     }
 }
 
@@ -123,19 +123,19 @@ fn roots_block(
         ]
     };
     Block::Table(Table {
-        caption: format!("What the points see: {}", placed.test),
+        caption: format!("Observable modes by point: {}", placed.test),
         columns: vec![
             Column::text("root"),
             Column::number("theory (Hz)"),
             Column::number("M"),
-            Column::number("seen"),
+            Column::number("observable"),
             Column::number("planned"),
             Column::number("peak over noise (dB)"),
             Column::text("remark"),
         ],
         rows: placement.roots.iter().map(row).collect(),
         footnotes: vec![
-            "M: multiplicity; seen: modes that the test's points see; planned: with the points above. Peak over noise: with every point there is, of the last mode that is seen, else of the next.".to_owned(),
+            "M: multiplicity; observable: modes that are observable at the points of the test; planned: with the points above. Peak over noise: with all possible points, of the last observable mode, else of the next.".to_owned(),
         ],
     })
 }
@@ -150,16 +150,16 @@ fn ranking_block(placed: &PlacedTest, placement: &Placement) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: format!("What one hit is worth: {}", placed.test),
+        caption: format!("Ranking of excitation points: {}", placed.test),
         columns: vec![
             Column::text("hit"),
-            Column::number("modes shown"),
+            Column::number("observable modes"),
             Column::number("driving-point residue"),
             Column::number("independence"),
         ],
         rows: placement.ranking.iter().map(row).collect(),
         footnotes: vec![
-            "Modes shown: by this hit alone, with the sensors there are. Driving-point residue: mean of φ²/(2ωm) over the roots, as a part of the largest (Ewins 2000). Independence: the part of its row of the mode matrix that no other point has (Kammer 1991); none where there are no more points than that takes.".to_owned(),
+            "Observable modes: with this excitation point alone and the existing sensors. Driving-point residue: mean of φ²/(2ωm) over the natural frequencies, relative to the largest (Ewins 2000). Independence: contribution of its row of the mode matrix to the rank (effective independence, Kammer 1991); none where there are too few points.".to_owned(),
         ],
     })
 }

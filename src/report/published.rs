@@ -1,4 +1,4 @@
-//! Published results against the model, and against themselves.
+//! The tables of published results compare them with the model and with each other.
 
 use crate::correlate::ErrorReference;
 use crate::correlate::published::{
@@ -28,7 +28,7 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
         Column::text("class as printed"),
         Column::text("kinetic energy"),
     ];
-    // A discretised model has many roots above the highest printed one, which nobody compares.
+    // The many roots of a discretised model above the highest printed one are not compared.
     let shown = roots
         .rows
         .iter()
@@ -80,7 +80,7 @@ fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
 }
 
 fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<String> {
-    let told = |what: &str, errors: &Option<ErrorSummary>| {
+    let error_sentence = |what: &str, errors: &Option<ErrorSummary>| {
         errors.as_ref().map(|errors| {
             format!(
                 "{what}, {} of them: rms error {:.4} %, largest {:+.4} % at {}.",
@@ -92,7 +92,7 @@ fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<Strin
         format!("Printed: {}.", source_text(source)),
         "M: multiplicity. Error = (model - printed)/printed. Matched by frequency alone. Kinetic energy: the largest shares by body, like bodies together.".to_owned(),
     ];
-    notes.extend(told("Single roots above 0", &roots.simple));
+    notes.extend(error_sentence("Single roots above 0", &roots.simple));
     let calibrated = roots.published().filter(|root| root.calibrated);
     let calibrated: Vec<&str> = calibrated.map(|root| root.label.as_str()).collect();
     if !calibrated.is_empty() {
@@ -101,7 +101,7 @@ fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<Strin
             "{labels}: agree by construction, a parameter of the model was inferred from them."
         ));
     }
-    notes.extend(told("All roots above 0", &roots.elastic));
+    notes.extend(error_sentence("All roots above 0", &roots.elastic));
     let without = roots.rows[..shown]
         .iter()
         .filter(|row| row.model.is_none())
@@ -240,7 +240,7 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
     };
     (!expected.verdicts.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "What the publication says, recomputed from its tables and the model"
+            caption: "Statements of the publication, recomputed from its tables and the model"
                 .to_owned(),
             columns: vec![
                 Column::text("claim"),
@@ -272,7 +272,7 @@ fn stated_cell(stated: &Stated, relation: &str, digits: Digits, unit: &str) -> C
     }
 }
 
-/// The numbers that the theory of a model gives beside its roots; `None` where it gives none.
+/// Further quantities of the theory of a model; `None` where there are none.
 pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Block> {
     let row = |quantity: &ModelQuantity| {
         vec![
@@ -286,7 +286,7 @@ pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Blo
     };
     (!quantities.is_empty()).then(|| {
         Block::Table(Table {
-            caption: format!("What the theory of {model} gives beside its roots"),
+            caption: format!("Further quantities of the theory of {model}"),
             columns: vec![
                 Column::text("quantity"),
                 Column::number("value"),

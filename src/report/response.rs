@@ -1,5 +1,5 @@
-//! A response over time in growing detail as tables: figures of its signals, their harmonics, and
-//! which detail suffices.
+//! The response tables list statistics and harmonics of the signals of a time response for models
+//! of increasing detail, and the sufficient detail.
 
 use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
 
@@ -47,7 +47,7 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
             .collect()
     };
     let mut footnotes = vec![format!(
-        "Excitation at {:.4} Hz; {} periods to settle, {} told.",
+        "Excitation at {:.4} Hz; {} periods to settle, {} recorded.",
         response.excitation_hz, response.span.settling_periods, response.span.recorded_periods
     )];
     let mut named: Vec<&str> = Vec::new();
@@ -123,7 +123,7 @@ fn details_block(model: &str, response: &TimeResponse) -> Block {
         columns,
         rows: response.details.iter().map(row).collect(),
         footnotes: vec![format!(
-            "Percent: distance from \"{last}\", |a − b|/|b| over the periods told. —: the detail has no such signal. Functions: sines, roots and their like."
+            "Percent: distance from \"{last}\", |a − b|/|b| over the recorded periods. —: the detail has no such signal. Functions: sines, square roots and similar."
         )],
     })
 }

@@ -36,11 +36,11 @@ pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block
 /// How many modes share a locus, where they are more than one: `, 3 modes`; `, 9 10 11 modes` where
 /// their number changes.
 fn multiplicity(locus: &Locus) -> String {
-    let mut told: Vec<String> = locus.multiplicity.iter().map(usize::to_string).collect();
-    if told.windows(2).all(|pair| pair[0] == pair[1]) {
-        told.truncate(1);
+    let mut counts: Vec<String> = locus.multiplicity.iter().map(usize::to_string).collect();
+    if counts.windows(2).all(|pair| pair[0] == pair[1]) {
+        counts.truncate(1);
     }
-    match told.join(" ") {
+    match counts.join(" ") {
         one if one == "1" => String::new(),
         all => format!(", {all} modes"),
     }

@@ -35,8 +35,8 @@ fn block_text(block: &Block) -> String {
             .iter()
             .map(|finding| {
                 let severity = language.severity(finding.severity);
-                let told = language.finding(finding);
-                format!("{severity}: {told} [{}]", finding.code.name())
+                let sentence = language.finding(finding);
+                format!("{severity}: {sentence} [{}]", finding.code.name())
             })
             .collect::<Vec<_>>()
             .join("\n"),

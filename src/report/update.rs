@@ -1,5 +1,5 @@
-//! An update as tables: parameters, what the data know, convergence, fit before and after, single
-//! changes.
+//! The tables of an update list the parameters, their identifiable combinations, convergence, the
+//! fit before and after, and the changes of one or two parameters.
 
 use crate::scene::SceneUpdate;
 use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};
@@ -65,13 +65,13 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
     columns.extend(heads.map(Column::number));
     columns.push(Column::text("verdict"));
     let mut footnotes = vec![format!(
-        "Weights: the test's standard deviations, and beside them {} % of every frequency granted to the model (assumed).",
+        "Weights: the standard deviations of the test, and a model error of {} % of each frequency (assumed).",
         short(100.0 * scene_update.options.frequency_floor)
     )];
     footnotes.extend(shapes(scene_update));
     footnotes.extend(residuals(scene_update));
     footnotes.push(misfit(&scene_update.result));
-    footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: not seen by the test even with all others known.".to_owned());
+    footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
         columns,
@@ -80,13 +80,16 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
     })
 }
 
-/// What the deviations of shapes are.
+/// Footnotes on the standard deviations of the mode shapes.
 fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
     let Some(floor) = scene_update.options.shape_floor else {
-        return vec!["Shapes pair and follow modes, and do not count.".to_owned()];
+        return vec![
+            "Mode shapes serve pairing and mode tracking alone; they are not part of the residual."
+                .to_owned(),
+        ];
     };
     let mut all = vec![format!(
-        "Shapes count with the test's deviations, and beside them {} % of their root mean square granted to the model (assumed); complex ones are turned to where they are most real.",
+        "Weights of shapes: the standard deviations of the test, and a model error of {} % of the root mean square of the shape (assumed); complex shapes are rotated to the phase at which they are most real.",
         short(100.0 * floor)
     )];
     let rows = &scene_update.result.after.rows;
@@ -103,14 +106,14 @@ fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
             labels.join(", ")
         };
         all.push(format!(
-            "The test states no deviations of the shapes of {which}: {} % of their root mean square is assumed.",
+            "The test states no standard deviations of the shapes of {which}: {} % of their root mean square is assumed.",
             short(100.0 * scene_update.options.assumed_shape_std)
         ));
     }
     all
 }
 
-/// What was compared, where it was not modes.
+/// Footnote on the kind of residual, unless it is frequencies and shapes.
 fn residuals(scene_update: &SceneUpdate) -> Option<String> {
     let floor = short(100.0 * scene_update.options.frf_floor);
     let count = scene_update.result.frfs.map(|counts| {
@@ -120,20 +123,20 @@ fn residuals(scene_update: &SceneUpdate) -> Option<String> {
     let count = count.unwrap_or_default();
     let frfs = |what: &str| {
         format!(
-            "Residuals: {what} of the FRFs, {count}each divided by its deviation and {floor} % of its magnitude granted to the model (assumed), from where frequencies and shapes end. Chi-square is theirs. Damping is as identified, and is not updated. Errors that lines share, of damping and calibration, count as independent at each: where the {floor} % are more than the noise, std and intervals are too small; those of residuals = \"modes\" hold there."
+            "Residuals: {what} of the FRFs, {count}each divided by its standard deviation and a model error of {floor} % of its magnitude (assumed); the update starts from the fit of frequencies and shapes. Chi-square is that of the FRFs. Damping is as identified and is not updated. Errors common to all lines, of damping and calibration, are treated as independent: where the {floor} % exceed the noise, std and intervals are too small; use those of residuals = \"modes\" there."
         )
     };
     match scene_update.options.residuals {
         Residuals::Modes => None,
         Residuals::ModalDynamic => Some(
-            "Residuals: what the measured modes leave of the equations of motion, weighed by the deviations of frequency and shape.".to_owned(),
+            "Residuals: dynamic residuals of the equations of motion at the measured modes, weighted by the standard deviations of frequency and shape.".to_owned(),
         ),
         Residuals::FrfComplex => Some(frfs("real and imaginary parts")),
         Residuals::FrfLogMagnitude => Some(frfs("logarithms of the magnitudes")),
     }
 }
 
-/// What the remaining misfit says of the deviations.
+/// Reduced chi-square, and its consequence for the standard deviations.
 fn misfit(result: &UpdateResult) -> String {
     let ratio = result.reduced_chi_square();
     let figures = format!(
@@ -145,7 +148,7 @@ fn misfit(result: &UpdateResult) -> String {
         return figures + ".";
     }
     format!(
-        "{figures}: the model does not fit, and std and verdicts hold only as far as it is right; times {:.2}, the root of that, std says what the misfit leaves.",
+        "{figures}: the model does not fit, and std and verdicts hold only if the model is right; multiply std by {:.2}, the square root of that, to account for the misfit.",
         ratio.sqrt()
     )
 }
@@ -159,7 +162,8 @@ fn combinations(result: &UpdateResult) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: "What the data know of the parameters, each in its prior deviations".to_owned(),
+        caption: "Identifiable combinations of the parameters, in prior standard deviations"
+            .to_owned(),
         columns: vec![
             Column::number("singular value"),
             Column::number("std/prior"),
@@ -213,12 +217,12 @@ fn fits(scene_update: &SceneUpdate) -> Block {
     let all = before.rows.iter().chain(&after.rows);
     let shapes = all.into_iter().any(|row| row.mac.is_some());
     let macs = shapes.then(|| {
-        "MAC as the update weighs it: of the real parts, as an undamped model has no others, each component over its deviation. A \
-         comparison counts the complex shapes, all components alike."
+        "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A \
+         comparison uses the complex shapes, all components with equal weight."
             .to_owned()
     });
     Block::Table(Table {
-        caption: "The modes that counted".to_owned(),
+        caption: "Modes used in the update".to_owned(),
         columns,
         rows: before.rows.iter().zip(&after.rows).map(row).collect(),
         footnotes: [summary("Before", before), summary("After", after)]
@@ -262,7 +266,7 @@ fn convergence(result: &UpdateResult) -> String {
         });
     }
     for (label, hz) in &result.left_out {
-        text += &format!(" {label} ({hz:.2} Hz) has no partner and did not count.");
+        text += &format!(" {label} ({hz:.2} Hz) is unpaired and was not used.");
     }
     text
 }
@@ -281,7 +285,7 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
     } else {
         "no set brings the residual to its uncertainty; this one has the smallest BIC"
     };
-    let foretold = explanation.foretold.iter().map(|f| {
+    let predictions = explanation.foretold.iter().map(|f| {
         vec![
             Cell::text(&f.label),
             Cell::signed(Some(f.before_percent), 3),
@@ -301,15 +305,16 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
         ),
         Block::Text(format!("Proposed: {proposed} ({verdict}).")),
         Block::Table(Table {
-            caption: "Each mode left out, and foretold by the proposed set from all others"
-                .to_owned(),
+            caption:
+                "Leave-one-out check: each mode predicted with the proposed set from all others"
+                    .to_owned(),
             columns: vec![
                 Column::text("mode"),
                 Column::number("before (%)"),
-                Column::number("foretold (%)"),
+                Column::number("predicted (%)"),
                 Column::text("verdict"),
             ],
-            rows: foretold.collect(),
+            rows: predictions.collect(),
             footnotes: Vec::new(),
         }),
     ]
@@ -350,7 +355,7 @@ fn changes(caption: &str, rows: Vec<Vec<Cell>>) -> Block {
     })
 }
 
-/// Without digits that mean nothing.
+/// The value without round-off in its last digits.
 fn short(value: f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9)
 }

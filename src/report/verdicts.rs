@@ -1,4 +1,4 @@
-//! The table of `check`: what was held against which limit, row by row.
+//! The table of `check` compares results with their limits, row by row.
 
 use crate::scene::{LimitCheck, RowVerdict};
 

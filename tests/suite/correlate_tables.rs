@@ -112,7 +112,10 @@ fn a_missed_mode_of_unknown_observability_is_reported_as_such() {
     write(folder.path(), &[("modes.json", &first.to_string())]);
     let arguments = ["correlate", "--test", &modes, "--theory", &model];
     let printed = succeed(arguments);
-    assert!(printed.contains("missed, not judged"), "{printed}");
+    assert!(
+        printed.contains("unmatched, observability unknown"),
+        "{printed}"
+    );
     let table: Value =
         serde_json::from_str(&succeed(arguments.into_iter().chain(["--json"]))).unwrap();
     let rows = table["rows"].as_array().unwrap();

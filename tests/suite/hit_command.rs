@@ -82,7 +82,7 @@ fn a_double_hit_is_listed_with_its_numbers_left_out_and_taken_back_by_name() {
             .all(|hit| rules(hit) >= 15)
     );
     let table = succeed(["frf", input]);
-    assert!(table.contains("left out  double-hit 0.4"), "{table}");
+    assert!(table.contains("rejected  double-hit 0.4"), "{table}");
     let stated = summary(&["--json", "frf", input, "--accept", "3", "--reject", "1,2"]);
     assert_eq!(used(&stated), [false, false, true, true, true]);
     assert_eq!(stated["hits"][0]["decided_by"], "user");

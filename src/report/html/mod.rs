@@ -185,11 +185,30 @@ fn verdict_class(text: &str) -> Option<&'static str> {
     Some(match text {
         "paired" | "已配对" | "identified" | "可识别" | "used" | "used (stated)" | "reproduced"
         | "met" | "yes" | "采用" | "采用(指定)" | "已复现" | "满足" => "good",
-        "ambiguous" | "不明确" | "at bound" | "位于边界" | "missed-expected" | "漏检(预期)"
-        | "not checkable" | "无法核对" => "fair",
-        "MISSED" | "NOT reproduced" | "missed-unexpected" | "漏检(非预期)" | "extra" | "多余"
-        | "left out" | "left out (stated)" | "missed" | "not reproduced" | "missed, not judged"
-        | "漏检(未判定)" | "剔除" | "剔除(指定)" | "未复现" | "未满足" => "bad",
+        "ambiguous"
+        | "不明确"
+        | "at bound"
+        | "位于边界"
+        | "unmatched, near a paired mode"
+        | "漏检(预期)"
+        | "not checkable"
+        | "无法核对" => "fair",
+        "MISSED"
+        | "NOT reproduced"
+        | "unmatched model mode, should have been seen"
+        | "漏检(非预期)"
+        | "unmatched test mode"
+        | "多余"
+        | "rejected"
+        | "rejected (stated)"
+        | "missed"
+        | "not reproduced"
+        | "unmatched, observability unknown"
+        | "漏检(未判定)"
+        | "剔除"
+        | "剔除(指定)"
+        | "未复现"
+        | "未满足" => "bad",
         "not-observable"
         | "不可观测"
         | "outside-band"
