@@ -1,4 +1,5 @@
-//! Axes: from values to places, ticks at 1, 2 and 5 or at powers of ten, frames.
+//! An axis converts values to positions on the page, and has ticks at steps of 1, 2 and 5 or at
+//! powers of ten.
 
 use super::canvas::{Anchor, Canvas, FAINT, GRID, INK};
 
@@ -10,11 +11,11 @@ pub(super) struct Axis {
     log: bool,
     from: f64,
     to: f64,
-    /// Distance of ticks; round ones of its choice without it.
+    /// Distance of ticks; `None` selects a round number.
     step: Option<f64>,
 }
 
-/// A tick with its label, which is empty for one between.
+/// A tick with its label, which is empty for a minor tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
     pub at: f64,
@@ -22,7 +23,7 @@ pub(super) struct Tick {
 }
 
 impl Axis {
-    /// A linear axis over values, between two places, px.
+    /// A linear axis over values, between two positions, px.
     pub fn linear((lo, hi): (f64, f64), (from, to): (f64, f64)) -> Self {
         let (lo, hi) = if hi > lo {
             (lo, hi)
@@ -39,7 +40,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic one; values must be positive.
+    /// A logarithmic axis; values must be positive.
     pub fn log((lo, hi): (f64, f64), (from, to): (f64, f64)) -> Self {
         let (lo, hi) = if hi > lo && lo > 0.0 {
             (lo, hi)
@@ -64,7 +65,7 @@ impl Axis {
         }
     }
 
-    /// The place of a value.
+    /// Position of a value on the page, px.
     pub fn place(&self, value: f64) -> f64 {
         let share = match self.log {
             true => (value / self.lo).ln() / (self.hi / self.lo).ln(),
@@ -73,7 +74,7 @@ impl Axis {
         self.from + share * (self.to - self.from)
     }
 
-    /// The place of a value that the axis can show; a logarithmic one has none for 0 and below.
+    /// Position of a value that the axis can show; `None` for 0 and below on a logarithmic axis.
     pub fn shown(&self, value: f64) -> Option<f64> {
         (value.is_finite() && (!self.log || value > 0.0)).then(|| self.place(value))
     }
@@ -96,7 +97,7 @@ impl Axis {
         }
     }
 
-    /// Ticks and label, with a common power of ten beside the unit.
+    /// Ticks and label, with a common power of ten before the unit.
     fn labelled_ticks(&self, count: f64, label: &str) -> (Vec<Tick>, String) {
         let power = self.common_power();
         if power == 0 {
@@ -170,15 +171,15 @@ fn number(value: f64, step: f64) -> String {
     } else {
         value
     };
-    let place = (step.log10() + 1e-9).floor();
+    let last_digit = (step.log10() + 1e-9).floor();
     if value.abs().max(step) >= 1e5 || step < 1e-4 {
         if value == 0.0 {
             return "0".to_owned();
         }
-        let digits = ((value.abs().log10() + 1e-9).floor() - place).max(0.0) as usize;
+        let digits = ((value.abs().log10() + 1e-9).floor() - last_digit).max(0.0) as usize;
         return format!("{value:.digits$e}");
     }
-    let decimals = (-place).max(0.0) as usize;
+    let decimals = (-last_digit).max(0.0) as usize;
     format!("{value:.decimals$}")
 }
 
@@ -198,8 +199,8 @@ fn power_of_ten(n: i32) -> String {
     )
 }
 
-/// A frame with grid, ticks and labels around a plot of two axes; an empty label is of an axis
-/// whose numbers stand elsewhere.
+/// A frame with grid, ticks and labels around a plot of two axes; an axis with an empty label has
+/// no numbers.
 pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
     let (ticks, x_title) = x.labelled_ticks((right - left) / 80.0, x_label);
@@ -222,7 +223,7 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
         if x_label.is_empty() { "" } else { &x_title },
         (Anchor::Middle, INK),
     );
-    canvas.turned(
+    canvas.rotated_text(
         [left - 48.0, 0.5 * (top + bottom)],
         &y_title,
         (Anchor::Middle, INK),
@@ -249,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_round_and_inside() {
+    fn ticks_are_round_numbers_inside_the_axis() {
         let axis = Axis::linear((-0.31, 1.04), (0.0, 100.0));
         assert_eq!(labels(&axis, 5.0), ["0.0", "0.5", "1.0"]);
         let axis = Axis::linear((60.0, 3200.0), (0.0, 100.0));
@@ -284,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn places_run_from_end_to_end() {
+    fn positions_run_from_end_to_end() {
         let axis = Axis::log((1.0, 100.0), (200.0, 0.0));
         for (value, place) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0)] {
             assert!((axis.place(value) - place).abs() < 1e-9);

@@ -1,4 +1,5 @@
-//! Magnitude, phase and coherence of one function over each other, with the curve of the modes.
+//! The Bode plot shows magnitude, phase and coherence of an FRF, with the FRF synthesized from the
+//! modes.
 
 use crate::scene::{Curve, FrfFigure, TestFigures};
 
@@ -7,8 +8,8 @@ use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
 
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 700.0;
-/// Phases further apart than this are a wrap, degrees.
-const WRAP: f64 = 180.0;
+/// Minimum phase difference between lines that counts as a wrap, degrees.
+const MIN_PHASE_WRAP_DEG: f64 = 180.0;
 
 pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String {
     let coherent = !curve.coherence.is_empty();
@@ -117,7 +118,7 @@ fn draw(
     for (hz, value) in hz.iter().zip(values) {
         let jump = value
             .zip(before)
-            .is_some_and(|(value, before)| (value - before).abs() > WRAP);
+            .is_some_and(|(value, before)| (value - before).abs() > MIN_PHASE_WRAP_DEG);
         if wraps && jump {
             points.push(None);
         }

@@ -20,7 +20,7 @@ const WIDTH: f64 = 740.0;
 /// Distance of marks along a contour, px.
 const MARK_SPACING_PX: f64 = 70.0;
 /// Darkness where every method fails.
-const DARKEST: f64 = 72.0;
+const MAX_DARKENING: f64 = 72.0;
 
 /// A slice with the failure boundary of each method: beyond it the method meets the stated error
 /// in fewer than 95 % of the draws.
@@ -102,7 +102,7 @@ fn shades(canvas: &mut Canvas, fields: &[Field]) {
 }
 
 fn shade(failing: usize, methods: usize) -> String {
-    let level = 255.0 - DARKEST * failing as f64 / methods as f64;
+    let level = 255.0 - MAX_DARKENING * failing as f64 / methods as f64;
     let level = level.round() as u8;
     format!("#{level:02x}{level:02x}{level:02x}")
 }
@@ -155,7 +155,9 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     let around = |at: &[f64; 2]| [at[0] - 4.0, at[1] - 4.0, at[0] + 4.0, at[1] + 4.0];
     let mut taken: Vec<[f64; 4]> = groups.iter().map(|(at, _)| around(at)).collect();
     for (at, all) in groups.iter().take(MAX_LABELS) {
-        let Some(text) = listed(all) else { continue };
+        let Some(text) = group_label(all) else {
+            continue;
+        };
         let width = 5.6 * text.chars().count() as f64;
         let area = |corner: &[f64; 2]| {
             [
@@ -193,7 +195,7 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
 
 /// `mode 4`, `modes 1, 2`, `modes 1 to 6`; under the name of the test where there are several.
 /// `None` for modes of several tests.
-fn listed(all: &[&UserModePosition]) -> Option<String> {
+fn group_label(all: &[&UserModePosition]) -> Option<String> {
     let test = all[0].mode.test.as_str();
     if all.iter().any(|point| point.mode.test != test) {
         return None;
@@ -253,11 +255,11 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
     canvas.text([x + 48.0, y], "user modes", (Anchor::Start, INK));
 }
 
-const HALF: f64 = 300.0;
+const PANEL_HEIGHT_PX: f64 = 300.0;
 
 /// Condition number, and error of the poles in f64 and f32, over the order.
 pub fn stability_svg(stability: &Stability) -> String {
-    let mut canvas = Canvas::new(WIDTH, 2.0 * HALF + 60.0);
+    let mut canvas = Canvas::new(WIDTH, 2.0 * PANEL_HEIGHT_PX + 60.0);
     let orders = stability.courses.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
@@ -267,12 +269,12 @@ pub fn stability_svg(stability: &Stability) -> String {
         ((0.0, 18.0), 0.0, "Digits lost (log10 of the condition)"),
         (
             (-16.0, 2.0),
-            HALF,
+            PANEL_HEIGHT_PX,
             "Error of poles (log10, half-power widths)",
         ),
     ];
     for (range, shift, label) in panels {
-        let (bottom, top) = (TOP + HALF - 50.0 + shift, TOP + shift);
+        let (bottom, top) = (TOP + PANEL_HEIGHT_PX - 50.0 + shift, TOP + shift);
         let y = Axis::linear(range, (bottom, top)).stepped(2.0);
         frame(&mut canvas, (&x, &y), ("Order", label));
         canvas.clip([LEFT, top], [RIGHT, bottom]);
@@ -321,7 +323,7 @@ fn stability_legend(canvas: &mut Canvas, stability: &Stability) {
     }
     let kinds = ["all in f64", "data in f32", "data and equations in f32"];
     for (index, (text, (_, dash))) in kinds.iter().zip(&ERRORS).enumerate() {
-        let y = TOP + HALF + 12.0 + 24.0 * index as f64;
+        let y = TOP + PANEL_HEIGHT_PX + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, (INK, 1.6, dash));
         canvas.text([x + 48.0, y], text, (Anchor::Start, INK));

@@ -1,17 +1,17 @@
-//! SVG text, piece by piece.
+//! The canvas writes the elements of an SVG figure.
 
 use std::fmt::Write;
 
-/// Colours that people who confuse red and green tell apart (Okabe and Ito 2008, Color universal
-/// design).
+/// Colours that remain distinct with a red-green colour vision deficiency (Okabe and Ito 2008,
+/// Color universal design).
 pub(super) const COLORS: [&str; 8] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000",
 ];
 /// Text and frames.
 pub(super) const INK: &str = "#1b1b1b";
-/// Grids and what stands behind.
+/// Grids and backgrounds.
 pub(super) const GRID: &str = "#e2e2e2";
-/// Between both.
+/// Secondary lines and notes.
 pub(super) const FAINT: &str = "#8a8a8a";
 
 /// Size of letters, px.
@@ -45,7 +45,7 @@ pub(super) fn legend_rows(left: f64, width: f64, names: &[(&str, &str)]) -> usiz
     rows
 }
 
-/// Where a text stands against its place.
+/// Alignment of a text relative to its position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -141,11 +141,11 @@ impl Canvas {
 
     /// A text.
     pub fn text(&mut self, at: [f64; 2], text: &str, (anchor, color): (Anchor, &str)) {
-        self.turned(at, text, (anchor, color), 0.0);
+        self.rotated_text(at, text, (anchor, color), 0.0);
     }
 
-    /// A text turned about its place, degrees.
-    pub fn turned(
+    /// A text rotated about its position, degrees.
+    pub fn rotated_text(
         &mut self,
         [x, y]: [f64; 2],
         text: &str,
@@ -172,7 +172,7 @@ impl Canvas {
         );
     }
 
-    /// What is drawn from here on is cut off outside two corners, until [`Canvas::unclip`].
+    /// Clips further drawing to a rectangle, until [`Canvas::unclip`].
     pub fn clip(&mut self, a: [f64; 2], b: [f64; 2]) {
         self.clips += 1;
         let id = self.clips;

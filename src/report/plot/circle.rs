@@ -1,4 +1,4 @@
-//! The circle of a mode in the complex plane, and its damping surface as a map.
+//! The circle-fit figure shows the Nyquist circle of a mode and its damping surface.
 
 use crate::scene::CircleFigure;
 
@@ -54,7 +54,7 @@ fn plane(canvas: &mut Canvas, figure: &CircleFigure) {
     canvas.legend(
         [75.0, 430.0],
         &[
-            ("data without the other modes", COLORS[0]),
+            ("data with the other modes subtracted", COLORS[0]),
             ("circle", COLORS[1]),
             ("resonance", COLORS[2]),
         ],
@@ -66,8 +66,8 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
     let (Some(below), Some(above)) = (ends(&figure.below_hz), ends(&figure.above_hz)) else {
         return;
     };
-    let known = figure.damping.iter().flatten().flatten().copied();
-    let Some((least, most)) = range(known) else {
+    let values = figure.damping.iter().flatten().flatten().copied();
+    let Some((lowest, highest)) = range(values) else {
         return;
     };
     let steps = [figure.below_hz.len(), figure.above_hz.len()].map(|count| SIDE / count as f64);
@@ -75,8 +75,8 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
     for (i, row) in figure.damping.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let Some(value) = value else { continue };
-            let share = if most > least {
-                (value - least) / (most - least)
+            let share = if highest > lowest {
+                (value - lowest) / (highest - lowest)
             } else {
                 0.5
             };
@@ -108,7 +108,7 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
         labels.0,
         (Anchor::Middle, INK),
     );
-    canvas.turned(
+    canvas.rotated_text(
         [left - 52.0, top + 0.5 * SIDE],
         labels.1,
         (Anchor::Middle, INK),
@@ -116,8 +116,8 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
     );
     let caption = format!(
         "Damping ratio of each pair of lines: {:.4} % (light) to {:.4} % (dark)",
-        100.0 * least,
-        100.0 * most
+        100.0 * lowest,
+        100.0 * highest
     );
     canvas.text([left, 430.0], &caption, (Anchor::Start, INK));
 }

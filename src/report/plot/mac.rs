@@ -1,4 +1,4 @@
-//! The MAC as a labelled heat map.
+//! The MAC figure is a labelled heat map.
 
 use crate::scene::MacFigure;
 
@@ -14,14 +14,14 @@ const SCALE: [[f64; 3]; 5] = [
 ];
 
 /// A cell without a value.
-const UNKNOWN: &str = "#f2f2f2";
+const MISSING_FILL: &str = "#f2f2f2";
 
-/// The colour of a share, 0 to 1.
+/// The colour of a value from 0 to 1.
 pub(super) fn heat(share: f64) -> String {
-    let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
-    let low = (place.floor() as usize).min(SCALE.len() - 2);
+    let position = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    let low = (position.floor() as usize).min(SCALE.len() - 2);
     let mixed = [0, 1, 2]
-        .map(|k| SCALE[low][k] + (place - low as f64) * (SCALE[low + 1][k] - SCALE[low][k]));
+        .map(|k| SCALE[low][k] + (position - low as f64) * (SCALE[low + 1][k] - SCALE[low][k]));
     let [red, green, blue] = mixed.map(|part| part.round() as u8);
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
@@ -44,7 +44,7 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
         for (j, value) in row.iter().enumerate() {
             let a = [left + j as f64 * wide, top + i as f64 * high];
             let b = [a[0] + wide, a[1] + high];
-            let fill = value.map_or_else(|| UNKNOWN.to_owned(), heat);
+            let fill = value.map_or_else(|| MISSING_FILL.to_owned(), heat);
             canvas.rect(a, b, (&fill, GRID));
             if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
                 let ink = if value > 0.55 { "#ffffff" } else { INK };
@@ -67,14 +67,14 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
     }
     for (j, hz) in figure.theory_hz.iter().enumerate() {
         let at = [left + (j as f64 + 0.5) * wide + 4.0, bottom + 10.0];
-        canvas.turned(at, &format!("{hz:.1}"), (Anchor::End, INK), -60.0);
+        canvas.rotated_text(at, &format!("{hz:.1}"), (Anchor::End, INK), -60.0);
     }
     canvas.text(
         [0.5 * (left + right), bottom + 76.0],
         "Theory (Hz)",
         (Anchor::Middle, INK),
     );
-    canvas.turned(
+    canvas.rotated_text(
         [18.0, 0.5 * (top + bottom)],
         "Test (Hz)",
         (Anchor::Middle, INK),
@@ -85,12 +85,16 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
     canvas.finish()
 }
 
-/// What the frames are, and cells without a value.
+/// Legend of the frames and of cells without a value.
 fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
     let some_missing = figure.mac.iter().flatten().any(Option::is_none);
     let names = [
         (!figure.pairs.is_empty(), "pair", ("none", COLORS[1])),
-        (some_missing, "no common degree of freedom", (UNKNOWN, GRID)),
+        (
+            some_missing,
+            "no common degree of freedom",
+            (MISSING_FILL, GRID),
+        ),
     ];
     for (_, name, style) in names.into_iter().filter(|(wanted, ..)| *wanted) {
         canvas.rect([x, y - 10.0], [x + 16.0, y + 1.0], style);

@@ -1,8 +1,8 @@
-//! Marks and dashes that tell courses apart without colour.
+//! Marks and dashes distinguish curves without colour.
 
 use super::canvas::Canvas;
 
-/// One for each course, in turn.
+/// Dashes of the curves, in turn.
 pub(super) const DASHES: [&str; 7] = [
     "",
     "8 3",
@@ -14,17 +14,17 @@ pub(super) const DASHES: [&str; 7] = [
 ];
 
 /// Half the size of a mark, px.
-const SIZE: f64 = 3.6;
+const HALF_MARK_PX: f64 = 3.6;
 
-/// The mark of a course: circle, square, triangle, diamond, cross, plus, triangle upside down, in
+/// The mark of a curve: circle, square, triangle, diamond, cross, plus, triangle upside down, in
 /// turn.
-pub(super) fn mark(canvas: &mut Canvas, [x, y]: [f64; 2], (course, color): (usize, &str)) {
-    let s = SIZE;
+pub(super) fn mark(canvas: &mut Canvas, [x, y]: [f64; 2], (curve, color): (usize, &str)) {
+    let s = HALF_MARK_PX;
     let mut draw = |points: &[[f64; 2]]| {
         let points: Vec<_> = points.iter().map(|[u, v]| Some([x + u, y + v])).collect();
         canvas.curve("mark", &points, (color, 1.5, ""));
     };
-    match course % 7 {
+    match curve % 7 {
         0 => canvas.dot([x, y], s, ("#ffffff", color)),
         1 => canvas.rect([x - s, y - s], [x + s, y + s], ("#ffffff", color)),
         2 => draw(&[[-s, s], [s, s], [0.0, -s], [-s, s]]),

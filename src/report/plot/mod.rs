@@ -39,7 +39,7 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     let energies = bars::energies(&figures.energies);
     all.extend(energies.map(|text| ("energies".to_owned(), text)));
     for test in &figures.tests {
-        all.extend(of_test(test));
+        all.extend(figures_of_test(test));
     }
     let mut named: Vec<(String, String)> = Vec::with_capacity(all.len());
     for (name, text) in all {
@@ -62,7 +62,7 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
 /// The font of the PNG has Latin, Greek, Cyrillic and Hebrew letters; a name in others has boxes
 /// there ([`png_lacks_letters`]). The words of the figures themselves are English.
 pub fn figure_files(mut figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
-    number_the_same(&mut figures);
+    number_repeated_names(&mut figures);
     let drawn = if png { pngs(&figures) } else { Vec::new() };
     let svgs = figures
         .into_iter()
@@ -93,7 +93,7 @@ pub fn png_lacks_letters(_svg: &str) -> bool {
 
 /// Appends -2, -3 and so on to repeated names: two tests may differ only in letters that file names
 /// cannot have.
-fn number_the_same(figures: &mut [(String, String)]) {
+fn number_repeated_names(figures: &mut [(String, String)]) {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for (name, _) in figures {
         let count = seen.entry(name.clone()).or_default();
@@ -112,7 +112,7 @@ fn title(test: &TestFigures) -> String {
     }
 }
 
-fn of_test(test: &TestFigures) -> Vec<(String, String)> {
+fn figures_of_test(test: &TestFigures) -> Vec<(String, String)> {
     let stem = file_name(&test.name);
     let mut all = Vec::new();
     if let Some(set) = &test.frfs {

@@ -1,5 +1,5 @@
-//! The order selection figure shows, over the number of modes, the prediction of held-out lines, the
-//! reduced chi-square, and BIC.
+//! The order selection figure shows, over the number of modes, the prediction of held-out lines,
+//! the reduced chi-square, and BIC.
 
 use crate::identify::{OrderSelection, OrderStep};
 use crate::study::{SceneNeeds, TestNeeds};
@@ -15,7 +15,7 @@ const SIZE: [f64; 2] = [815.0, 400.0];
 const TOP: f64 = 48.0;
 const BOTTOM: f64 = 300.0;
 /// Distance of the marks of two curves at one number of modes, so that neither hides the other.
-const MARK_OFFSET_ROOTS: f64 = 0.3;
+const MARK_OFFSET_MODES: f64 = 0.3;
 
 /// A figure for each test.
 pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
@@ -27,7 +27,7 @@ pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
 }
 
 /// A curve over the number of modes.
-struct Course<'a> {
+struct Curve<'a> {
     name: &'static str,
     value: &'a dyn Fn(&OrderStep) -> Option<f64>,
     least: Option<usize>,
@@ -35,24 +35,24 @@ struct Course<'a> {
 
 fn figure(test: &TestNeeds) -> Option<String> {
     let support = &test.support;
-    let least = support.tried.get(support.by_bic())?.bic;
-    let bic = |tried: &OrderStep| Some(tried.bic - least + 1.0);
+    let min_bic = support.tried.get(support.by_bic())?.bic;
+    let bic = |tried: &OrderStep| Some(tried.bic - min_bic + 1.0);
     let residual = |tried: &OrderStep| Some(tried.rest);
     let prediction = |tried: &OrderStep| tried.predicted.map(|score| score.mean);
-    let courses = [
+    let curves = [
         vec![
-            Course {
+            Curve {
                 name: "held-out lines",
                 value: &prediction,
                 least: support.by_prediction(),
             },
-            Course {
+            Curve {
                 name: "reduced chi-square of all lines",
                 value: &residual,
                 least: Some(support.by_residual()),
             },
         ],
-        vec![Course {
+        vec![Curve {
             name: "BIC",
             value: &bic,
             least: Some(support.by_bic()),
@@ -67,18 +67,18 @@ fn figure(test: &TestNeeds) -> Option<String> {
     );
     canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
     let mut number = 0;
-    for ((courses, label), left) in courses.iter().zip(labels).zip(LEFT) {
-        panel(&mut canvas, (support, left, label), (courses, number))?;
-        number += courses.len();
+    for ((curves, label), left) in curves.iter().zip(labels).zip(LEFT) {
+        panel(&mut canvas, (support, left, label), (curves, number))?;
+        number += curves.len();
     }
     let mut x = LEFT[0];
-    for (number, course) in courses.iter().flatten().enumerate() {
+    for (number, curve) in curves.iter().flatten().enumerate() {
         mark(
             &mut canvas,
             [x + 6.0, BOTTOM + 56.0],
             (number, COLORS[number]),
         );
-        canvas.text([x + 16.0, BOTTOM + 60.0], course.name, (Anchor::Start, INK));
+        canvas.text([x + 16.0, BOTTOM + 60.0], curve.name, (Anchor::Start, INK));
         x += 200.0;
     }
     let note = "Dashed: last identified mode; beyond it, further stable poles. A dot in a mark: the supported number of modes.";
@@ -89,33 +89,33 @@ fn figure(test: &TestNeeds) -> Option<String> {
 fn panel(
     canvas: &mut Canvas,
     (support, left, label): (&OrderSelection, f64, &str),
-    (courses, first): (&[Course], usize),
+    (curves, first): (&[Curve], usize),
 ) -> Option<()> {
     let last = support.tried.len() - 1;
     let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH));
     let x = x.stepped((last as f64 / 12.0).ceil().max(1.0));
-    let all = courses
+    let all = curves
         .iter()
-        .flat_map(|course| support.tried.iter().filter_map(course.value));
+        .flat_map(|curve| support.tried.iter().filter_map(curve.value));
     let (lo, hi) = range(all.filter(|value| *value > 0.0))?;
     let y = Axis::log((0.7 * lo, 1.5 * hi), (BOTTOM, TOP));
     frame(canvas, (&x, &y), ("Modes", label));
     let at = x.place(support.identified as f64 + 0.5);
     let ends = [Some([at, TOP]), Some([at, BOTTOM])];
     canvas.curve("identified", &ends, (INK, 1.0, "7 4"));
-    for (number, course) in courses.iter().enumerate() {
+    for (number, curve) in curves.iter().enumerate() {
         let color = COLORS[first + number];
-        let offset = MARK_OFFSET_ROOTS * (number as f64 - 0.5 * (courses.len() - 1) as f64);
+        let offset = MARK_OFFSET_MODES * (number as f64 - 0.5 * (curves.len() - 1) as f64);
         let place = |(roots, tried): (usize, &OrderStep)| {
             let at = x.place(roots as f64 + offset);
-            Some([at, y.shown((course.value)(tried)?)?])
+            Some([at, y.shown((curve.value)(tried)?)?])
         };
         let points: Vec<Option<[f64; 2]>> = support.tried.iter().enumerate().map(place).collect();
         canvas.curve("course", &points, (color, 1.1, ""));
         for (roots, at) in points.into_iter().enumerate() {
             if let Some(at) = at {
                 mark(canvas, at, (first + number, color));
-                if Some(roots) == course.least {
+                if Some(roots) == curve.least {
                     canvas.dot(at, 1.8, (color, "none"));
                 }
             }

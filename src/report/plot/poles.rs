@@ -78,8 +78,8 @@ fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
     let Some((lo, hi)) = range(all) else { return };
     let lo = lo.max(MIN_SHOWN_OVER_PEAK * hi);
     let y = Axis::log((lo, 1.3 * hi), (BOTTOM, TOP));
-    for course in &figure.cmif.values {
-        let points = figure.cmif.hz.iter().zip(course);
+    for curve in &figure.cmif.values {
+        let points = figure.cmif.hz.iter().zip(curve);
         let points: Vec<Option<[f64; 2]>> = points
             .map(|(hz, value)| Some([x.place(*hz), y.shown(value.max(lo))?]))
             .collect();

@@ -5,26 +5,26 @@ use crate::scene::{Partner, ShapeFigure, ShapeValues};
 
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK};
 
-const WIDE: f64 = 240.0;
-const HIGH: f64 = 170.0;
+const PANEL_WIDTH_PX: f64 = 240.0;
+const PANEL_HEIGHT_PX: f64 = 170.0;
 /// Height of a title, px.
-const TITLE: f64 = 10.0;
+const TITLE_HEIGHT_PX: f64 = 10.0;
 const COLUMNS: usize = 3;
-/// Largest displacement as a part of the half size of the structure.
-const AMPLITUDE: f64 = 0.35;
+/// Maximum deflection relative to the half size of the structure.
+const MAX_DEFLECTION_OVER_HALF_SIZE: f64 = 0.35;
 
 /// Projection of points on the page.
 struct View {
     center: [f64; 3],
     size: f64,
-    /// From above, for a plane that moves in itself; else from the front, turned and tilted.
+    /// View from above, for in-plane motion of a flat structure; otherwise an oblique view.
     above: bool,
     /// Pixels for the half size.
     unit: f64,
 }
 
 impl View {
-    fn of(figure: &ShapeFigure) -> Self {
+    fn new(figure: &ShapeFigure) -> Self {
         let ends = |k: usize| {
             let all = figure.points.iter().map(|point| point.at_m[k]);
             super::axis::range(all).unwrap_or((0.0, 0.0))
@@ -49,15 +49,18 @@ impl View {
             let all = figure
                 .points
                 .iter()
-                .map(|point| view.turned(point.at_m)[k].abs());
-            all.fold(0.0, f64::max) + AMPLITUDE
+                .map(|point| view.projected(point.at_m)[k].abs());
+            all.fold(0.0, f64::max) + MAX_DEFLECTION_OVER_HALF_SIZE
         };
-        view.unit = f64::min(0.48 * WIDE / extent(0), (0.48 * HIGH - TITLE) / extent(1));
+        view.unit = f64::min(
+            0.48 * PANEL_WIDTH_PX / extent(0),
+            (0.48 * PANEL_HEIGHT_PX - TITLE_HEIGHT_PX) / extent(1),
+        );
         view
     }
 
-    /// To the right and up, in parts of the half size.
-    fn turned(&self, at: [f64; 3]) -> [f64; 2] {
+    /// Coordinates to the right and up, relative to the half size.
+    fn projected(&self, at: [f64; 3]) -> [f64; 2] {
         let [x, y, z] = [0, 1, 2].map(|k| (at[k] - self.center[k]) / self.size);
         match self.above {
             true => [x, y],
@@ -66,20 +69,26 @@ impl View {
     }
 
     fn place(&self, at: [f64; 3], [left, top]: [f64; 2]) -> [f64; 2] {
-        let [right, up] = self.turned(at);
+        let [right, up] = self.projected(at);
         [
-            left + 0.5 * WIDE + self.unit * right,
-            top + 0.5 * HIGH + TITLE - self.unit * up,
+            left + 0.5 * PANEL_WIDTH_PX + self.unit * right,
+            top + 0.5 * PANEL_HEIGHT_PX + TITLE_HEIGHT_PX - self.unit * up,
         ]
     }
 }
 
 pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
-    let view = View::of(figure);
+    let view = View::new(figure);
     let rows = figure.test.len().div_ceil(COLUMNS);
-    let mut canvas = Canvas::new(WIDE * COLUMNS as f64, HIGH * rows as f64 + 34.0);
+    let mut canvas = Canvas::new(
+        PANEL_WIDTH_PX * COLUMNS as f64,
+        PANEL_HEIGHT_PX * rows as f64 + 34.0,
+    );
     for (k, shape) in figure.test.iter().enumerate() {
-        let corner = [(k % COLUMNS) as f64 * WIDE, (k / COLUMNS) as f64 * HIGH];
+        let corner = [
+            (k % COLUMNS) as f64 * PANEL_WIDTH_PX,
+            (k / COLUMNS) as f64 * PANEL_HEIGHT_PX,
+        ];
         let partner = figure.partners.get(k).and_then(Option::as_ref);
         panel(&mut canvas, figure, (&view, corner), (k, shape, partner));
     }
@@ -88,7 +97,7 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
         ("theory", COLORS[1]),
         ("undeformed", FAINT),
     ];
-    canvas.legend([14.0, HIGH * rows as f64 + 22.0], &names);
+    canvas.legend([14.0, PANEL_HEIGHT_PX * rows as f64 + 22.0], &names);
     canvas.finish()
 }
 
@@ -107,8 +116,8 @@ fn panel(
         &title,
         (Anchor::Start, INK),
     );
-    let test = at_its_largest(&complex(shape));
-    let theory = partner.and_then(|partner| sum(figure, partner));
+    let test = at_maximum_deflection(&complex(shape));
+    let theory = partner.and_then(|partner| partner_shape(figure, partner));
     // Both at the phase at which the test's shape is largest.
     let phase = test.1;
     let theory = theory.map(|values| at_phase(&values, phase));
@@ -118,7 +127,7 @@ fn panel(
         .map(|d| d.iter().map(|x| x * x).sum::<f64>().sqrt())
         .fold(0.0, f64::max);
     let scale = if largest > 0.0 {
-        AMPLITUDE * view.size / largest
+        MAX_DEFLECTION_OVER_HALF_SIZE * view.size / largest
     } else {
         0.0
     };
@@ -159,7 +168,7 @@ fn complex(shape: &ShapeValues) -> Values {
 }
 
 /// Real values at the phase at which the largest component is largest, and that phase, rad.
-fn at_its_largest(values: &Values) -> (Vec<Option<f64>>, f64) {
+fn at_maximum_deflection(values: &Values) -> (Vec<Option<f64>>, f64) {
     let components = values.iter().flatten();
     let largest = components.max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
     let phase = largest.map_or(0.0, |[re, im]| -im.atan2(*re));
@@ -173,8 +182,8 @@ fn at_phase(values: &Values, phase: f64) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// The sum of the partner's modes with their factors; `None` where one is not shown.
-fn sum(figure: &ShapeFigure, partner: &Partner) -> Option<Values> {
+/// The shape of the partner: sum of its modes with their factors; `None` where one is not shown.
+fn partner_shape(figure: &ShapeFigure, partner: &Partner) -> Option<Values> {
     let mut total: Values = vec![Some([0.0; 2]); figure.readings.len()];
     for (j, re, im) in &partner.modes {
         let shape = complex(figure.theory.get(*j)?);

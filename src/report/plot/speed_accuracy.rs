@@ -21,8 +21,8 @@ pub fn speed_accuracy_figures(study: &SpeedAccuracy) -> Vec<(String, String)> {
     let of_test = |test: &TestStudy| {
         let stem = format!("speed-accuracy-{}", file_name(&test.name));
         [
-            (format!("{stem}-data"), cost(&on_data(test))),
-            (format!("{stem}-twin"), cost(&on_twin(study, test))),
+            (format!("{stem}-data"), cost(&data_chart(test))),
+            (format!("{stem}-twin"), cost(&twin_chart(study, test))),
             (format!("{stem}-bound"), over_bound(study, test)),
         ]
     };
@@ -49,7 +49,7 @@ struct Chart {
     pass_s: Option<f64>,
 }
 
-fn number_of(method: Method) -> usize {
+fn method_index(method: Method) -> usize {
     let names = Method::all(&[]).into_iter();
     names
         .map(|listed| listed.name)
@@ -61,7 +61,7 @@ fn errors(tally: &DetectionCounts) -> [Option<f64>; 2] {
     [tally.frequency(), tally.damping()]
 }
 
-fn on_data(test: &TestStudy) -> Chart {
+fn data_chart(test: &TestStudy) -> Chart {
     let finest = test
         .data
         .iter()
@@ -77,7 +77,7 @@ fn on_data(test: &TestStudy) -> Chart {
             .estimator
             .map_or(String::new(), |name| format!(" {name}"));
         Point {
-            method: number_of(row.method),
+            method: method_index(row.method),
             label: format!("{}{estimator}{shorter}", row.method),
             time_s: row.timing.median_s,
             error: errors(&row.tally),
@@ -100,13 +100,13 @@ fn on_data(test: &TestStudy) -> Chart {
     }
 }
 
-fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
+fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
     let snr_db = study.options.middle_snr_db();
     let row = |method| test.twin_row(Condition::White, snr_db, method);
     let points = test.twin_costs.iter().filter_map(|cost| {
         let tally = &row(cost.method)?.tally;
         Some(Point {
-            method: number_of(cost.method),
+            method: method_index(cost.method),
             label: cost.method.to_string(),
             time_s: cost.timing.median_s,
             error: errors(tally),
@@ -119,7 +119,7 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
         .iter()
         .filter(|row| row.condition == Condition::White);
     let bounds = bounds.filter(|row| row.snr_db.total_cmp(&snr_db).is_eq());
-    let most = |value: &dyn Fn(&DetectionCounts) -> Option<f64>| {
+    let highest = |value: &dyn Fn(&DetectionCounts) -> Option<f64>| {
         bounds
             .clone()
             .filter_map(|row| value(&row.tally))
@@ -133,8 +133,8 @@ fn on_twin(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
         points: points.collect(),
         accuracy: (
             [
-                most(&DetectionCounts::frequency_bound),
-                most(&DetectionCounts::damping_bound),
+                highest(&DetectionCounts::frequency_bound),
+                highest(&DetectionCounts::damping_bound),
             ],
             "Cramér-Rao bound",
         ),
@@ -345,9 +345,9 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                     Some((at, row.tally.mistakes() == 0))
                 });
                 let points: Vec<Option<([f64; 2], bool)>> = points.collect();
-                let course: Vec<Option<[f64; 2]>> =
+                let curve: Vec<Option<[f64; 2]>> =
                     points.iter().map(|point| Some(point.as_ref()?.0)).collect();
-                canvas.curve("method", &course, (color(number), 1.1, ""));
+                canvas.curve("method", &curve, (color(number), 1.1, ""));
                 for (at, right) in points.into_iter().flatten() {
                     marker(&mut canvas, at, (number, right));
                 }

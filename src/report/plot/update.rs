@@ -1,5 +1,5 @@
-//! What updating came to: the objective by iteration, parameters before and after with their
-//! deviations, errors before and after.
+//! The update figures show the objective by iteration, and parameters with their standard
+//! deviations and frequency errors before and after.
 
 use super::super::json::{UpdateFile, UpdatedParameterFile};
 use crate::update::Verdict;
@@ -10,10 +10,9 @@ use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
 const LEFT: f64 = 75.0;
 const RIGHT: f64 = 720.0;
 /// Height of the row of a parameter, px.
-const ROW: f64 = 26.0;
+const ROW_HEIGHT_PX: f64 = 26.0;
 
-/// The figures of an update with their names; `synthetic`: one of its tests was computed from a
-/// model.
+/// The figures of an update with their names; `synthetic`: one of its tests is synthetic.
 pub fn update_figures_svg(file: &UpdateFile, synthetic: bool) -> Vec<(String, String)> {
     let mark = if synthetic { " (synthetic test)" } else { "" };
     let drawn = [
@@ -27,8 +26,8 @@ pub fn update_figures_svg(file: &UpdateFile, synthetic: bool) -> Vec<(String, St
         .collect()
 }
 
-/// Objective and chi-square after every step, and that of the model as it stands; `None` where
-/// there is none.
+/// Objective and chi-square after every step, and chi-square of the initial model; `None` without
+/// steps.
 fn history(file: &UpdateFile, mark: &str) -> Option<String> {
     let steps = &file.history;
     if steps.is_empty() {
@@ -68,7 +67,7 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
         ("χ² of the data", COLORS[1]),
     ];
     if as_it_stands.is_some() {
-        names.push(("χ² of the model as it stands", FAINT));
+        names.push(("χ² of the initial model", FAINT));
     }
     for (k, step) in steps.iter().enumerate().filter(|(_, step)| !step.accepted) {
         if let Some(at) = y.shown(step.objective) {
@@ -82,8 +81,8 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
     Some(canvas.finish())
 }
 
-/// Change of every parameter in deviations of what was known of it, with the deviation that is
-/// left; `None` without parameters.
+/// Change of every parameter in prior standard deviations, with its posterior standard deviation;
+/// `None` without parameters.
 fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
     let rows = file.parameters.iter().filter(|row| row.prior_std > 0.0);
     let rows: Vec<&UpdatedParameterFile> = rows.collect();
@@ -98,14 +97,18 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
     }
     let named = rows.iter().map(|row| text_width(&row.name));
     let left = (named.fold(0.0, f64::max) + 24.0).clamp(LEFT, 260.0);
-    let bottom = 32.0 + ROW * rows.len() as f64;
+    let bottom = 32.0 + ROW_HEIGHT_PX * rows.len() as f64;
     let mut canvas = Canvas::new(RIGHT + 235.0, bottom + 74.0);
     let title = format!("Parameters before and after the update{mark}");
     canvas.text([left, 18.0], &title, (Anchor::Start, INK));
     let pad = 0.06 * (hi - lo);
     let x = Axis::linear((lo - pad, hi + pad), (left, RIGHT));
     for (k, row) in rows.iter().enumerate() {
-        parameter(&mut canvas, row, (&x, left, 32.0 + ROW * (k as f64 + 0.5)));
+        parameter(
+            &mut canvas,
+            row,
+            (&x, left, 32.0 + ROW_HEIGHT_PX * (k as f64 + 0.5)),
+        );
     }
     for tick in x.ticks(8.0) {
         let at = x.place(tick.at);
@@ -215,7 +218,7 @@ fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
             canvas.rect([a, y.place(0.0)], [b, y.place(error)], (color, "none"));
         }
         let at = [x.place(middle) + 4.0, 264.0];
-        canvas.turned(at, &before.label, (Anchor::End, INK), -60.0);
+        canvas.rotated_text(at, &before.label, (Anchor::End, INK), -60.0);
     }
     canvas.line([LEFT, y.place(0.0)], [RIGHT, y.place(0.0)], (INK, 1.0));
     let names = [("before", COLORS[6]), ("after", COLORS[0])];
@@ -263,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn an_update_has_its_course_its_parameters_and_its_errors() {
+    fn update_figures_show_iterations_parameters_and_errors() {
         let file: UpdateFile = serde_json::from_str(UPDATE).unwrap();
         let all = update_figures_svg(&file, true);
         let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
@@ -303,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_are_rounded_to_significant_digits() {
         for (value, digits, text) in [
             (2e6, 4, "2.000e6"),
             (0.5, 4, "0.5000"),
