@@ -1,4 +1,4 @@
-//! Models of growing detail as JSON, schema `modalign-details/1`.
+//! Writer of the comparison of models of increasing detail, schema `modalign-details/1`.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ struct DetailsFile<'a> {
 struct ModelFile<'a> {
     name: &'a str,
     coordinates: usize,
-    /// As a part of the whole model's.
+    /// Relative to that of the whole model.
     cost: f64,
 }
 
@@ -29,13 +29,13 @@ struct ModelFile<'a> {
 struct RootFile {
     frequency_hz: f64,
     multiplicity: usize,
-    /// In each of the models, as a part of the frequency; null for a model that has no such root.
+    /// Relative error in each of the models; null for a model without such a mode.
     errors: Vec<Option<f64>>,
     /// Coordinates of the simplest model within the error.
     simplest_coordinates: Option<usize>,
 }
 
-/// The text of a comparison with an error as a part, ending in a newline.
+/// The text of a comparison within a relative error, ending in a newline.
 pub fn details_to_json(comparison: &DetailComparison, within: f64) -> String {
     let whole = comparison
         .models

@@ -50,16 +50,17 @@ pub struct ComparisonFile {
     pub rows: Vec<RowFile>,
     /// Figures over all rows, one per test.
     pub summary: SummaryFile,
-    /// Measures beside the pairing, where they were asked for: an object for each test.
+    /// Correlation measures, if requested: an object for each test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measures: Option<Value>,
-    /// Sensors that read against the theory, where there are some: an object for each test.
+    /// Sign-reversed sensors, if any: an object for each test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reversed_sensors: Option<Value>,
     /// The frame that was fitted to the points of the first test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alignment: Option<Value>,
-    /// Where to hit or put a sensor next, where a scene asks for it: an object for each test.
+    /// Recommended excitation points and sensors, if a scene requests them: an object for each
+    /// test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub placements: Option<Value>,
     /// Limits that a scene states: an object for each, with `met`.
@@ -72,7 +73,7 @@ pub struct ComparisonFile {
 pub struct RowFile {
     /// `f6`.
     pub label: String,
-    /// The model's mode or cluster; `null` for an extra test mode.
+    /// The model's mode or cluster; `null` for an unmatched test mode.
     pub theory: Option<TheoryFile>,
     /// One field per test.
     pub tests: Vec<TestFile>,
@@ -123,19 +124,19 @@ pub struct TestFile {
     pub chance_level: Option<f64>,
     /// Principal angles of a cluster, degrees.
     pub angles_deg: Option<Vec<f64>>,
-    /// What became of the mode.
+    /// Verdict on the pairing of the mode.
     pub status: Status,
-    /// `false` for a missed root of which it is not known whether the test could have seen it;
-    /// absent else.
+    /// `false` for an unmatched mode of the model whose observability in the test is unknown;
+    /// absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<bool>,
     /// Why.
     pub reason: Option<String>,
 }
 
-/// Figures over all rows: of each test how many roots are `paired` (`paired_by_shape` and
-/// `paired_by_frequency` of them), `ambiguous` (`uncorrelated` of them: their MAC is below the
-/// chance level), `missed`, and the errors of those with a partner.
+/// Totals over all rows. For each test: numbers of `paired` roots (sum of `paired_by_shape` and
+/// `paired_by_frequency`), of `ambiguous` ones (including `uncorrelated` ones, with a MAC below the
+/// chance level) and of `missed` ones, and the errors of paired roots.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SummaryFile {
     /// One entry per test.
@@ -147,7 +148,7 @@ pub fn comparison_to_json(table: &ComparisonTable) -> String {
     comparison_with(table, &Additions::default())
 }
 
-/// What may stand beside the rows.
+/// Further results that the file may contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Additions<'a> {
     /// Measures of tests, by name.
@@ -156,9 +157,9 @@ pub struct Additions<'a> {
     pub reversed: &'a [(String, Vec<ReversedSensor>)],
     /// The frame that was fitted to the points of the first test.
     pub alignment: Option<&'a Alignment>,
-    /// Points that tests should have.
+    /// Recommended points of tests.
     pub placements: &'a [PlacedTest],
-    /// Limits with what was found.
+    /// Limits with the values compared.
     pub limits: &'a [LimitCheck],
 }
 
@@ -256,7 +257,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pairs_of_a_file_are_counted_by_its_rows() {
+    fn pairs_of_older_file_are_counted_from_its_rows() {
         let cell = |status: &str| {
             serde_json::json!({"test": "t", "modes": [1], "hz": 1.0, "hz_std": null, "error_percent": 0.0,
                 "damping_ratio": null, "mac": null, "angles_deg": null, "status": status, "reason": null})

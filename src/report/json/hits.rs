@@ -1,4 +1,4 @@
-//! Hits with what the rules said of them.
+//! Writer of hits with the outcomes of their checks.
 
 use serde_json::{Value, json};
 

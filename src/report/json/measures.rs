@@ -1,28 +1,30 @@
-//! `automac.json` and `frf-correlation.json`, and measures beside a comparison.
+//! Writers of `automac.json`, `frf-correlation.json`, and the correlation measures of
+//! `comparison.json`.
 
 use serde_json::{Value, json};
 
 use crate::correlate::measures::{AutoMac, FrfCorrelation, Measures, ReversedSensor};
 
-/// The schema text of modes against themselves.
+/// The schema of [`auto_macs_to_json`].
 pub const AUTO_MAC_SCHEMA: &str = "modalign-automac/1";
 
-/// The schema text of FRFs against FRFs.
+/// The schema of [`frf_correlations_to_json`].
 pub const FRF_CORRELATION_SCHEMA: &str = "modalign-frf-correlation/1";
 
-/// Modes of several tests against themselves, ending in a newline.
+/// The AutoMAC of several tests as JSON text, ending in a newline.
 pub fn auto_macs_to_json(tests: &[(String, AutoMac)]) -> String {
-    text(&json!({ "schema": AUTO_MAC_SCHEMA, "tests": named(tests) }))
+    text(&json!({ "schema": AUTO_MAC_SCHEMA, "tests": objects_by_test(tests) }))
 }
 
-/// FRFs of several tests against those of one theory, ending in a newline.
+/// Correlation of the FRFs of several tests with those of a theory as JSON text, ending in a
+/// newline.
 pub fn frf_correlations_to_json(tests: &[(String, FrfCorrelation)]) -> String {
-    text(&json!({ "schema": FRF_CORRELATION_SCHEMA, "tests": named(tests) }))
+    text(&json!({ "schema": FRF_CORRELATION_SCHEMA, "tests": objects_by_test(tests) }))
 }
 
 /// The measures of every test, as `measures` of `comparison.json` holds them.
 pub(super) fn measures_value(tests: &[(String, Measures)]) -> Value {
-    named(tests)
+    objects_by_test(tests)
 }
 
 /// The reversed sensors of the tests that have some, as `reversed_sensors` of `comparison.json`
@@ -35,7 +37,7 @@ pub(super) fn reversed_value(tests: &[(String, Vec<ReversedSensor>)]) -> Option<
 }
 
 /// An object for each test, with its name as `test`.
-fn named<T: serde::Serialize>(tests: &[(String, T)]) -> Value {
+fn objects_by_test<T: serde::Serialize>(tests: &[(String, T)]) -> Value {
     let object = |(name, measures): &(String, T)| {
         let mut value =
             serde_json::to_value(measures).expect("plain data has no key that is not text");

@@ -1,4 +1,4 @@
-//! Where to hit next, and limits, beside a comparison.
+//! Writers of the recommended test points and the limits in `comparison.json`.
 
 use serde_json::{Value, json};
 
@@ -6,12 +6,12 @@ use crate::correlate::{Placement, PlannedRoot, RankedHit, Step};
 use crate::dof::Dof;
 use crate::scene::{LimitCheck, PlacedTest};
 
-/// The points that tests should have, as `placements` of `comparison.json` holds them.
+/// The recommended points of tests, as `placements` of `comparison.json` holds them.
 pub(super) fn placements_value(placed: &[PlacedTest]) -> Option<Value> {
     (!placed.is_empty()).then(|| placed.iter().map(placed_test).collect())
 }
 
-/// Limits with what was found, as `limits` of `comparison.json` holds them.
+/// Limits with the values compared, as `limits` of `comparison.json` holds them.
 pub(super) fn limits_value(limits: &[LimitCheck]) -> Option<Value> {
     let check = |check: &LimitCheck| {
         json!({
@@ -90,7 +90,7 @@ mod tests {
     use crate::correlate::{Candidates, NotJudged};
 
     #[test]
-    fn steps_roots_and_ranking_stand_under_the_test() {
+    fn steps_roots_and_ranking_are_keys_of_the_test() {
         let dof = |text: &str| -> Dof { text.parse().unwrap() };
         let root = PlannedRoot {
             modes: vec![2, 3],
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_stands_with_its_value_and_verdict() {
+    fn limit_is_written_with_its_value_and_verdict() {
         let limit = LimitCheck {
             what: "t: smallest MAC".to_owned(),
             value: Some(0.8),

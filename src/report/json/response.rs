@@ -1,4 +1,4 @@
-//! Responses over time as JSON, schema `modalign-response/1`.
+//! Writer of time responses, schema `modalign-response/1`.
 
 use serde::Serialize;
 
@@ -36,7 +36,7 @@ struct SignalFile<'a> {
     std: f64,
     largest: f64,
     least: f64,
-    /// From the last detail, as a part of it; null where that has no such signal.
+    /// Distance from the last detail, relative to it; null where that has no such signal.
     distance_from_last: Option<f64>,
     harmonics: &'a [f64],
 }

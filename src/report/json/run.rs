@@ -1,5 +1,5 @@
-//! `report.json`, schema `modalign-report/1`: all that the HTML page of a run shows, so that it can
-//! be built again.
+//! `report.json`, schema `modalign-report/1`, holds all contents of the HTML page of a run, from
+//! which the page can be rebuilt.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct RunReport {
     pub limits: Vec<(String, bool)>,
     /// Figures.
     pub figures: Figures,
-    /// What it was made from.
+    /// Inputs and program version.
     pub provenance: Provenance,
 }
 
@@ -91,7 +91,7 @@ mod tests {
     use crate::report::{Column, Table};
 
     #[test]
-    fn a_report_is_read_as_it_was_written() {
+    fn report_is_read_as_written() {
         let number = |value| Cell::number(Some(value), 2);
         let table = Table {
             caption: "Modes".to_owned(),

@@ -1,5 +1,5 @@
-//! `speed-accuracy.json`, `breakdown.json` and `order.json`: what studies come to, for programs and
-//! for the page of a run.
+//! Writers and readers of the study results `speed-accuracy.json`, `breakdown.json` and
+//! `order.json`.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -17,16 +17,16 @@ use super::super::{
 };
 use super::Section;
 
-/// The schema text of a study of speed and accuracy.
+/// The schema of a study of speed and accuracy.
 pub const SPEED_ACCURACY_SCHEMA: &str = "modalign-speed-accuracy/1";
 
-/// The schema text of what a scene needs.
+/// The schema of a study of model orders.
 pub const ORDER_SCHEMA: &str = "modalign-order/1";
 
 /// The schema of [`BreakdownFile`].
 pub const BREAKDOWN_SCHEMA: &str = "modalign-breakdown/1";
 
-/// What a scene needs as JSON: `rows` as `order.csv`, `tables` as they are printed.
+/// A study of model orders as JSON: `rows` as `order.csv`, `tables` as they are printed.
 pub fn order_to_json(needs: &SceneNeeds) -> String {
     let mut printed = order_blocks(needs);
     printed.retain(|block| matches!(block, Block::Table(_)));
@@ -163,8 +163,8 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
     format!("{value:#}\n")
 }
 
-/// Properties of a test. Standard deviations are rms and relative; they limit the accuracy of errors
-/// against the refined solution.
+/// Properties of a test. Standard deviations are rms and relative; they limit the accuracy of
+/// errors against the refined solution.
 fn test(study: &TestStudy) -> Value {
     let inputs = study.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));
@@ -208,7 +208,7 @@ fn value(cell: &Cell) -> Value {
 pub fn speed_accuracy_from_json(text: &str, path: &str) -> Result<Value, IoError> {
     let value: Value = parsed(text, (path, SPEED_ACCURACY_EXPECTED))?;
     let schema = value["schema"].as_str().unwrap_or_default();
-    of_schema(
+    check_schema(
         schema,
         SPEED_ACCURACY_SCHEMA,
         (path, SPEED_ACCURACY_EXPECTED),
@@ -223,11 +223,11 @@ pub fn speed_accuracy_from_json(text: &str, path: &str) -> Result<Value, IoError
 pub fn order_from_json(text: &str, path: &str) -> Result<Value, IoError> {
     let value: Value = parsed(text, (path, ORDER_EXPECTED))?;
     let schema = value["schema"].as_str().unwrap_or_default();
-    of_schema(schema, ORDER_SCHEMA, (path, ORDER_EXPECTED))?;
+    check_schema(schema, ORDER_SCHEMA, (path, ORDER_EXPECTED))?;
     Ok(value)
 }
 
-/// `breakdown.json`: all cells and courses, and the modes that are shown in them; no times.
+/// `breakdown.json`: all cells, stability curves and user modes; no times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BreakdownFile {
     /// [`BREAKDOWN_SCHEMA`].
@@ -254,7 +254,7 @@ pub fn breakdown_to_json(file: &BreakdownFile) -> String {
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn breakdown_from_json(text: &str, path: &str) -> Result<BreakdownFile, IoError> {
     let file: BreakdownFile = parsed(text, (path, BREAKDOWN_EXPECTED))?;
-    of_schema(&file.schema, BREAKDOWN_SCHEMA, (path, BREAKDOWN_EXPECTED))?;
+    check_schema(&file.schema, BREAKDOWN_SCHEMA, (path, BREAKDOWN_EXPECTED))?;
     Ok(file)
 }
 
@@ -275,7 +275,7 @@ fn parsed<T: for<'a> Deserialize<'a>>(
     })
 }
 
-fn of_schema(
+fn check_schema(
     got: &str,
     wanted: &str,
     (path, expected): (&str, &'static str),

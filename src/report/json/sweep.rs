@@ -1,4 +1,4 @@
-//! Sweeps as JSON, schema `modalign-sweep/1`.
+//! Writer of parameter sweeps, schema `modalign-sweep/1`.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ struct SweepFile<'a> {
     parameter: &'a str,
     unit: &'a str,
     values: &'a [f64],
-    /// Whether loci are followed by their shapes; else they are the roots by number.
+    /// Whether loci are tracked by mode shape; otherwise they are the roots by number.
     followed: bool,
     loci: Vec<LocusFile<'a>>,
     events: Vec<EventFile>,
@@ -39,7 +39,7 @@ struct LocusFile<'a> {
 #[derive(Serialize)]
 struct EventFile {
     kind: &'static str,
-    /// Places in `loci`, from 0.
+    /// Indices in `loci`, from 0.
     loci: [usize; 2],
     place: f64,
     frequency_hz: [f64; 2],
@@ -74,7 +74,7 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
     };
     let loci = sweep.loci.iter().map(|locus| LocusFile {
         multiplicity: locus.multiplicity[0],
-        multiplicities: changing(&locus.multiplicity),
+        multiplicities: varying_values(&locus.multiplicity),
         class: locus.class.as_deref(),
         frequency_hz: frequencies(locus),
     });
@@ -88,7 +88,7 @@ fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {
     }
 }
 
-/// Numbers that are not all the same.
-fn changing(all: &[usize]) -> Option<&[usize]> {
+/// Values that are not all equal; `None` if they are.
+fn varying_values(all: &[usize]) -> Option<&[usize]> {
     all.iter().any(|number| *number != all[0]).then_some(all)
 }

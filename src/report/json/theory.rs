@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::axis::Band;
 use crate::theory::{ModelQuantity, ModelRoot, ParameterSpec, ParameterStatus, RootSensitivity};
 
-/// The parts that were asked for; roots outside the band are left out.
+/// The requested results, without roots outside the band.
 #[derive(Clone, Debug, Default)]
 pub struct TheoryPart<'a> {
     /// Parameters with their values.
@@ -20,12 +20,12 @@ pub struct TheoryPart<'a> {
     pub energies: Option<&'a [ModelRoot]>,
     /// Roots with their sensitivities.
     pub sensitivities: Option<Vec<RootSensitivity>>,
-    /// Numbers beside the roots.
+    /// Further quantities of the theory.
     pub quantities: Option<Vec<ModelQuantity>>,
 }
 
 impl TheoryPart<'_> {
-    /// Whether nothing was asked for.
+    /// Whether nothing was requested.
     pub fn is_empty(&self) -> bool {
         self.energies.is_none() && self.sensitivities.is_none() && self.quantities.is_none()
     }
@@ -89,14 +89,14 @@ struct QuantityFile<'a> {
     meaning: &'a str,
 }
 
-/// The text of a JSON object with the key `theory` at its end, ending in a newline; everything in
-/// it stays as it is.
+/// The text of a JSON object with the key `theory` appended, ending in a newline; its other keys
+/// are unchanged.
 pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
-    let part =
+    let object =
         serde_json::to_string_pretty(&file(part)).expect("plain data has no key that is not text");
     let head = json.trim_end();
     let head = head.strip_suffix('}').unwrap_or(head).trim_end();
-    let tail = part.strip_prefix('{').unwrap_or(&part);
+    let tail = object.strip_prefix('{').unwrap_or(&object);
     format!("{head},{tail}\n")
 }
 

@@ -28,13 +28,13 @@ pub struct UpdateFile {
     pub combinations: Vec<Combination>,
     /// Correlation of the posterior errors of the free parameters.
     pub correlation: Vec<Vec<f64>>,
-    /// Why the best start ended.
+    /// Stop reason of the best start.
     pub stop_reason: StopReason,
-    /// How the starts ended.
+    /// Results of the starts.
     pub starts: StartsFile,
-    /// The model as it stood.
+    /// The model before the update.
     pub before: FitFile,
-    /// The model after.
+    /// The model after the update.
     pub after: FitFile,
     /// Residuals less the combinations of parameters that they determine.
     pub degrees_of_freedom: f64,
@@ -44,14 +44,14 @@ pub struct UpdateFile {
     pub fits: bool,
     /// Measured modes without a partner at the start.
     pub left_out: Vec<LeftOutFile>,
-    /// Sensors whose values took no part, as they have the opposite sign of the model.
+    /// Sign-reversed sensors, whose values were not used.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reversed_sensors: Vec<ReversedSensors>,
     /// Measured modes whose model partner changed during the iterations.
     pub pairing_changes: Vec<PairingChange>,
     /// Every step.
     pub history: Vec<IterationFile>,
-    /// Which change explains the misfit, where it was asked for.
+    /// Changes of parameters that explain the misfit, if requested.
     pub explanation: Option<ExplanationFile>,
     /// Assumed standard deviations, in addition to those of the test.
     pub assumed: AssumedFile,
@@ -68,19 +68,19 @@ pub struct UpdatedParameterFile {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Where the model's value came from.
+    /// Source of the value in the model.
     pub status: ParameterStatus,
-    /// Where it started.
+    /// Initial value.
     pub initial: f64,
-    /// Where it ended.
+    /// Updated value.
     pub updated: f64,
-    /// Its posterior deviation.
+    /// Posterior standard deviation.
     pub std: f64,
     /// 95 % interval.
     pub interval_95: (f64, f64),
-    /// Prior deviation.
+    /// Prior standard deviation.
     pub prior_std: f64,
-    /// Posterior over prior deviation on the scale of the prior.
+    /// Posterior over prior standard deviation on the scale of the prior.
     pub posterior_over_prior: f64,
     /// Lower bound; `null` without one.
     pub lower: Option<f64>,
@@ -88,38 +88,38 @@ pub struct UpdatedParameterFile {
     pub upper: Option<f64>,
     /// Whether the data identify it.
     pub verdict: Verdict,
-    /// Whether it was held where it started.
+    /// Whether it was held at its initial value.
     pub held: bool,
 }
 
-/// How the starts ended, as [`Starts`].
+/// Results of the starts, as [`Starts`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartsFile {
-    /// How many there were.
+    /// Number of starts.
     pub count: usize,
-    /// How many ended at the best optimum.
+    /// Number of starts that converged to the best optimum.
     pub reached: usize,
-    /// How many could not be built or solved.
+    /// Number of starts whose model could not be built or solved.
     pub failed: usize,
     /// Seed.
     pub seed: u64,
-    /// Where the others ended, lowest objective first.
+    /// The other optima, lowest objective first.
     #[serde(default)]
     pub others: Vec<OtherOptimumFile>,
 }
 
-/// Where some starts ended, as [`OtherOptimum`].
+/// Another optimum, as [`OtherOptimum`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherOptimumFile {
     /// Objective.
     pub objective: f64,
-    /// How many starts ended there.
+    /// Number of starts that converged to it.
     pub count: usize,
     /// Values of the free parameters.
     pub values: Vec<f64>,
 }
 
-/// The model against all targets, as [`Fit`].
+/// Comparison of the model with all targets, as [`Fit`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitFile {
     /// Roots that have a partner in the model.
@@ -136,24 +136,24 @@ pub struct FitFile {
     pub rows: Vec<FitRowFile>,
 }
 
-/// One measured root against the model, as [`FitRow`](crate::update::FitRow).
+/// Comparison of a measured mode with the model, as [`FitRow`](crate::update::FitRow).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitRowFile {
     /// Label of the measured root.
     pub label: String,
     /// Measured frequency, Hz.
     pub test_hz: f64,
-    /// Deviation that its residual is divided by, Hz.
+    /// Standard deviation that divides its residual, Hz.
     pub test_std_hz: f64,
-    /// The model's; `null` without a partner.
+    /// Frequency of the model; `null` without a partner.
     pub model_hz: Option<f64>,
-    /// Deviation of the model's from the uncertain parameters, Hz.
+    /// Standard deviation of the model frequency by the uncertainty of the parameters, Hz.
     pub model_std_hz: Option<f64>,
     /// Error of frequency, percent.
     pub error_percent: Option<f64>,
     /// Weighted MAC.
     pub mac: Option<f64>,
-    /// Where the deviations of its shape come from; `null` where shapes take no part.
+    /// Source of the standard deviations of its shape; `null` where shapes are not used.
     #[serde(default)]
     pub shape_weights: Option<ShapeWeights>,
 }
@@ -174,7 +174,7 @@ pub struct IterationFile {
     pub objective: f64,
     /// `sum r^2` of the data.
     pub chi_square: f64,
-    /// Radius of the region in which the next step is trusted.
+    /// Trust-region radius of the next step.
     pub radius: f64,
     /// Whether it was taken.
     pub accepted: bool,
@@ -224,7 +224,7 @@ pub struct ChangeFile {
 pub struct PredictionFile {
     /// Label of the measured root.
     pub label: String,
-    /// Error of the model as it stood, percent.
+    /// Error of the model before the update, percent.
     pub before_percent: f64,
     /// Error of the model updated without it, percent.
     pub after_percent: f64,
