@@ -134,7 +134,7 @@ impl Cell {
 /// Removes the sign of a number that rounds to zero: `-0.00` becomes `0.00`.
 fn without_sign_of_zero(text: String) -> String {
     match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        Some(unsigned) if unsigned.chars().all(|c| matches!(c, '0' | '.')) => unsigned.to_owned(),
         _ => text,
     }
 }

@@ -1,4 +1,5 @@
-//! Breakdown maps as tables: the counts of every cell, the contours in words, the computing times.
+//! The tables of breakdown maps list the counts of every cell, the failure boundaries and the CPU
+//! times.
 
 use crate::study::breakdown::{
     FAILURE_MODES, Factor, Finished, MethodTime, SliceResult, Stability, SuccessRange, UserMode,
@@ -66,7 +67,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// Contours of every slice in words, and the digits lost by order.
+/// Failure boundaries of every slice, and the digits lost by order.
 pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
     let slices = file.slices.iter();
     let slices = slices.map(|slice| breakdown_block(slice, &file.user_modes));
@@ -75,31 +76,31 @@ pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
         .collect()
 }
 
-/// Contours of a slice in words: where each method meets the stated error, how it fails beyond, and
-/// how far the user's modes are from the contour.
+/// Failure boundaries of a slice: the range in which each method meets the stated error, its most
+/// frequent failure mode, and the distance of the user's modes to the boundary.
 fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
     let slice = &result.slice;
-    let reaches: Vec<Vec<SuccessRange>> = (0..slice.methods.len())
+    let ranges: Vec<Vec<SuccessRange>> = (0..slice.methods.len())
         .map(|method| result.reaches(method))
         .collect();
     let words = |factor: Factor| factor.name().replace('_', " ");
     let (x, y) = (words(slice.x.factor), words(slice.y.factor));
     let mut columns = vec![Column::text("method")];
-    columns.extend(reaches[0].iter().map(|reach| {
+    columns.extend(ranges[0].iter().map(|range| {
         let unit = match slice.y.factor.unit() {
             "dB" => " dB",
             _ => "",
         };
-        Column::text(format!("{x} at {y} {}{unit}", short(reach.held)))
+        Column::text(format!("{x} at {y} {}{unit}", short(range.held)))
     }));
     columns.push(Column::number("share of the slice"));
-    columns.push(Column::text("seen beyond"));
-    let row = |(method, reaches): (usize, &Vec<SuccessRange>)| {
+    columns.push(Column::text("failure mode beyond"));
+    let row = |(method, ranges): (usize, &Vec<SuccessRange>)| {
         let mut cells = vec![Cell::text(&slice.methods[method])];
         cells.extend(
-            reaches
+            ranges
                 .iter()
-                .map(|reach| Cell::text(reach_text(reach, result))),
+                .map(|range| Cell::text(success_range_text(range, result))),
         );
         cells.push(Cell::text(format!("{:.0} %", 100.0 * result.area(method))));
         let symptom = result.common_symptom(method);
@@ -118,7 +119,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
     Block::Table(Table {
         caption: format!("Where methods fail: {}", slice.name),
         columns,
-        rows: reaches.iter().enumerate().map(row).collect(),
+        rows: ranges.iter().enumerate().map(row).collect(),
         footnotes,
     })
 }
@@ -137,8 +138,8 @@ fn user_mode_sentences(points: &[UserModePosition]) -> Vec<String> {
         .collect();
     let more = inside.len().saturating_sub(MAX_MODE_SENTENCES);
     let remainders = [
-        (more, "lie farther from where a method fails"),
-        (outside.len(), "lie outside this slice"),
+        (more, "are farther from a failure boundary"),
+        (outside.len(), "are outside this slice"),
     ];
     for (count, what) in remainders.into_iter().filter(|(count, _)| *count > 0) {
         sentences.push(format!("{count} more of the user's modes {what}."));
@@ -197,28 +198,28 @@ fn stated_text(result: &SliceResult) -> String {
     let residue = stated.residue_percent;
     let residue = residue.map_or(String::new(), |limit| format!(", residues to {limit} %"));
     format!(
-        "Stated error: all modes found and no other, frequencies to {} half-power widths{percent}, damping to {} %, MAC {}{residue}.",
+        "Stated error: all modes found and no other, frequencies to {} half-power bandwidths{percent}, damping to {} %, MAC {}{residue}.",
         stated.frequency_widths, stated.damping_percent, stated.mac
     )
 }
 
 /// `from 2.6 (2.2 to 3.3)`: the interval where there is one inner end.
-fn reach_text(reach: &SuccessRange, result: &SliceResult) -> String {
+fn success_range_text(range: &SuccessRange, result: &SliceResult) -> String {
     let axis = &result.slice.x;
-    let text = segments_text(&reach.inside, axis);
+    let text = segments_text(&range.inside, axis);
     let inner = |stretches: &[(f64, f64)]| match stretches {
         [(a, b)] if *a > axis.lo && *b >= axis.hi => Some(*a),
         [(a, b)] if *a <= axis.lo && *b < axis.hi => Some(*b),
         _ => None,
     };
-    let Some(at) = inner(&reach.inside) else {
+    let Some(at) = inner(&range.inside) else {
         return text;
     };
     // The outer end bounds where the method certainly fails, the inner end where it certainly meets
     // the stated error; with too few draws an end stays undetermined.
-    let ends = [inner(&reach.not_outside), inner(&reach.known_inside)];
+    let ends = [inner(&range.not_outside), inner(&range.known_inside)];
     let end = |value: Option<f64>| value.map_or("?".to_owned(), short);
-    let rising = reach.inside.first().is_some_and(|(a, _)| *a >= at);
+    let rising = range.inside.first().is_some_and(|(a, _)| *a >= at);
     match (ends, rising) {
         ([None, None], _) => text,
         ([failing, doing], true) => format!("{text} ({} to {})", end(failing), end(doing)),

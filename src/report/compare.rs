@@ -6,7 +6,8 @@ use crate::theory::{DetailComparison, ModelRoot, SimplerModel, TimeResponse, sim
 
 use super::{Block, Cell, Column, Table};
 
-/// Errors of every root in every model, and the simplest within an error for each.
+/// Errors of every natural frequency in every model, and the simplest model within an error for
+/// each.
 pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -> Vec<Block> {
     let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
     let head =
@@ -35,7 +36,7 @@ pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -
         columns,
         rows: comparison.roots.iter().enumerate().map(row).collect(),
         footnotes: vec![
-            "Error = (simpler − whole)/whole, matched by shape. —: the model has no such root."
+            "Error = (simpler − whole)/whole, matched by shape. —: the model has no such mode."
                 .to_owned(),
         ],
     });
@@ -47,14 +48,14 @@ fn models_block(model: &str, comparison: &DetailComparison, within: f64) -> Bloc
         .models
         .last()
         .map_or(1, |model| model.coordinates);
-    let reach = |i: usize| {
-        let held = |root: &usize| {
+    let accurate_up_to_hz = |i: usize| {
+        let is_within_error = |root: &usize| {
             comparison
                 .error(i, *root)
                 .is_some_and(|error| error.abs() <= within)
         };
         let all = 0..comparison.roots.len();
-        all.take_while(held)
+        all.take_while(is_within_error)
             .last()
             .map(|root| comparison.roots[root].omega_rad_s / TAU)
     };
@@ -63,7 +64,7 @@ fn models_block(model: &str, comparison: &DetailComparison, within: f64) -> Bloc
             Cell::text(&simpler.name),
             Cell::text(simpler.coordinates.to_string()),
             Cell::number(Some(100.0 * simpler.cost(whole)), 1),
-            Cell::number(reach(i), 4),
+            Cell::number(accurate_up_to_hz(i), 4),
         ]
     };
     Block::Table(Table {
@@ -72,11 +73,14 @@ fn models_block(model: &str, comparison: &DetailComparison, within: f64) -> Bloc
             Column::text("model"),
             Column::number("coordinates"),
             Column::number("cost (%)"),
-            Column::number(format!("every root within {} % up to (Hz)", 100.0 * within)),
+            Column::number(format!(
+                "all frequencies within {} % up to (Hz)",
+                100.0 * within
+            )),
         ],
         rows: comparison.models.iter().enumerate().map(row).collect(),
         footnotes: vec![
-            "Cost: third power of the coordinates, as an eigenproblem takes.".to_owned(),
+            "Cost: third power of the number of coordinates, as of an eigenproblem.".to_owned(),
         ],
     })
 }

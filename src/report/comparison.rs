@@ -29,11 +29,11 @@ pub fn comparison_blocks(
     theory: &Theory,
 ) -> Vec<Block> {
     let tables = groups.iter().map(|group| {
-        let part = Part {
+        let group_table = TestGroupTable {
             table,
             tests: group.tests.iter().map(String::as_str).collect(),
         };
-        let mut table = part.table(group.caption, theory);
+        let mut table = group_table.table(group.caption, theory);
         table.footnotes.extend_from_slice(group.notes);
         Block::Table(table)
     });
@@ -65,17 +65,17 @@ pub(super) fn error_head(reference: ErrorReference) -> &'static str {
 }
 
 /// The rows and columns of some tests.
-struct Part<'a> {
+struct TestGroupTable<'a> {
     table: &'a ComparisonTable,
     tests: Vec<&'a str>,
 }
 
-impl Part<'_> {
+impl TestGroupTable<'_> {
     fn table(&self, caption: &str, theory: &Theory) -> Table {
         let (rows, outside): (Vec<&Row>, Vec<&Row>) =
-            self.rows().partition(|row| !self.outside_band(row));
+            self.rows().partition(|row| !self.is_outside_band(row));
         let mut body: Vec<Vec<Cell>> = rows.iter().map(|row| self.row_cells(row)).collect();
-        if !self.single() {
+        if !self.is_single_test() {
             body.extend(self.closing_rows());
         }
         let mut footnotes =
@@ -98,13 +98,13 @@ impl Part<'_> {
         }
     }
 
-    fn single(&self) -> bool {
+    fn is_single_test(&self) -> bool {
         self.tests.len() == 1
     }
 
     /// Whether any frequency of these tests has a standard deviation, so that its error can be
     /// normalised.
-    fn normalised(&self) -> bool {
+    fn has_normalised_errors(&self) -> bool {
         let mut cells = self.table.rows.iter().flat_map(|row| self.cells(row));
         cells.any(|cell| cell.normalised_error.is_some())
     }
@@ -120,7 +120,7 @@ impl Part<'_> {
         row.tests.iter().filter(of_these_tests)
     }
 
-    fn outside_band(&self, row: &Row) -> bool {
+    fn is_outside_band(&self, row: &Row) -> bool {
         self.cells(row)
             .all(|cell| cell.status == Status::OutsideBand)
     }
@@ -128,9 +128,9 @@ impl Part<'_> {
     fn columns(&self) -> Vec<Column> {
         let head = error_head(self.table.error_reference);
         let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
-        if self.single() {
+        if self.is_single_test() {
             columns.extend(["test (Hz)", "std (Hz)", head].map(Column::number));
-            if self.normalised() {
+            if self.has_normalised_errors() {
                 columns.push(Column::number("normalised deviation"));
             }
             columns.extend(["damping (%)", "MAC", "chance level"].map(Column::number));
@@ -160,7 +160,7 @@ impl Part<'_> {
             Cell::number(row.theory.as_ref().map(|theory| theory.hz), 2),
         ];
         let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) =
-            match (self.single(), self.normalised()) {
+            match (self.is_single_test(), self.has_normalised_errors()) {
                 (true, true) => (normalised_cells, 9),
                 (true, false) => (full_cells, 8),
                 (false, _) => (short_cells, 5),
@@ -379,7 +379,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
 }
 
 /// Printed digits of a parameter; stated values have no more, updated ones do.
-const PARAMETER_DIGITS: usize = 8;
+const MAX_PARAMETER_DIGITS: usize = 8;
 
 /// The model's parameters with the values used and their sources; `None` for a model without
 /// parameters.
@@ -392,13 +392,13 @@ pub fn parameters_block(parameters: &[(ParameterSpec, f64)]) -> Option<Block> {
     let row = |(spec, value): &(ParameterSpec, f64)| {
         vec![
             Cell::text(&spec.name),
-            Cell::text(significant(*value, PARAMETER_DIGITS)),
+            Cell::text(significant(*value, MAX_PARAMETER_DIGITS)),
             Cell::text(&spec.unit),
             Cell::text(if is_set(spec, *value) {
                 format!(
                     "set ({} {})",
                     status(spec.status),
-                    significant(spec.nominal, PARAMETER_DIGITS)
+                    significant(spec.nominal, MAX_PARAMETER_DIGITS)
                 )
             } else {
                 status(spec.status).to_owned()

@@ -1,10 +1,9 @@
-//! Comma-separated values: every table with its heads, numbers in full precision, missing fields
-//! empty.
+//! The CSV renderer writes every table with its heads; numbers have full precision, missing fields
+//! are empty.
 
 use super::{Block, Renderer, Table};
 
-/// Renders the tables of a report as CSV; headings, paragraphs, footnotes and findings have no
-/// place in it.
+/// Renders the tables of a report as CSV, without headings, paragraphs, footnotes and findings.
 pub struct CsvText;
 
 impl Renderer for CsvText {

@@ -1,4 +1,4 @@
-//! FRFs as a table of what was estimated.
+//! The FRF tables list estimated FRFs with their coherence, and hits with their verdicts.
 
 use crate::axis::Band;
 use crate::frf::{FrfSet, HitReport};
@@ -6,7 +6,7 @@ use crate::signal::{Check, Outcome, Rule};
 
 use super::{Block, Cell, Column, Table};
 
-/// One row per function, with the median coherence over the usable band.
+/// One row per FRF, with the median coherence over the usable band.
 pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
     let used = hits.iter().filter(|hit| hit.used).count();
     let lines = set.axis().lines(&usable);
@@ -56,7 +56,7 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
     })
 }
 
-/// One row per hit: whether it is used, and what the rules that it does not pass found.
+/// One row per hit, with its verdict and the checks that it does not pass.
 pub fn hits_block(hits: &[HitReport]) -> Block {
     let row = |hit: &HitReport| {
         vec![

@@ -1,5 +1,5 @@
-//! Translation of captions, column heads, row labels, verdicts and findings. Definitions and reasons
-//! under the tables remain English.
+//! Translation of captions, column heads, row labels, verdicts and findings. Definitions and
+//! reasons under the tables remain English.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use super::{Block, Cell, Table};
 /// A language of headings and findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Language {
-    /// As written.
+    /// English.
     #[default]
     English,
     /// Simplified Chinese.
@@ -68,7 +68,8 @@ impl Language {
         }
     }
 
-    /// Blocks with their headings in this language; a heading without a translation remains English.
+    /// Blocks with their headings in this language; a heading without a translation remains
+    /// English.
     pub fn translated(self, blocks: Vec<Block>) -> Vec<Block> {
         match self {
             Language::English => blocks,
@@ -77,7 +78,7 @@ impl Language {
     }
 }
 
-/// Headings as written, and in Chinese; `{}` stands for a name.
+/// Headings in English and in Chinese; `{}` stands for a name.
 const PHRASES: &[(&str, &str)] = &[
     ("Theory and test compared", "理论与试验对比"),
     ("Summary", "汇总"),
@@ -122,7 +123,7 @@ const PHRASES: &[(&str, &str)] = &[
         "AutoMAC of the theory at the sensors of {}",
         "理论在 {} 测点处的自 MAC",
     ),
-    ("Modes of {} that are alike", "{} 中相似的模态"),
+    ("Similar modes of {}", "{} 中相似的模态"),
     (
         "MAC over both frequencies (FMAC) of {} and theory",
         "{} 与理论的频率 MAC (FMAC)",
@@ -144,7 +145,7 @@ const PHRASES: &[(&str, &str)] = &[
         "{} 与理论的互正交性",
     ),
     ("Self-orthogonality of {}", "{} 的自正交性"),
-    ("Sensors that read against the theory", "与理论反向的传感器"),
+    ("Sign-reversed sensors", "与理论反向的传感器"),
     (
         "The test's points in the theory's frame",
         "试验测点在理论坐标系中的位置",
@@ -213,7 +214,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("spurious", "虚假"),
     ("Where methods fail: {}", "方法的失效边界：{}"),
     ("share of the slice", "图内有效占比"),
-    ("seen beyond", "失效时的表现"),
+    ("failure mode beyond", "失效时的表现"),
     (
         "Numerical stability: digits lost by order, and the highest order with all poles to a tenth of their half-power width",
         "数值稳定性：随阶数丢失的位数，以及全部极点误差小于十分之一半功率带宽的最高阶数",
@@ -228,7 +229,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("draws per second", "每秒抽样数"),
 ];
 
-/// Paragraphs as written, and in Chinese.
+/// Paragraphs in English and in Chinese.
 const HEADLINES: &[(&str, &str)] = &[
     (
         "{} paired: {} by shape, {} by frequency alone",
@@ -248,8 +249,8 @@ const HEADLINES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Verdicts, sources and labels of closing rows as written, and in Chinese, under the heads of the
-/// columns that hold them.
+/// Verdicts, sources and labels of closing rows in English and in Chinese, by the heads of their
+/// columns.
 const LABELS: &[(&str, &[(&str, &str)])] = &[
     (
         "last mode added",
@@ -362,24 +363,25 @@ fn best_phrase<'p>(phrases: impl Iterator<Item = &'p (&'p str, &'p str)>, text: 
     best.map_or_else(|| text.to_owned(), |(_, translated)| translated)
 }
 
-/// The names in a text that stand where a phrase has `{}`; `None` for another text.
+/// The names in a text at the positions of `{}` in a phrase; `None` if the text does not match.
 fn names<'t>(phrase: &str, text: &'t str) -> Option<Vec<&'t str>> {
     let mut parts = phrase.split("{}");
-    let mut rest = text.strip_prefix(parts.next()?)?;
+    let mut remaining = text.strip_prefix(parts.next()?)?;
     let parts: Vec<&str> = parts.collect();
     let mut found = Vec::new();
     for (n, part) in parts.iter().enumerate() {
         let end = if n + 1 == parts.len() {
-            rest.len()
+            remaining
+                .len()
                 .checked_sub(part.len())
-                .filter(|&at| rest.is_char_boundary(at))?
+                .filter(|&at| remaining.is_char_boundary(at))?
         } else {
-            rest.find(part)?
+            remaining.find(part)?
         };
-        found.push(&rest[..end]);
-        rest = rest[end..].strip_prefix(part)?;
+        found.push(&remaining[..end]);
+        remaining = remaining[end..].strip_prefix(part)?;
     }
-    rest.is_empty().then_some(found)
+    remaining.is_empty().then_some(found)
 }
 
 fn filled(phrase: &str, names: &[&str]) -> String {
@@ -399,7 +401,7 @@ mod tests {
     use crate::report::Column;
 
     #[test]
-    fn headings_are_translated_with_the_names_in_them_and_nothing_else() {
+    fn headings_are_translated_and_keep_their_names() {
         for (text, expected) in [
             ("Summary", "汇总"),
             ("AutoMAC of wing.unv", "wing.unv 的自 MAC"),
@@ -438,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn names_in_cells_stay_as_they_are() {
+    fn names_in_cells_are_not_translated() {
         let names = ["test", "paired", "Summary", "rms error", "verdict"];
         let table = Table {
             columns: ["test", "name", "unit", "DOF"].map(Column::text).to_vec(),

@@ -1,4 +1,4 @@
-//! LaTeX `table` environments with `booktabs` rules, for a paper.
+//! The LaTeX renderer writes `table` environments with `booktabs` rules.
 
 use super::{Align, Block, Renderer, Table};
 

@@ -1,4 +1,4 @@
-//! Markdown with pipe tables.
+//! The Markdown renderer writes pipe tables.
 
 use super::{Align, Block, Renderer, Table};
 

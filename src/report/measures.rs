@@ -1,5 +1,5 @@
-//! Measures beside the pairing as tables, each with its definition and the degrees of freedom that
-//! it rests on.
+//! The tables of correlation measures state, for each measure, its definition and the degrees of
+//! freedom that it uses.
 
 use crate::correlate::Alignment;
 use crate::correlate::measures::{
@@ -10,12 +10,12 @@ use crate::correlate::measures::{
 
 use super::{Block, Cell, Column, Table};
 
-/// Pairs of modes with less MAC than this have no row in the table of MAC with frequencies.
-const LISTED_MAC: f64 = 0.3;
+/// Minimum MAC of a pair of modes in the table of MAC with frequencies.
+const MIN_LISTED_MAC: f64 = 0.3;
 
-/// Theory modes within these parts of the lowest and the highest test frequency have a column in a
-/// matrix.
-const COLUMNS_WITHIN: [f64; 2] = [0.8, 1.25];
+/// Factors of the lowest and the highest test frequency: modes of the theory between them have a
+/// column in a matrix.
+const COLUMN_FREQUENCY_FACTORS: [f64; 2] = [0.8, 1.25];
 
 const MAC: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";
 
@@ -36,7 +36,7 @@ pub fn measures_blocks(test: &str, measures: &Measures) -> Vec<Block> {
     blocks
 }
 
-/// Orthogonality alone, where there is one.
+/// The orthogonality tables, where orthogonality was computed.
 pub fn orthogonality_blocks(test: &str, measures: &Measures) -> Vec<Block> {
     let found = measures.orthogonality.iter();
     let tables = found.flat_map(|orthogonality| orthogonality_tables(test, orthogonality));
@@ -57,7 +57,7 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
     let partners = if alignment.known {
         "with the partners that were given (Umeyama 1991)"
     } else {
-        "with partners that were not known: each point's nearest one, from several starts (Umeyama 1991; Besl and McKay 1992)"
+        "with unknown partners: the nearest point of each, from several starts (Umeyama 1991; Besl and McKay 1992)"
     };
     let mut footnotes = vec![
         format!(
@@ -70,11 +70,13 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
         ),
     ];
     if alignment.known && alignment.as_good > 0 {
-        footnotes.push("Points on one line within the tolerance tell no turn about it.".to_owned());
+        footnotes.push(
+            "Points on a line within the tolerance determine no rotation about it.".to_owned(),
+        );
     } else if alignment.as_good > 0 {
         let others = alignment.as_good;
         footnotes.push(format!(
-            "{others} other frames fit as well; this one turns least."
+            "{others} other frames fit equally well; this one has the smallest rotation."
         ));
     }
     Block::Table(Table {
@@ -85,7 +87,7 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
     })
 }
 
-/// Sensors that read against the theory; `None` where there are none.
+/// Sign-reversed sensors compared with the theory; `None` without any.
 pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
     let row = |test: &str, group: &[ReversedSensor]| {
         let sensor = group.first()?;
@@ -103,24 +105,24 @@ pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> 
     });
     let rows: Vec<_> = rows.collect();
     let mut columns = vec![Column::text("test"), Column::text("sensor")];
-    columns.extend(["direction", "mean MAC", "mean MAC, turned"].map(Column::number));
+    columns.extend(["direction", "mean MAC", "mean MAC, reversed"].map(Column::number));
     let state = match turned {
-        true => "They were turned.",
-        false => "They were left as they are.",
+        true => "Their signs were reversed.",
+        false => "Their signs were not changed.",
     };
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "Sensors that read against the theory".to_owned(),
+            caption: "Sign-reversed sensors".to_owned(),
             columns,
             rows,
             footnotes: vec![format!(
-                "One after the other, each with those above it turned. {state}"
+                "Determined one after the other, each with the sensors above it reversed. {state}"
             )],
         })
     })
 }
 
-/// A set of modes against itself, with its duplicates.
+/// AutoMAC of a set of modes, with its duplicates.
 pub fn auto_mac_blocks(name: &str, auto_mac: &AutoMac) -> Vec<Block> {
     let mut table = mac_table(format!("AutoMAC of {name}"), &auto_mac.matrix);
     let (mac, part) = (
@@ -146,18 +148,19 @@ pub fn auto_mac_blocks(name: &str, auto_mac: &AutoMac) -> Vec<Block> {
         };
         let heads = ["mode", "f (Hz)", "mode", "f (Hz)", "MAC"];
         blocks.push(Block::Table(Table {
-            caption: format!("Modes of {name} that are alike"),
+            caption: format!("Similar modes of {name}"),
             columns: heads.map(Column::number).to_vec(),
             rows: auto_mac.duplicates.iter().map(row).collect(),
             footnotes: vec![
-                "One mode found twice, or sensors that cannot tell two apart.".to_owned(),
+                "One mode found twice, or two modes that the sensors cannot distinguish."
+                    .to_owned(),
             ],
         }));
     }
     blocks
 }
 
-/// Two sets of FRFs: by function, and over parts of the band.
+/// Correlation of two sets of FRFs, by FRF and by segment of the band.
 pub fn frf_correlation_blocks(
     first: &str,
     second: &str,
@@ -178,11 +181,11 @@ pub fn frf_correlation_blocks(
     });
     let mut footnotes = vec![
         "FRAC = |Σ a* b|²/(Σ |a|² · Σ |b|²) over the lines (Heylen and Lammens 1996); level: rms of the second over the first.".to_owned(),
-        format!("{} functions, {lines} lines{band}, both in {}.", correlation.functions.len(), correlation.unit),
+        format!("{} FRFs, {lines} lines{band}, both in {}.", correlation.functions.len(), correlation.unit),
     ];
     if correlation.first_alone + correlation.second_alone > 0 {
         footnotes.push(format!(
-            "Functions without a partner: {} of the first, {} of the second.",
+            "FRFs without a partner: {} of the first, {} of the second.",
             correlation.first_alone, correlation.second_alone
         ));
     }
@@ -203,8 +206,8 @@ pub fn frf_correlation_blocks(
     ]
 }
 
-/// What the columns over frequency are.
-const LINE_DEFINITIONS: &str = "At each line, a and b the functions as vectors: shape = |a^H b|²/(a^H a · b^H b), blind to amplitude; amplitude = 2|a^H b|/(a^H a + b^H b), 1 for equal vectors (Zang, Grafe and Imregun 2001).";
+/// Definitions of the columns of correlation over frequency.
+const LINE_DEFINITIONS: &str = "At each line, a and b the FRFs as vectors: shape = |a^H b|²/(a^H a · b^H b), independent of amplitude; amplitude = 2|a^H b|/(a^H a + b^H b), 1 for equal vectors (Zang, Grafe and Imregun 2001).";
 
 fn band_table(first: &str, second: &str, correlation: &FrfCorrelation) -> Table {
     let heads = [
@@ -234,9 +237,7 @@ fn band_table(first: &str, second: &str, correlation: &FrfCorrelation) -> Table 
         caption: format!("FRFs of {first} and {second} over frequency"),
         columns: heads.map(Column::number).to_vec(),
         rows: correlation.bands.iter().map(row).collect(),
-        footnotes: vec![format!(
-            "{LINE_DEFINITIONS} {count} functions in each vector."
-        )],
+        footnotes: vec![format!("{LINE_DEFINITIONS} {count} FRFs in each vector.")],
     }
 }
 
@@ -262,8 +263,8 @@ pub fn frf_lines_block(first: &str, second: &str, correlation: &FrfCorrelation) 
 fn dofs_text(dofs: DofRange) -> String {
     match (dofs.fewest, dofs.most) {
         (1, 1) => "1 degree of freedom".to_owned(),
-        (fewest, most) if fewest == most => format!("{most} degrees of freedom"),
-        (fewest, most) => format!("{fewest} to {most} degrees of freedom"),
+        (min, max) if min == max => format!("{max} degrees of freedom"),
+        (min, max) => format!("{min} to {max} degrees of freedom"),
     }
 }
 
@@ -271,7 +272,7 @@ fn name_cell(name: &ModeName) -> Cell {
     Cell::text(name.mode.to_string())
 }
 
-/// Columns of a matrix that are worth their place: those near the rows in frequency.
+/// Columns of a matrix with frequencies near those of the rows.
 fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
     let lowest = rows
         .iter()
@@ -279,12 +280,13 @@ fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
         .fold(f64::INFINITY, f64::min);
     let highest = rows.iter().map(|mode| mode.hz).fold(0.0, f64::max);
     let near = |mode: &ModeName| {
-        (COLUMNS_WITHIN[0] * lowest..=COLUMNS_WITHIN[1] * highest).contains(&mode.hz)
+        (COLUMN_FREQUENCY_FACTORS[0] * lowest..=COLUMN_FREQUENCY_FACTORS[1] * highest)
+            .contains(&mode.hz)
     };
     (0..columns.len()).filter(|&j| near(&columns[j])).collect()
 }
 
-/// A matrix of modes against modes, rows and columns headed by number and frequency.
+/// A matrix over pairs of modes; rows and columns have mode numbers and frequencies as heads.
 fn matrix_table(
     caption: String,
     (rows, columns): (&[ModeName], &[ModeName]),
@@ -302,8 +304,9 @@ fn matrix_table(
         cells
     };
     let left_out = columns.len() - kept.len();
-    let note =
-        format!("Columns: mode and Hz; {left_out} beyond the frequencies of the rows left out.");
+    let note = format!(
+        "Columns: mode and Hz; {left_out} columns beyond the frequencies of the rows are not shown."
+    );
     Table {
         caption,
         columns: heads,
@@ -362,13 +365,13 @@ fn frequency_table(test: &str, points: &[FrequencyMac], dofs: DofRange) -> Table
         "error (%)",
         "MAC",
     ];
-    let high = points.iter().filter(|pair| pair.mac >= LISTED_MAC);
+    let high = points.iter().filter(|pair| pair.mac >= MIN_LISTED_MAC);
     Table {
         caption: format!("MAC over both frequencies (FMAC) of {test} and theory"),
         columns: heads.map(Column::number).to_vec(),
         rows: high.map(row).collect(),
         footnotes: vec![format!(
-            "All pairs of modes with a MAC of {LISTED_MAC} or more and both frequencies (Fotsch and Ewins 2000); {}.",
+            "All pairs of modes with a MAC of {MIN_LISTED_MAC} or more and both frequencies (Fotsch and Ewins 2000); {}.",
             dofs_text(dofs)
         )],
     }
@@ -389,7 +392,7 @@ fn scale_table(test: &str, factors: &[ScaleFactor]) -> Table {
         caption: format!("Modal scale factors from theory to {test}"),
         columns: heads.map(Column::number).to_vec(),
         rows: factors.iter().map(row).collect(),
-        footnotes: vec!["Test shape = MSF · theory shape, MSF = a^H b/(a^H a) with a the theory's and b the test's (Allemang 2003, eq. 2). Pairs with repeated roots have none.".to_owned()],
+        footnotes: vec!["Test shape = MSF · theory shape, MSF = a^H b/(a^H a) with a the theory's and b the test's (Allemang 2003, eq. 2). Pairs with repeated roots have no MSF.".to_owned()],
     }
 }
 
@@ -410,7 +413,7 @@ fn coordinate_table(test: &str, coordinates: &[CoordinateMac]) -> Table {
         columns,
         rows: coordinates.iter().map(row).collect(),
         footnotes: vec![
-            "Over the pairs, shapes of unit length and one phase, a the test's and b the theory's: COMAC = (Σ |a b|)²/(Σ |a|² · Σ |b|²), blind to signs (Lieven and Ewins 1988); ECOMAC = Σ |a − b|/(2 pairs), 0 for equal shapes (Hunt 1992); direction = Σ Re(b* a)/√(Σ |a|² · Σ |b|²), near −1 for a reversed sensor.".to_owned(),
+            "Over the pairs, shapes of unit length and one phase, a the test's and b the theory's: COMAC = (Σ |a b|)²/(Σ |a|² · Σ |b|²), independent of sign (Lieven and Ewins 1988); ECOMAC = Σ |a − b|/(2 pairs), 0 for equal shapes (Hunt 1992); direction = Σ Re(b* a)/√(Σ |a|² · Σ |b|²), near −1 for a reversed sensor.".to_owned(),
             format!("{} degrees of freedom.", coordinates.len()),
         ],
     }
@@ -454,7 +457,7 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
         columns: heads.map(Column::number).to_vec(),
         rows: clusters.iter().map(row).collect(),
         footnotes: vec![format!(
-            "Modes one after the other within {} % in frequency, all within {} %, and repeated roots; principal angles (Björck and Golub 1973); spaceMAC = 1 − sin of the largest angle (Vinze, Allemang and Phillips, there of the smallest); at random: mean cos² of directions drawn at random, modes/DOFs. Where the modes are more than half of the DOFs, none.",
+            "Modes one after the other within {} % in frequency, all within {} %, and repeated roots; principal angles (Björck and Golub 1973); spaceMAC = 1 − sin of the largest angle (Vinze, Allemang and Phillips, there of the smallest); at random: mean cos² of directions drawn at random, modes/DOFs. No angles where the modes are more than half of the DOFs.",
             100.0 * CLUSTER_WIDTH,
             100.0 * CLUSTER_SPAN
         )],
@@ -504,7 +507,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_degree_of_freedom_is_not_several() {
+    fn one_degree_of_freedom_is_singular() {
         let text = |fewest, most| dofs_text(DofRange { fewest, most });
         assert_eq!(text(1, 1), "1 degree of freedom");
         assert_eq!(text(3, 3), "3 degrees of freedom");

@@ -1,8 +1,8 @@
-//! Results as people and programs read them: blocks, one renderer per output format, and the JSON
-//! schemas.
+//! The report stage writes results as blocks, with one renderer per output format, and as JSON
+//! files.
 //!
 //! A renderer renders blocks, so that a new result needs no new renderer and a new format no new
-//! result. Nothing here computes: numbers arrive finished and leave rounded.
+//! result. This stage computes no results; it only rounds them.
 
 mod block;
 mod breakdown;

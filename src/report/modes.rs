@@ -263,15 +263,15 @@ pub fn sensitivities_block(
 }
 
 /// Number of bodies named for each natural frequency.
-const BODIES_SHOWN: usize = 3;
+const MAX_NAMED_BODIES: usize = 3;
 
-/// The largest fractions of the kinetic energy, as `planet-disc 0.62, ball 0.30`, without those that
-/// print as 0.00.
+/// The largest fractions of the kinetic energy, as `planet-disc 0.62, ball 0.30`, without those
+/// that print as 0.00.
 pub(super) fn largest_shares(root: &ModelRoot) -> String {
     let shares = root.energy_by_kind();
     let texts = shares.iter().filter(|(_, share)| *share >= 0.005);
     let texts: Vec<String> = texts
-        .take(BODIES_SHOWN)
+        .take(MAX_NAMED_BODIES)
         .map(|(body, share)| format!("{body} {share:.2}"))
         .collect();
     texts.join(", ")

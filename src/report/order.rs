@@ -31,7 +31,7 @@ fn over_noise(value: f64) -> Cell {
 }
 
 /// The name of a test, marked where its data are synthetic.
-fn named(test: &TestNeeds) -> String {
+fn test_title(test: &TestNeeds) -> String {
     match test.synthetic {
         true => format!("{} (synthetic)", test.name),
         false => test.name.clone(),
@@ -65,14 +65,14 @@ fn roots_block(test: &TestNeeds) -> Block {
         );
     }
     footnotes.extend(test.notes.iter().map(|note| format!("Not done: {note}.")));
-    let least = [
+    let supported = [
         Some(support.by_bic()),
         support.by_prediction(),
         Some(support.by_residual()),
     ];
     let row = |(number, tried): (usize, &OrderStep)| {
         let star = |which: usize| {
-            Cell::text(if least[which] == Some(number) {
+            Cell::text(if supported[which] == Some(number) {
                 "*"
             } else {
                 ""
@@ -100,7 +100,10 @@ fn roots_block(test: &TestNeeds) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: format!("{}: number of modes that the data support", named(test)),
+        caption: format!(
+            "{}: number of modes that the data support",
+            test_title(test)
+        ),
         columns: vec![
             Column::number("modes"),
             Column::text("last mode added"),
@@ -140,7 +143,7 @@ fn orders_block(test: &TestNeeds) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: format!("{}: lowest order of every method", named(test)),
+        caption: format!("{}: lowest order of every method", test_title(test)),
         columns: vec![
             Column::text("method"),
             Column::number("lowest"),
@@ -186,7 +189,7 @@ fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
         cells
     };
     Block::Table(Table {
-        caption: format!("{}: where one mode at a time is enough", named(test)),
+        caption: format!("{}: where one mode at a time is enough", test_title(test)),
         columns,
         rows: test.single.iter().map(row).collect(),
         footnotes: vec![format!(

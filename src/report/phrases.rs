@@ -1,7 +1,7 @@
-//! Headings of the tables of a run in Chinese: modes, hits, published results, placement, update,
+//! Chinese headings of the tables of a run: modes, hits, published results, placement, update and
 //! limits.
 
-/// Headings as written, and in Chinese; `{}` stands for a name.
+/// Headings in English and in Chinese; `{}` stands for a name.
 pub(super) const PHRASES_OF_RUNS: &[(&str, &str)] = &[
     ("Identified modes: {}", "识别的模态：{}"),
     ("std f (Hz)", "频率标准差 (Hz)"),

@@ -12,7 +12,7 @@ use super::comparison::provenance;
 use super::modes::largest_shares;
 use super::{Block, Cell, Column, Table};
 
-/// The published roots beside the model's; `None` where none are printed.
+/// The published natural frequencies and those of the model; `None` where none are printed.
 pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Option<Block> {
     let roots = expected.roots.as_ref()?;
     let in_hz = roots.published().all(|root| root.printed_hz.is_some());
@@ -90,7 +90,7 @@ fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<Strin
     };
     let mut notes = vec![
         format!("Printed: {}.", source_text(source)),
-        "M: multiplicity. Error = (model - printed)/printed. Matched by frequency alone. Kinetic energy: the largest shares by body, like bodies together.".to_owned(),
+        "M: multiplicity. Error = (model - printed)/printed. Matched by frequency alone. Kinetic energy: the largest shares by body, bodies of the same kind are summed.".to_owned(),
     ];
     notes.extend(error_sentence("Single roots above 0", &roots.simple));
     let calibrated = roots.published().filter(|root| root.calibrated);
@@ -98,7 +98,7 @@ fn root_footnotes(roots: &RootMatch, shown: usize, source: &Source) -> Vec<Strin
     if !calibrated.is_empty() {
         let labels = calibrated.join(" ");
         notes.push(format!(
-            "{labels}: agree by construction, a parameter of the model was inferred from them."
+            "{labels}: agree by construction, as a parameter of the model was inferred from them."
         ));
     }
     notes.extend(error_sentence("All roots above 0", &roots.elastic));
@@ -159,7 +159,7 @@ pub fn published_comparison_block(expected: &ExpectedResult) -> Option<Block> {
     }));
     let mut footnotes = vec![
         format!("Printed: {}.", source_text(&expected.source)),
-        "Theory and test as printed, errors recomputed. —: missed by the test, or not known."
+        "Theory and test as printed, errors recomputed. —: missed by the test, or unknown."
             .to_owned(),
     ];
     footnotes.extend(table.tests.iter().filter_map(where_largest));
@@ -203,7 +203,7 @@ fn summary_cells(
     cells
 }
 
-/// Where the largest errors of a test are.
+/// The largest errors of a test with their rows.
 fn where_largest(test: &TestErrors) -> Option<String> {
     let (hz, percent) = (test.largest_hz.as_ref()?, test.largest_percent.as_ref()?);
     Some(format!(
@@ -216,7 +216,7 @@ fn where_largest(test: &TestErrors) -> Option<String> {
     ))
 }
 
-/// The claims of a publication and what became of them; `None` where it has none.
+/// The claims of a publication and whether they are reproduced; `None` without any.
 pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
     let row = |verdict: &Verdict| {
         // Two digits more than printed show how close a rounding is; a count has none to show.
@@ -251,7 +251,7 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
             ],
             rows: expected.verdicts.iter().map(row).collect(),
             footnotes: vec![
-                "A value is reproduced when the recomputed one rounds to it; a largest one also has to be where it is said to be. Not checkable: nothing to recompute it from, or nothing printed in figures."
+                "A value is reproduced if the recomputed one rounds to it; a largest value must also be at the stated row. Not checkable: no data for the recomputation, or no printed number."
                     .to_owned(),
             ],
         })
@@ -299,7 +299,7 @@ pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Blo
     })
 }
 
-/// Seven digits, in scientific notation where others would be zeros or lost.
+/// Seven significant digits, in scientific notation for very large and very small values.
 pub(super) fn significant(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     if value == 0.0 {

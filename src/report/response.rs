@@ -6,11 +6,11 @@ use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
 use super::published::significant;
 use super::{Block, Cell, Column, Table};
 
-/// Harmonics in the table; the file has all.
-const HARMONICS: usize = 12;
+/// Harmonics in the table; the JSON file has all.
+const MAX_TABLE_HARMONICS: usize = 12;
 
-/// Signals of every detail, harmonics of the deflections, and the distance of every detail from the
-/// last.
+/// Tables of the signals of every detail, of the harmonics of the deflections, and of the distance
+/// of every detail from the last.
 pub fn response_blocks(model: &str, response: &TimeResponse) -> Vec<Block> {
     vec![
         signals_block(model, response),
@@ -19,7 +19,9 @@ pub fn response_blocks(model: &str, response: &TimeResponse) -> Vec<Block> {
     ]
 }
 
-fn each(response: &TimeResponse) -> impl Iterator<Item = (&DetailResponse, &ResponseSignal)> {
+fn all_signals(
+    response: &TimeResponse,
+) -> impl Iterator<Item = (&DetailResponse, &ResponseSignal)> {
     let details = response.details.iter();
     details.flat_map(|detail| detail.signals.iter().map(move |signal| (detail, signal)))
 }
@@ -51,7 +53,7 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
         response.excitation_hz, response.span.settling_periods, response.span.recorded_periods
     )];
     let mut named: Vec<&str> = Vec::new();
-    for (_, signal) in each(response) {
+    for (_, signal) in all_signals(response) {
         if !named.contains(&signal.name) {
             named.push(signal.name);
             footnotes.push(format!("{}: {}.", signal.name, signal.meaning));
@@ -60,21 +62,21 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
     Block::Table(Table {
         caption: format!("Steady response of {model}"),
         columns,
-        rows: each(response).map(row).collect(),
+        rows: all_signals(response).map(row).collect(),
         footnotes,
     })
 }
 
 fn harmonics_block(model: &str, response: &TimeResponse) -> Block {
     let mut columns = vec![Column::text("detail"), Column::text("signal")];
-    columns.extend((1..=HARMONICS).map(|k| Column::number(k.to_string())));
+    columns.extend((1..=MAX_TABLE_HARMONICS).map(|k| Column::number(k.to_string())));
     let row = |(detail, signal): (&DetailResponse, &ResponseSignal)| {
-        let first = signal.harmonics.iter().take(HARMONICS);
+        let first = signal.harmonics.iter().take(MAX_TABLE_HARMONICS);
         let harmonics = first.map(|amplitude| Cell::text(format!("{amplitude:.4e}")));
         let names = [detail.detail, signal.name].map(Cell::text);
         names.into_iter().chain(harmonics).collect()
     };
-    let deflections = each(response).filter(|(_, signal)| signal.name.starts_with("delta"));
+    let deflections = all_signals(response).filter(|(_, signal)| signal.name.starts_with("delta"));
     Block::Table(Table {
         caption: format!("Harmonics of the deflections of {model}"),
         columns,

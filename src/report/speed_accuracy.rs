@@ -1,10 +1,10 @@
-//! Speed against accuracy as tables.
+//! The tables of the speed and accuracy study list CPU time and errors of every method.
 
 use crate::study::{DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, lessons};
 
 use super::{Block, Cell, Column, Table};
 
-/// Who is on the fronts of every test, and what that teaches.
+/// Methods on the Pareto front of every test, and recommendations.
 pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!(
         "{}: speed against accuracy",
@@ -18,16 +18,16 @@ pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
 fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
     let on_front = test.data.iter().filter(|row| row.on_front);
     let data = on_front.map(|row| {
-        let place = (row.estimator.unwrap_or("as given"), row.step_hz);
-        front_row(("data", place), (row.method, &row.tally, &row.timing))
+        let frfs = (row.estimator.unwrap_or("as given"), row.step_hz);
+        front_row(("data", frfs), (row.method, &row.tally, &row.timing))
     });
     let snr_db = study.options.middle_snr_db();
     let twin = test.twin_costs.iter().filter(|cost| cost.on_front);
     let twin = twin.filter_map(|cost| {
         let row = test.twin_row(crate::study::Condition::White, snr_db, cost.method)?;
-        let place = ("exact", test.twin_step_hz);
+        let frfs = ("exact", test.twin_step_hz);
         Some(front_row(
-            ("twin", place),
+            ("twin", frfs),
             (cost.method, &row.tally, &cost.timing),
         ))
     });
@@ -48,11 +48,11 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
         false => "its refined modes",
     };
     let mut footnotes = vec![
-        "Front: no other row with as few modes missed and invented has both less CPU time and less frequency error. Errors: rms, \
-         relative, of data against the refined solution, of the twin against its truth; shape: √(1−MAC)."
+        "Front: no other row with as few missed and spurious modes has both less CPU time and a smaller frequency error. Errors: rms, \
+         relative, of data to the refined solution, of the twin to its truth; shape: √(1−MAC)."
             .to_owned(),
         format!(
-            "Twin: {} modes of {truth} in white noise of {snr_db:.0} dB. CPU time of this machine, of all threads: {}.",
+            "Twin: {} modes of {truth} in white noise of {snr_db:.0} dB. CPU time on this machine, all threads: {}.",
             test.twin_modes,
             match study.options.repeats {
                 1 => "one warm run".to_owned(),
@@ -63,7 +63,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
     let [limit, _] = test.limits;
     footnotes.extend(limit.transform_s.zip(limit.pass_s).map(|(transform, pass)| {
         format!(
-            "For comparison: one transform of its {} functions takes {:.2} ms, one pass over their values {:.3} ms.",
+            "For comparison: one transform of its {} FRFs takes {:.2} ms, one pass over their values {:.3} ms.",
             test.functions,
             1e3 * transform,
             1e3 * pass
@@ -103,37 +103,37 @@ fn count(value: usize) -> Cell {
     Cell::number(Some(value as f64), 0)
 }
 
-/// Every row of every test without anything measured: the same on every run.
+/// Every row of every test without measured times: the same on every run.
 pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     let mut rows = Vec::new();
     for test in &study.tests {
         rows.extend(test.data.iter().map(|row| {
-            let place = [
+            let keys = [
                 Cell::text(test.name.as_str()),
                 Cell::text("data"),
                 row.estimator.map_or(Cell::Missing, Cell::text),
                 Cell::number(Some(row.step_hz), 6),
                 Cell::Missing,
             ];
-            let mut cells = whole_row(place, row.method, &row.tally);
+            let mut cells = whole_row(keys, row.method, &row.tally);
             cells.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
             cells
         }));
         rows.extend(test.twin.iter().map(|row| {
-            let place = [
+            let keys = [
                 Cell::text(test.name.as_str()),
                 Cell::text(format!("twin, {}", row.condition.name())),
                 Cell::Missing,
                 Cell::Missing,
                 Cell::number(Some(row.snr_db), 1),
             ];
-            let mut cells = whole_row(place, row.method, &row.tally);
+            let mut cells = whole_row(keys, row.method, &row.tally);
             cells.push(Cell::Missing);
             cells
         }));
     }
     let text = ["test", "data", "estimator"].map(Column::text);
-    let place = ["step_hz", "snr_db"].map(Column::number);
+    let keys = ["step_hz", "snr_db"].map(Column::number);
     let numbers = [
         "order",
         "runs",
@@ -150,7 +150,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
         "damping_bound_rms",
         "refined",
     ];
-    let columns = text.into_iter().chain(place);
+    let columns = text.into_iter().chain(keys);
     let columns = columns.chain([Column::text("method")]);
     Block::Table(Table {
         caption: "Speed against accuracy".to_owned(),
@@ -160,8 +160,8 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn whole_row(place: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
-    let mut row: Vec<Cell> = place.into();
+fn whole_row(keys: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
+    let mut row: Vec<Cell> = keys.into();
     row.push(Cell::text(method.name));
     row.push(Cell::number(method.order.map(|order| order as f64), 0));
     let counts = [
@@ -185,23 +185,23 @@ fn whole_row(place: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<C
     row
 }
 
-/// What was measured: different on every run.
+/// Measured times, which differ between runs.
 pub fn times_table(study: &SpeedAccuracy) -> Block {
     let mut rows = Vec::new();
     for test in &study.tests {
         let name = || Cell::text(test.name.as_str());
         for row in &test.data {
-            let place = [
+            let keys = [
                 name(),
                 Cell::text("data"),
                 row.estimator.map_or(Cell::Missing, Cell::text),
                 Cell::number(Some(row.step_hz), 6),
             ];
-            rows.push(time_row(place, row.method, (&row.timing, row.on_front)));
+            rows.push(time_row(keys, row.method, (&row.timing, row.on_front)));
         }
         for cost in &test.twin_costs {
-            let place = [name(), Cell::text("twin"), Cell::Missing, Cell::Missing];
-            rows.push(time_row(place, cost.method, (&cost.timing, cost.on_front)));
+            let keys = [name(), Cell::text("twin"), Cell::Missing, Cell::Missing];
+            rows.push(time_row(keys, cost.method, (&cost.timing, cost.on_front)));
         }
         for (data, limits) in ["data", "twin"].into_iter().zip(&test.limits) {
             let references = [
@@ -240,8 +240,8 @@ pub fn times_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn time_row(place: [Cell; 4], method: Method, (timing, on_front): (&Timing, bool)) -> Vec<Cell> {
-    let mut row: Vec<Cell> = place.into();
+fn time_row(keys: [Cell; 4], method: Method, (timing, on_front): (&Timing, bool)) -> Vec<Cell> {
+    let mut row: Vec<Cell> = keys.into();
     row.extend([
         Cell::text(method.name),
         Cell::number(method.order.map(|order| order as f64), 0),

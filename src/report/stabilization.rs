@@ -1,10 +1,10 @@
-//! The stabilisation diagram as a table.
+//! The stabilization table lists the poles of all model orders.
 
 use crate::identify::PoleAtOrder;
 
 use super::{Block, Cell, Column, Table};
 
-/// Poles of all model orders: frequency, damping and what became of each.
+/// Poles of all model orders with frequency, damping and status.
 pub fn stabilization_block(test: &str, poles: &[PoleAtOrder]) -> Block {
     let columns = vec![
         Column::number("order"),
@@ -25,7 +25,7 @@ pub fn stabilization_block(test: &str, poles: &[PoleAtOrder]) -> Block {
         columns,
         rows: poles.iter().map(row).collect(),
         footnotes: vec![
-            "alone: stays over fewer than three orders; stable: over more, but no mode was made of it; chosen: a mode's.".to_owned(),
+            "alone: unstable, recurs over fewer than three orders; stable: recurs over more, but not selected as a mode; chosen: selected as a mode.".to_owned(),
         ],
     })
 }

@@ -1,4 +1,4 @@
-//! A sweep over a parameter as tables: the loci at its values, and where they cross or veer.
+//! The tables of a parameter sweep list the eigenvalue loci, and their crossings and veerings.
 
 use std::f64::consts::TAU;
 
@@ -8,8 +8,8 @@ use crate::theory::{Locus, LocusEvent, Sweep, SweepRange};
 use super::published::significant;
 use super::{Block, Cell, Column, Table};
 
-/// The loci of a sweep that enter a band, and the crossings and veerings in it, where loci are
-/// followed.
+/// The loci of a sweep that enter a band, and the crossings and veerings in it, where modes are
+/// tracked.
 pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block> {
     let inside = |hz: f64| band.is_none_or(|band| band.contains(hz));
     let shown: Vec<(usize, &Locus)> = (1..)
@@ -33,8 +33,7 @@ pub fn sweep_blocks(model: &str, sweep: &Sweep, band: Option<Band>) -> Vec<Block
     blocks
 }
 
-/// How many modes share a locus, where they are more than one: `, 3 modes`; `, 9 10 11 modes` where
-/// their number changes.
+/// Multiplicity of a locus, if it is more than one: `, 3 modes`; `, 9 10 11 modes` where it varies.
 fn multiplicity(locus: &Locus) -> String {
     let mut counts: Vec<String> = locus.multiplicity.iter().map(usize::to_string).collect();
     if counts.windows(2).all(|pair| pair[0] == pair[1]) {
@@ -68,7 +67,7 @@ fn loci_block(model: &str, sweep: &Sweep, shown: &[(usize, &Locus)]) -> Block {
     };
     let mut footnotes = vec![if sweep.followed {
         format!(
-            "Each locus is followed by its shape; {} eigenproblems. Values in equal {}.",
+            "Loci are tracked by mode shape; {} eigenproblems. Values in equal {}.",
             sweep.solved,
             if is_geometric(&sweep.values) {
                 "ratios"
@@ -78,7 +77,7 @@ fn loci_block(model: &str, sweep: &Sweep, shown: &[(usize, &Locus)]) -> Block {
         )
     } else {
         format!(
-            "{} is a number of parts: the values are whole, and the coordinates change with it, so that roots are numbered from the lowest and not followed by their shapes. {} eigenproblems.",
+            "{} is an integer that changes the coordinates; roots are numbered from the lowest and not tracked by mode shape. {} eigenproblems.",
             sweep.parameter.name, sweep.solved
         )
     }];
@@ -137,7 +136,7 @@ fn events_block(model: &str, sweep: &Sweep, events: &[&LocusEvent]) -> Block {
         columns,
         rows: events.iter().map(row).collect(),
         footnotes: vec![
-            "Crossing: the roots meet and their shapes stay. Veering: the frequencies are nearest here, do not meet, and the shapes change places. Coupling: c²/(c² + (s_a − s_b)²/4), c = φ_aᵀ(dK/dp − λ dM/dp)φ_b, s = dλ/dp. Width: gap in λ over 2c.".to_owned(),
+            "Crossing: the frequencies coincide and the shapes are unchanged. Veering: the frequencies approach each other without coinciding, and the shapes are exchanged. Coupling: c²/(c² + (s_a − s_b)²/4), c = φ_aᵀ(dK/dp − λ dM/dp)φ_b, s = dλ/dp. Width: gap in λ over 2c.".to_owned(),
         ],
     })
 }

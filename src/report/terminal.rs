@@ -1,4 +1,4 @@
-//! Plain text with aligned columns, for a terminal.
+//! The terminal renderer writes plain text with aligned columns.
 
 use unicode_width::UnicodeWidthStr;
 

@@ -8,8 +8,8 @@ use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
 use super::{Block, Cell, Column, Table};
 
-/// Single changes beyond these are not printed; `update.json` has all.
-const PRINTED_CHANGES: usize = 10;
+/// Maximum number of printed changes; `update.json` has all.
+const MAX_PRINTED_CHANGES: usize = 10;
 
 /// All tables of an update.
 pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
@@ -118,7 +118,7 @@ fn residuals(scene_update: &SceneUpdate) -> Option<String> {
     let floor = short(100.0 * scene_update.options.frf_floor);
     let count = scene_update.result.frfs.map(|counts| {
         let (compared, given, lines) = (counts.compared, counts.given, counts.lines);
-        format!("{compared} of {given} functions, {lines} lines in all, ")
+        format!("{compared} of {given}, {lines} lines in all, ")
     });
     let count = count.unwrap_or_default();
     let frfs = |what: &str| {
@@ -272,7 +272,7 @@ fn convergence(result: &UpdateResult) -> String {
 }
 
 fn explanation(explanation: &Explanation) -> Vec<Block> {
-    let printed = |changes: &[Change]| changes.iter().take(PRINTED_CHANGES).map(row).collect();
+    let printed = |changes: &[Change]| changes.iter().take(MAX_PRINTED_CHANGES).map(row).collect();
     let mut single: Vec<Vec<Cell>> = vec![row(&explanation.none)];
     single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
     let proposed = if explanation.proposed.parameters.is_empty() {

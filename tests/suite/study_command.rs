@@ -187,7 +187,7 @@ fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
     let (text, [csv, json, page, figure]) = one;
     assert!(text.contains("the data support 6 roots by BIC"), "{text}");
     assert!(page.contains("one mode at a time is enough for 6 of 6 observable modes"));
-    assert!(csv.lines().count() > 7 && figure.contains("BIC above its least"));
+    assert!(csv.lines().count() > 7 && figure.contains("BIC above its minimum"));
     let study: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(study["schema"], "modalign-order/1");
     let test = &study["tests"][0];

@@ -20,7 +20,7 @@ fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
         // 13920.975 rad/s of the reference at 8 balls, 13765.426 at 10.
         "2215.59",
         "2190.83",
-        "the values are whole",
+        "is an integer that changes the coordinates",
     ] {
         assert!(text.contains(part), "{part}:\n{text}");
     }
@@ -60,7 +60,7 @@ fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
     assert_eq!(rows.len(), 2, "{rows:?}");
     assert!(!rows[1].contains('0'), "{rows:?}");
     assert!(
-        text.contains("a number of parts, which has no derivative"),
+        text.contains("an integer, which has no derivative"),
         "{text}"
     );
 }
