@@ -197,3 +197,12 @@ impl IoError {
         }
     }
 }
+
+/// The error of an output that the operating system refuses.
+pub(super) fn write_failed(path: &str, source: std::io::Error) -> IoError {
+    IoError::System {
+        path: path.to_owned(),
+        action: "write",
+        source,
+    }
+}

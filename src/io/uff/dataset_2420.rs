@@ -12,8 +12,8 @@
 
 use std::io::{self, Write};
 
-use super::dataset_58_write::{fortran, line_text};
 use super::fields::{FieldError, Line, text_or_none};
+use super::fixed_columns::{fortran, line_text};
 use super::records::Records;
 use super::systems::{Placement, RawSystem, code, kind};
 use crate::geometry::CoordinateSystem;

@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::dataset_58_write::{fortran, line_text};
+use super::fixed_columns::{fortran, line_text};
 use super::geometry_write::{frames, node_label};
 use super::mode_note::ModeNote;
 use super::modes::{ALONG, Frames, KINDS, Root};

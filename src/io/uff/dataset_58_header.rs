@@ -7,10 +7,10 @@
 use super::dataset_58::{Characteristic, Spacing};
 use super::dataset_58_axis::even_axis;
 use super::dataset_58_meaning::{AXIS, Ordinate, REFERENCE_REPEAT, REPEAT, ordinate, quantity};
-use super::dataset_58_write::{line_text, twelve_columns};
 use super::dataset_164::Units;
 use super::dof_fields::DofFields;
 use super::fields::{finite, half_unit};
+use super::fixed_columns::{line_text, twelve_columns};
 use crate::dof::Dof;
 use crate::io::note::{is_note_line, pack_fields};
 use crate::io::{Domain, Entry, EntryAxis, FunctionType, IoError, SampleFormat};

@@ -7,6 +7,7 @@ use bytemuck::{AnyBitPattern, NoUninit, cast_slice_mut};
 use num_complex::Complex64;
 
 use super::dataset_58_text::TextBlock;
+use super::dataset_58_width::value_bytes;
 use crate::io::{Block, ReadSeek, SampleFormat};
 
 /// Bytes taken from the file at once where they are not the numbers themselves.
@@ -38,23 +39,6 @@ impl BinaryBlock {
     /// Whether the bytes of a number stand in this machine's order.
     fn is_native(&self) -> bool {
         self.little_endian == cfg!(target_endian = "little")
-    }
-}
-
-/// Bytes of one value.
-pub(super) fn value_bytes(format: SampleFormat) -> u64 {
-    match format {
-        SampleFormat::RealF32 => 4,
-        SampleFormat::RealF64 | SampleFormat::ComplexF32 => 8,
-        SampleFormat::ComplexF64 => 16,
-    }
-}
-
-/// Numbers of one value: a real one, or real and imaginary part.
-pub(super) fn numbers_per_value(format: SampleFormat) -> u64 {
-    match format {
-        SampleFormat::RealF32 | SampleFormat::RealF64 => 1,
-        SampleFormat::ComplexF32 | SampleFormat::ComplexF64 => 2,
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use bytemuck::cast_slice;
 
-use super::dataset_58_samples::numbers_per_value;
+use super::dataset_58_width::numbers_per_value;
 use super::fields::{FieldError, Numbers, Position, data_row};
 use crate::io::{Block, IoError, ReadSeek, SampleFormat};
 

@@ -7,12 +7,11 @@ use bytemuck::cast_slice;
 use num_complex::Complex64;
 
 use super::dataset_58_header::FunctionHeader;
-use super::dataset_58_samples::{numbers_per_value, value_bytes};
-use super::dataset_58_write::{
-    SINGLE_DIGITS, TextRows, binary_head, fortran, text_head, twelve_columns,
-};
+use super::dataset_58_width::{numbers_per_value, value_bytes};
+use super::dataset_58_write::{SINGLE_DIGITS, TextRows, binary_head, text_head};
 use super::fields::finite;
-use super::write::write_failed;
+use super::fixed_columns::{fortran, twelve_columns};
+use crate::io::error::write_failed;
 use crate::io::not_carried::NotCarried;
 use crate::io::{Block, Encoding, IoError, Precision, SampleFormat, Source, WriteOptions};
 

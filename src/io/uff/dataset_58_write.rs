@@ -6,10 +6,9 @@ use std::io::{self, Write};
 use super::dataset_58::Characteristic;
 use super::dataset_58_header::FunctionHeader;
 use super::dof_fields::DofFields;
+use super::fixed_columns::{fortran, twelve_columns};
 use crate::io::SampleFormat;
 
-/// Columns of a text line.
-const LINE_COLUMNS: usize = 80;
 /// Digits behind the point of a number of single precision as text.
 pub(super) const SINGLE_DIGITS: usize = 5;
 
@@ -87,34 +86,6 @@ fn characteristic(field: &Characteristic) -> String {
         "{code:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}\n",
         0, 0, 0
     )
-}
-
-/// A number in at most twelve columns, so that a blank stands before it in its thirteen: seven
-/// digits or, where sign or exponent take columns, fewer.
-pub(super) fn twelve_columns(value: f64) -> String {
-    let mut digits = 6;
-    loop {
-        let text = fortran(value, digits);
-        if text.len() <= 12 || digits == 0 {
-            return text;
-        }
-        digits -= 1;
-    }
-}
-
-/// `1.500000E-05`: a sign and at least two digits in the exponent.
-pub(super) fn fortran(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$E}");
-    match text.split_once('E') {
-        Some((mantissa, exponent)) => {
-            let (sign, exponent) = match exponent.strip_prefix('-') {
-                Some(exponent) => ('-', exponent),
-                None => ('+', exponent),
-            };
-            format!("{mantissa}E{sign}{exponent:0>2}")
-        }
-        None => text,
-    }
 }
 
 /// Everything of a dataset with a binary block, little endian, that stands before its `bytes`
@@ -208,50 +179,5 @@ impl TextRows {
             self.end_row();
         }
         self.write(out)
-    }
-}
-
-/// A text that fits a line and is no delimiter: control characters become blanks, what is behind
-/// column 80 is cut.
-pub(super) fn line_text(text: &str) -> String {
-    let plain: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    let mut plain = plain.trim();
-    while plain.len() > LINE_COLUMNS {
-        let last = plain.char_indices().next_back().map_or(0, |(at, _)| at);
-        plain = plain[..last].trim_end();
-    }
-    if plain == "-1" {
-        "(-1)".to_owned()
-    } else {
-        plain.to_owned()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_fit_their_columns() {
-        for (value, text) in [
-            (1.0 / 51_200.0, "1.953125E-05"),
-            (-0.05, "-5.00000E-02"),
-            (0.0, "0.000000E+00"),
-            (1e-120, "1.00000E-120"),
-            (-1e300, "-1.0000E+300"),
-            (f64::MIN_POSITIVE, "2.22507E-308"),
-        ] {
-            assert_eq!(twelve_columns(value), text);
-        }
-    }
-
-    #[test]
-    fn a_line_of_text_is_one_line_and_no_delimiter() {
-        assert_eq!(line_text(" two\nlines\t"), "two lines");
-        assert_eq!(line_text("-1"), "(-1)");
-        assert_eq!(line_text(&"é".repeat(60)).len(), 80);
     }
 }

@@ -45,21 +45,26 @@ mod dataset_58_meaning;
 mod dataset_58_samples;
 mod dataset_58_text;
 mod dataset_58_values;
+mod dataset_58_width;
 mod dataset_58_write;
 mod dataset_82;
 mod dof_fields;
 mod fields;
+mod fixed_columns;
 mod geometry_write;
 mod lines;
 mod mode_note;
 mod modes;
 mod node_data;
 mod nodes;
+mod qualifiers;
+mod raw_geometry;
 mod records;
 mod scan;
 mod scan_functions;
 mod scan_geometry;
 mod scan_uneven;
+mod scanner;
 mod systems;
 mod write;
 
@@ -93,6 +98,7 @@ pub use write::{FileLabel, write_frfs, write_time_records};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::ops::Range;
 
+use super::error::write_failed;
 use super::memory::{check_range, even_abscissa};
 use super::{
     Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
@@ -102,9 +108,7 @@ use crate::finding::Finding;
 use dataset_58_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
 use dataset_58_text::{TextBlock, copy_abscissa, copy_text, read_text};
 use fields::{dataset_number, is_delimiter};
-
-/// Name of the format.
-const NAME: &str = "uff";
+use scanner::NAME;
 
 /// The universal file format.
 #[derive(Clone, Copy, Debug, Default)]
@@ -128,7 +132,7 @@ impl Format for Uff {
         let mut buffered = BufWriter::new(out);
         let findings = write::write_source(&mut buffered, source, options, false)?;
         let flushed = buffered.flush();
-        flushed.map_err(|source| write::write_failed(&options.path, source))?;
+        flushed.map_err(|source| write_failed(&options.path, source))?;
         Ok(findings)
     }
 

@@ -10,36 +10,15 @@ use std::io;
 use super::dataset_58::{BinaryLine, HEADER_LINES, Header, binary_line, header};
 use super::dataset_58_axis::{Abscissae, has_unknown_unit};
 use super::dataset_58_meaning::{Meaning, meaning};
-use super::dataset_58_samples::{BinaryBlock, Samples, value_bytes};
+use super::dataset_58_samples::{BinaryBlock, Samples};
 use super::dataset_58_text::{TextBlock, read_text};
+use super::dataset_58_width::value_bytes;
 use super::dataset_1858;
 use super::fields::{FieldError, Line, Position, dataset_number};
-use super::scan::{Scanner, header_part};
 use super::scan_uneven::{binary_abscissae, text_abscissae};
+use super::scanner::{Scanner, header_part};
 use crate::finding::{Code, Finding, Severity};
-use crate::io::{EntryAxis, FunctionType, GeneralAxis, IoError, Part, SampleFormat, Window};
-
-/// Qualifiers beside functions: whether they stand before or behind them is what the first of a
-/// file shows.
-#[derive(Debug, Default)]
-pub(super) struct Qualifiers {
-    /// Whether they stand before their function; unknown before the first.
-    lead: Option<bool>,
-    /// Of the function that is to come, and of the one that is being read.
-    next: Option<Window>,
-    current: Option<Window>,
-    /// Number of the last function that began, and of the last one that became an entry.
-    begun: usize,
-    read: usize,
-}
-
-impl Qualifiers {
-    /// A function begins; the qualifiers that stood before it belong to it.
-    fn begin(&mut self) {
-        self.begun += 1;
-        self.current = self.next.take();
-    }
-}
+use crate::io::{EntryAxis, FunctionType, GeneralAxis, IoError, Part, SampleFormat};
 
 impl Scanner {
     /// A function written as text: its end is the next delimiter behind the header.

@@ -7,8 +7,8 @@ use super::dataset_82::Traced;
 use super::fields::{FieldError, Line, Position};
 use super::modes::{Frames, RawMode, measured, names_measurement_system};
 use super::nodes::RawNode;
-use super::scan::{Scanner, units_at};
-use super::systems::{Found, RawSystem, Systems, position_m};
+use super::scanner::{Scanner, units_at};
+use super::systems::{Found, Systems, position_m};
 use super::{
     dataset_15, dataset_18, dataset_55, dataset_82, dataset_2400, dataset_2411, dataset_2412,
     dataset_2414, dataset_2420, dataset_2467,
@@ -20,17 +20,6 @@ use crate::io::{Part, directions_lost};
 /// Largest number of findings about undescribed coordinate systems; a file may have any number of
 /// them.
 const MAX_REPORTED_SYSTEMS: usize = 20;
-
-/// The collected geometry, in file units.
-#[derive(Debug, Default)]
-pub(super) struct RawGeometry {
-    nodes: Vec<RawNode>,
-    systems: Vec<RawSystem>,
-    modes: Vec<RawMode>,
-    model_name: String,
-    /// Analysis types other than modes that were reported.
-    passed_over: BTreeSet<i64>,
-}
 
 /// Whether the dataset of this number is collected here.
 pub(super) fn is_geometry(number: u32) -> bool {

@@ -12,13 +12,14 @@ use std::io::{self, Write};
 use super::dataset_55_write::write_modes;
 use super::dataset_58_header::{Fitted, fit};
 use super::dataset_58_values::{Target, written_format};
-use super::dataset_58_write::line_text;
 use super::dataset_1858;
 use super::dof_fields::DofFields;
+use super::fixed_columns::line_text;
 use super::geometry_write::write_geometry;
 use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::frf::FrfSet;
+use crate::io::error::write_failed;
 use crate::io::not_carried::NotCarried;
 use crate::io::{
     Encoding, FunctionType, IoError, Precision, Source, Window, WriteOptions, frf_source,
@@ -217,13 +218,5 @@ fn unwritable(label: &FileLabel<'_>, what: &'static str, got: String, expected: 
         what,
         got,
         expected,
-    }
-}
-
-pub(super) fn write_failed(path: &str, source: io::Error) -> IoError {
-    IoError::System {
-        path: path.to_owned(),
-        action: "write",
-        source,
     }
 }
