@@ -8,7 +8,7 @@ use crate::modal::{Mode, Scaling};
 
 use super::super::not_carried::NotCarried;
 use super::super::{Catalog, IoError, ModeEntry};
-use super::{Column, FIRST, NAMED};
+use super::column::{Column, FIRST, NAMED};
 
 /// A column with its cells.
 type Cells<'a> = (String, Box<dyn Fn(&Mode) -> Option<String> + 'a>);
