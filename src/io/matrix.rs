@@ -16,18 +16,8 @@ use std::path::Path;
 
 use super::array::source::{names, same_name};
 use super::array::{ArrayStore, Elements, NamedArray};
+use super::matrix_entries::MatrixEntries;
 use super::{IoError, ReadSeek, detect, hdf5, matlab5, matrix_market, numpy};
-
-/// A matrix as its entries that are not zero.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MatrixEntries {
-    /// Rows.
-    pub rows: usize,
-    /// Columns.
-    pub columns: usize,
-    /// Row and column, from 0, and value; entries of one place add up.
-    pub entries: Vec<(usize, usize, f64)>,
-}
 
 /// Bytes by which a file is known.
 const HEAD: u64 = 4096;

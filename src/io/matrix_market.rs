@@ -17,7 +17,7 @@
 
 use std::io::BufRead;
 
-use super::matrix::MatrixEntries;
+use super::matrix_entries::MatrixEntries;
 use super::{IoError, number};
 
 /// The first characters of a file, in any case.

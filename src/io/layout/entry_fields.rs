@@ -1,5 +1,6 @@
 //! This table lists the stored properties of each function by name; writer and reader share it.
 
+use super::arrays::whole;
 use crate::dof::Dof;
 use crate::frf::Estimator;
 use crate::io::{Domain, Entry, EntryAxis, SampleFormat, Window};
@@ -101,7 +102,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
         name: "version",
         get: |entry| entry.identification.version as f64,
         set: |entry, value| {
-            super::whole(value).is_some_and(|version| {
+            whole(value).is_some_and(|version| {
                 entry.identification.version = version;
                 true
             })
@@ -111,7 +112,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
         name: "load_case",
         get: |entry| entry.identification.load_case as f64,
         set: |entry, value| {
-            super::whole(value).is_some_and(|load_case| {
+            whole(value).is_some_and(|load_case| {
                 entry.identification.load_case = load_case;
                 true
             })
@@ -121,7 +122,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
         name: "averages",
         get: |entry| entry.note.averages.map_or(f64::NAN, f64::from),
         set: |entry, value| {
-            let count = super::whole(value).and_then(|count| u32::try_from(count).ok());
+            let count = whole(value).and_then(|count| u32::try_from(count).ok());
             put(&mut entry.note.averages, count)
         },
     },

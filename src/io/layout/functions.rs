@@ -8,8 +8,8 @@ use crate::io::{
     Block, Entry, EntryAxis, IoError, Precision, SampleFormat, Source, sha256_of_bytes,
 };
 
+use super::arrays::{Put, Wanted, numbers, text, texts, whole_numbers};
 use super::entry_fields::{NUMBERS, TEXTS, axis_name, domain_name, format_name};
-use super::{Put, Wanted, numbers, text, texts, whole_numbers};
 
 /// Functions of one type, axis and sample format.
 struct Group {

@@ -4,8 +4,8 @@ use crate::geometry::{CoordinateSystem, Element, Geometry, Group, Node, SystemKi
 use crate::io::IoError;
 use crate::linalg::Vector3;
 
+use super::arrays::{Put, numbers, texts, whole, whole_numbers};
 use super::shelf::Shelf;
-use super::{Put, numbers, texts, whole, whole_numbers};
 use crate::io::not_carried::NotCarried;
 
 /// Kinds of coordinate systems and their names.

@@ -81,6 +81,7 @@
 //! | `modes/dof` | \[dof\] text | degrees of freedom of all shapes |
 //! | `modes/shape_re`, `modes/shape_im` | \[mode, dof\] | shapes; NaN where a mode has no value |
 
+mod arrays;
 mod entry_fields;
 mod functions;
 mod geometry;
@@ -98,14 +99,9 @@ pub(super) use read::{is_layout, open_layout};
 use crate::finding::Finding;
 use crate::io::not_carried::NotCarried;
 
-use super::array::{Elements, NamedArray};
+use super::array::NamedArray;
 use super::{IoError, Precision, Source};
-
-/// The text of the array `schema`.
-pub(super) const SCHEMA: &str = "modalign-frf/1";
-
-/// Takes arrays one after the other.
-pub(super) type Put<'a> = dyn FnMut(NamedArray) -> Result<(), IoError> + 'a;
+use arrays::{Put, SCHEMA, Wanted, text, texts};
 
 /// Emits everything that a source holds as arrays, one after the other, samples in a stated width
 /// or as stored. Arrays of one group follow each other, its samples last.
@@ -145,15 +141,6 @@ pub(super) fn array_names(
     Ok(names)
 }
 
-/// Options of the writers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Wanted {
-    /// Whether arrays of samples are filled, or empty because their names alone are wanted.
-    samples: bool,
-    /// Width of the samples; as stored when not stated.
-    precision: Option<Precision>,
-}
-
 fn emit(source: &mut dyn Source, wanted: Wanted, put: &mut Put) -> Result<Vec<Finding>, IoError> {
     let mut lost = NotCarried::default();
     put(text("schema", SCHEMA))?;
@@ -169,42 +156,4 @@ fn emit(source: &mut dyn Source, wanted: Wanted, put: &mut Put) -> Result<Vec<Fi
     modes::write(&catalog.modes, put, &mut lost)?;
     lost.add("arrays without a stated meaning", catalog.arrays.len());
     Ok(lost.findings())
-}
-
-fn text(name: &str, value: &str) -> NamedArray {
-    texts(name, &[], vec![value.to_owned()])
-}
-
-fn texts(name: &str, shape: &[usize], values: Vec<String>) -> NamedArray {
-    NamedArray {
-        name: name.to_owned(),
-        shape: shape.to_vec(),
-        elements: Elements::Text(values),
-    }
-}
-
-fn numbers(name: &str, shape: &[usize], values: Vec<f64>) -> NamedArray {
-    NamedArray {
-        name: name.to_owned(),
-        shape: shape.to_vec(),
-        elements: Elements::F64(values),
-    }
-}
-
-/// Whole numbers as doubles, and how many of them a double cannot hold.
-fn whole_numbers(values: impl Iterator<Item = i64>) -> (Vec<f64>, usize) {
-    let mut inexact = 0;
-    let values = values.map(|value| {
-        inexact += usize::from(whole(value as f64) != Some(value));
-        value as f64
-    });
-    (values.collect(), inexact)
-}
-
-/// Largest whole number up to which a double holds every one, 2^53.
-const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
-
-/// The whole number that a double holds.
-fn whole(value: f64) -> Option<i64> {
-    (value.fract() == 0.0 && value.abs() <= LARGEST_EXACT).then_some(value as i64)
 }

@@ -9,8 +9,8 @@ use crate::dof::Dof;
 use crate::io::{IoError, ModeEntry, modes_from_json, modes_to_json};
 use crate::modal::{ModalModel, Mode};
 
+use super::arrays::{Put, numbers, text, texts};
 use super::shelf::Shelf;
-use super::{Put, numbers, text, texts};
 use crate::io::not_carried::NotCarried;
 
 /// Emits the modes in ascending frequency. A mode that its text cannot hold (a number that is not

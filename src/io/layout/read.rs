@@ -13,9 +13,10 @@ use crate::io::{
     SampleFormat, Source,
 };
 
+use super::arrays::SCHEMA;
 use super::entry_fields::{NUMBERS, TEXTS, domain_of, format_of};
 use super::shelf::{Shelf, same_shape};
-use super::{SCHEMA, geometry, modes};
+use super::{geometry, modes};
 
 /// Arrays of the samples of a group.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use crate::io::IoError;
 use crate::io::array::bytes::count;
 use crate::io::array::{ArrayStore, Elements};
 
-use super::whole;
+use super::arrays::whole;
 
 /// Lengths other than 1.
 fn lengths(shape: &[usize]) -> impl Iterator<Item = usize> {

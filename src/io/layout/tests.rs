@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use super::drawn_sources::{assert_same, drawn};
 use super::*;
 use crate::axis::{FrequencyAxis, TimeAxis};
-use crate::io::array::ArrayStore;
 use crate::io::array::source::open_arrays;
+use crate::io::array::{ArrayStore, Elements};
 use crate::io::{
     ArrayInfo, Block, Entry, EntryAxis, FunctionType, Hints, MemorySource, SampleFormat,
 };

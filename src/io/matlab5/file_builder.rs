@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{BIG_ENDIAN, HEADER, LITTLE_ENDIAN};
+use super::header::{BIG_ENDIAN, HEADER, LITTLE_ENDIAN};
 
 /// Builds elements in one byte order.
 #[derive(Clone, Copy, Debug)]

@@ -18,6 +18,7 @@
 
 mod bytes;
 mod elements;
+mod header;
 mod list;
 mod store;
 mod values;
@@ -36,13 +37,7 @@ use crate::finding::Finding;
 use super::array::ArrayStore;
 use super::array::source::open_arrays;
 use super::{Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek};
-
-/// Bytes of the header.
-const HEADER: usize = 128;
-
-/// Version and byte-order mark of little-endian and big-endian files, at byte 124.
-const LITTLE_ENDIAN: &[u8] = b"\x00\x01IM";
-const BIG_ENDIAN: &[u8] = b"\x01\x00MI";
+use header::{BIG_ENDIAN, HEADER, LITTLE_ENDIAN};
 
 /// MATLAB file of version 5.
 pub struct Matlab5;

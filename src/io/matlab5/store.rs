@@ -6,9 +6,9 @@ use crate::io::array::bytes::{RecentArrays, Window};
 use crate::io::array::{ArrayStore, Elements, NamedArray, outside};
 use crate::io::{ArrayInfo, IoError, MatrixEntries, ReadSeek};
 
-use super::HEADER;
 use super::bytes::Bytes;
 use super::elements::Reader;
+use super::header::HEADER;
 use super::list::{Content, Listing, Part, list};
 use super::values;
 

@@ -8,7 +8,7 @@ use crate::io::array::{Elements, NamedArray};
 use crate::io::{IoError, Source, WriteOptions, WriteSeek, layout};
 
 use super::elements::{CELL, CHAR, COMPLEX, DOUBLE, MATRIX, SINGLE, STRUCT, UTF8};
-use super::{HEADER, LITTLE_ENDIAN};
+use super::header::{HEADER, LITTLE_ENDIAN};
 
 /// Element types that are written.
 const INT8: u32 = 1;
