@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::dof::Dof;
 use crate::finding::Place;
 
-use super::{Block, Catalog, Damage, Domain, EntryAxis, IoError, Part, ReadSeek, Source};
+use super::sample_range::{check_range, even_abscissa};
+use super::{Block, Catalog, Damage, IoError, Part, ReadSeek, Source};
 
 /// All bytes of an input.
 ///
@@ -92,78 +93,6 @@ impl Source for MemorySource {
 fn replace<T: Copy>(out: &mut Vec<T>, values: &[T]) {
     out.clear();
     out.extend_from_slice(values);
-}
-
-/// An entry that is there and a range inside it.
-///
-/// # Errors
-/// [`IoError::Binary`] for any other.
-pub(super) fn check_range(
-    catalog: &Catalog,
-    entry: usize,
-    range: &Range<usize>,
-) -> Result<(), IoError> {
-    let len = catalog.entries.get(entry).map(super::Entry::len);
-    if len.is_some_and(|len| range.start <= range.end && range.end <= len) {
-        return Ok(());
-    }
-    Err(IoError::Binary {
-        path: catalog.path.clone(),
-        byte: 0,
-        what: "range of samples asked for",
-        got: format!("{range:?} of entry {entry}"),
-        expected: match len {
-            Some(len) => format!("at most {len} samples"),
-            None => format!("one of {} entries", catalog.entries.len()),
-        },
-    })
-}
-
-/// Values of an even abscissa, in s, Hz or the unit of the file.
-///
-/// # Errors
-/// [`IoError::NotStated`] for an uneven one.
-pub(super) fn even_abscissa(
-    catalog: &Catalog,
-    entry: usize,
-    range: Range<usize>,
-    out: &mut Vec<f64>,
-) -> Result<(), IoError> {
-    check_range(catalog, entry, &range)?;
-    out.clear();
-    if range.is_empty() {
-        return Ok(());
-    }
-    let (start, step) = catalog.entries[entry]
-        .axis
-        .even()
-        .ok_or_else(|| IoError::NotStated {
-            path: catalog.path.clone(),
-            what: format!("the abscissa of function {}", entry + 1),
-            expected: "a value for each sample".to_owned(),
-        })?;
-    out.extend(range.map(|i| start + i as f64 * step));
-    Ok(())
-}
-
-impl EntryAxis {
-    /// First value and spacing of an even axis.
-    pub fn even(&self) -> Option<(f64, f64)> {
-        match self {
-            EntryAxis::Time(axis) => Some((axis.start_s, axis.step_s)),
-            EntryAxis::Frequency(axis) => Some((axis.start_hz, axis.step_hz)),
-            EntryAxis::General(axis) => axis.even,
-        }
-    }
-
-    /// The quantity of the axis.
-    pub fn domain(&self) -> Domain {
-        match self {
-            EntryAxis::Time(_) => Domain::Time,
-            EntryAxis::Frequency(_) => Domain::Frequency,
-            EntryAxis::General(axis) => axis.domain,
-        }
-    }
 }
 
 /// Several sources as one: entries, modes and geometry one after the other.

@@ -11,7 +11,9 @@ mod coherence;
 mod damage;
 mod error;
 mod files;
+mod format;
 mod frfs;
+mod function_type;
 mod hdf5;
 mod hit_file;
 mod hit_groups;
@@ -25,11 +27,13 @@ mod memory;
 mod modes_csv;
 mod modes_format;
 mod modes_json;
+mod need;
 mod not_carried;
 mod note;
 mod number;
 mod numpy;
 mod other_quantity;
+mod sample_range;
 mod selection_json;
 mod sources;
 mod stated_window;
@@ -48,18 +52,22 @@ mod modes_csv_tests;
 
 pub use crate::frf::Window;
 pub use catalog::{
-    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, Identification,
-    ModeEntry, SampleFormat,
+    ArrayInfo, Catalog, Domain, Entry, EntryAxis, GeneralAxis, Identification, ModeEntry,
+    SampleFormat,
 };
-use damage::directions_lost;
-pub use damage::{Damage, Need, Part, check_damage};
+pub use damage::{Damage, Part};
 pub use error::IoError;
 pub use files::{
     NewFile, TEMPORARY_PREFIX, bytes_for_path, detect, format_of, open_bytes, open_path,
     sha256_hex, sha256_of_bytes, writable_extensions, write_all_new, write_all_whole,
     write_atomically, write_path,
 };
+pub use format::{
+    Block, Confidence, Encoding, Format, Hints, Precision, ReadSeek, Source, WriteOptions,
+    WriteSeek,
+};
 pub use frfs::frf_sets;
+pub use function_type::FunctionType;
 pub use hdf5::Hdf5;
 pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
 pub use hits::{FileRecording, HitSet, group_hits};
@@ -70,6 +78,7 @@ pub use memory::{MemorySource, Merged};
 pub use modes_csv::ModesCsv;
 pub use modes_format::{ModesJson, modes_of, modes_source};
 pub use modes_json::{MODES_SCHEMA, modes_from_json, modes_to_json};
+pub use need::{Need, check_damage};
 pub use note::FunctionNote;
 pub use numpy::{Npy, Npz};
 pub use selection_json::{SELECTION_SCHEMA, read_selection, selection_from_json};
@@ -77,161 +86,6 @@ pub use sources::{FrfSource, frf_source, hit_source};
 pub use table_spec::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 pub use text::{Pulse, SignalCalc, Table};
 pub use uff::{FileLabel, Uff, write_frfs, write_time_records};
-
-use std::io::{Read, Seek, Write};
-use std::ops::Range;
-
-use num_complex::Complex64;
-
-use crate::finding::Finding;
-
-/// A byte stream that can be read and sought.
-pub trait ReadSeek: Read + Seek + Send {}
-impl<T: Read + Seek + Send> ReadSeek for T {}
-
-/// A byte stream that can be written and sought.
-pub trait WriteSeek: Write + Seek {}
-impl<T: Write + Seek> WriteSeek for T {}
-
-/// How certainly bytes are of a format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Confidence {
-    /// Not this format.
-    No,
-    /// Could be: plain text that any table reader would take.
-    Possible,
-    /// The bytes carry the signature of the format.
-    Certain,
-}
-
-/// The knowledge of the caller about a file beyond its bytes.
-#[derive(Clone, Debug, Default)]
-pub struct Hints {
-    /// Path as given, for messages and findings.
-    pub path: String,
-    /// How to read a table of numbers, or arrays that do not say what they mean.
-    pub table: Option<TableSpec>,
-}
-
-/// A file format that can be read.
-pub trait Format: Sync {
-    /// Name for `--format` and messages.
-    fn name(&self) -> &'static str;
-
-    /// File extensions that ask for it, in lower case; none when it is not written.
-    fn extensions(&self) -> &'static [&'static str] {
-        &[]
-    }
-
-    /// Whether the format is the one of its extension for what a catalogue lists; the first one
-    /// that is writes it.
-    fn takes(&self, _catalog: &Catalog) -> bool {
-        true
-    }
-
-    /// Judges the first bytes of a file (up to 4 KiB).
-    fn detect(&self, head: &[u8]) -> Confidence;
-
-    /// Scans the headers of a file.
-    ///
-    /// # Errors
-    /// [`IoError`] when nothing of the file can be used. A partly bad file opens, and its
-    /// [`Catalog::damage`] says what is missing and where.
-    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError>;
-
-    /// Writes everything that a source holds and the format can; what it cannot is left out with a
-    /// finding of [`crate::finding::Code::NotCarried`].
-    ///
-    /// # Errors
-    /// [`IoError::Unwritable`] for a value that the format has no place for although it holds the
-    /// kind; reading errors of the source; [`IoError::System`] when writing fails.
-    fn write(
-        &self,
-        _out: &mut dyn WriteSeek,
-        _source: &mut dyn Source,
-        options: &WriteOptions,
-    ) -> Result<Vec<Finding>, IoError> {
-        Err(IoError::Unwritable {
-            path: options.path.clone(),
-            what: "this format",
-            got: self.name().to_owned(),
-            expected: "a format that is written".to_owned(),
-        })
-    }
-}
-
-/// How a file is to be written.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct WriteOptions {
-    /// Path, for messages.
-    pub path: String,
-    /// Numbers as bytes or text, where the format has both.
-    pub encoding: Encoding,
-    /// Width of the numbers; as stored when not stated.
-    pub precision: Option<Precision>,
-}
-
-/// Width of numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Precision {
-    /// 32 bits, as measurement systems export.
-    #[default]
-    Single,
-    /// 64 bits.
-    Double,
-}
-
-/// How values are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Encoding {
-    /// As bytes, to the bit.
-    #[default]
-    Binary,
-    /// As text, 13 digits for 64 bits.
-    Text,
-}
-
-/// An opened file: what is in it, and its samples on demand.
-pub trait Source: Send {
-    /// The contents of the headers.
-    fn catalog(&self) -> &Catalog;
-
-    /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.
-    fn take_damage(&mut self) -> Vec<Damage>;
-
-    /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single
-    /// precision stays single.
-    ///
-    /// # Errors
-    /// [`IoError`] with the place when the bytes are not there or are not numbers.
-    fn read(&mut self, entry: usize, range: Range<usize>, block: &mut Block)
-    -> Result<(), IoError>;
-
-    /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of
-    /// the file. A source with uneven axes overrides this method.
-    ///
-    /// # Errors
-    /// As [`Source::read`].
-    fn abscissa(
-        &mut self,
-        entry: usize,
-        range: Range<usize>,
-        out: &mut Vec<f64>,
-    ) -> Result<(), IoError> {
-        memory::even_abscissa(self.catalog(), entry, range, out)
-    }
-}
-
-/// Samples of one entry as the file stores them.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Block {
-    /// Real, single precision.
-    F32(Vec<f32>),
-    /// Real, double precision.
-    F64(Vec<f64>),
-    /// Complex.
-    Complex(Vec<Complex64>),
-}
 
 /// Every format that can be read; the content decides which one a file has.
 pub const FORMATS: &[&dyn Format] = &[

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::memory::check_range;
+use super::sample_range::check_range;
 use super::{
     Block, Catalog, Damage, Entry, EntryAxis, FunctionNote, FunctionType, Identification, IoError,
     MemorySource, SampleFormat, Source,

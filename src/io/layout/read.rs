@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::io::array::bytes::count;
 use crate::io::array::{ArrayStore, Elements};
-use crate::io::memory::{check_range, even_abscissa};
+use crate::io::sample_range::{check_range, even_abscissa};
 use crate::io::{
     Block, Catalog, Damage, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
     SampleFormat, Source,

@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use num_complex::Complex64;
+
 use crate::io::*;
 
 fn unit<T: std::str::FromStr>(text: &str) -> T

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 
 use crate::axis::{FrequencyAxis, TimeAxis};
-use crate::finding::Code;
+use crate::finding::{Code, Finding};
 use crate::io::*;
 use crate::quantity::Quantity;
 use crate::record::Role;

@@ -99,7 +99,7 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::ops::Range;
 
 use super::error::write_failed;
-use super::memory::{check_range, even_abscissa};
+use super::sample_range::{check_range, even_abscissa};
 use super::{
     Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
     WriteSeek,

@@ -15,7 +15,8 @@ use super::{
 };
 use crate::finding::{Code, Finding, Severity};
 use crate::geometry::Node;
-use crate::io::{Part, directions_lost};
+use crate::io::Part;
+use crate::io::need::directions_lost;
 
 /// Largest number of findings about undescribed coordinate systems; a file may have any number of
 /// them.
