@@ -2,6 +2,7 @@
 //! parallelise over problems, but products that say otherwise.
 
 mod compensated;
+mod error;
 #[cfg(test)]
 pub mod faults;
 mod general;
@@ -9,120 +10,48 @@ mod lanczos;
 mod low_modes;
 #[cfg(test)]
 mod low_modes_tests;
+mod matrix;
+mod pencil;
 mod products;
 mod ritz;
 mod scale;
+mod scaled_pair;
 mod semidefinite;
 mod sparse;
+mod sparse_modes;
 #[cfg(test)]
 mod sparse_tests;
+mod split_mix;
 mod svd;
 mod symmetric;
+mod symmetric_solvers;
 mod vectorised;
 pub mod verify;
 
 use faer::linalg::solvers::{Solve, SolveLstsq};
-use faer::{Mat, Side, c64};
+use faer::{Mat, Side};
 use num_complex::Complex64;
 
-pub use compensated::{QuadraticForm, rayleigh_quotients, sparse_rayleigh_quotient};
+pub use compensated::{QuadraticForm, rayleigh_quotients};
+pub use error::LinalgError;
 pub use general::{GeneralModes, complex_eigenvalues, general_modes};
-pub use lanczos::{SparseModes, Wanted, sparse_modes};
+pub use lanczos::{Wanted, sparse_modes};
+pub use matrix::{
+    ComplexMatrix, ComplexView, Matrix3, RealMatrix, Vector3, complex_matrix, not_a_number,
+    real_matrix,
+};
 pub use products::{add_square, adjoint_product, by_column, less_product};
+pub use scaled_pair::SymmetricModes;
 pub use semidefinite::{
     negative_dimension, null_dimension, null_limit, null_vector, principal_block,
     solve_sparse_definite,
 };
-pub use sparse::SparseMatrix;
+pub use sparse::{SparseMatrix, sparse_rayleigh_quotient};
+pub use sparse_modes::SparseModes;
 pub use svd::{SingularVectors, right_singular_vectors, singular_values, singular_vectors};
-pub use symmetric::{SymmetricEigen, SymmetricModes, symmetric_eigen, symmetric_modes};
+pub use symmetric::{symmetric_eigen, symmetric_modes};
+pub use symmetric_solvers::SymmetricEigen;
 pub use vectorised::vectorised;
-
-/// Vector of three, for positions and directions.
-pub type Vector3 = nalgebra::Vector3<f64>;
-/// Matrix of three by three, for rotations.
-pub type Matrix3 = nalgebra::Matrix3<f64>;
-/// Dense real matrix.
-pub type RealMatrix = Mat<f64>;
-/// Dense complex matrix.
-pub type ComplexMatrix = Mat<c64>;
-/// Rows or columns of one.
-pub type ComplexView<'a> = faer::MatRef<'a, c64>;
-
-/// Why a matrix problem has no answer.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LinalgError {
-    /// A mass matrix that is not positive definite.
-    #[error(
-        "mass matrix of {size} coordinates is not positive definite, expected every coordinate to carry mass"
-    )]
-    MassNotPositiveDefinite {
-        /// Its size.
-        size: usize,
-    },
-    /// A matrix that must be positive definite.
-    #[error("a matrix of size {size} is not positive definite to working precision")]
-    NotPositiveDefinite {
-        /// Its size.
-        size: usize,
-    },
-    /// An entry beyond the edge of a matrix.
-    #[error("got an entry at row {row}, column {column} (from 0), expected both below {size}")]
-    OutsideMatrix {
-        /// Row, from 0.
-        row: usize,
-        /// Column, from 0.
-        column: usize,
-        /// Rows and columns of the matrix.
-        size: usize,
-    },
-    /// More modes than can be computed.
-    #[error(
-        "got {got} modes that are asked for, expected at most {most}: a narrower band or a smaller count"
-    )]
-    TooManyModes {
-        /// Asked for.
-        got: usize,
-        /// The most.
-        most: usize,
-    },
-    /// Another number of modes than are counted by inertia.
-    #[error(
-        "got {found} converged modes, expected {needed} by the count of eigenvalues below the limit"
-    )]
-    ModesMissing {
-        /// Converged.
-        found: usize,
-        /// Counted.
-        needed: usize,
-    },
-    /// A decomposition that failed its check.
-    #[error(
-        "{what} of a {rows} x {columns} matrix failed the check: got {got:.1e}, expected at most {limit:.1e}"
-    )]
-    Inaccurate {
-        /// Which decomposition.
-        what: &'static str,
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-        /// Figure of the check.
-        got: f64,
-        /// Its limit.
-        limit: f64,
-    },
-    /// An iteration that did not converge.
-    #[error("{what} of a {rows} x {columns} matrix did not converge")]
-    NotConverged {
-        /// Which decomposition.
-        what: &'static str,
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-    },
-}
 
 /// Complex least squares `min |A x - b|` by QR; `A` is tall with full column rank, `b` has one
 /// column per right-hand side.
@@ -283,11 +212,6 @@ impl ThinQr {
     }
 }
 
-/// A matrix in the place of one that could not be computed.
-pub fn not_a_number(rows: usize, columns: usize) -> ComplexMatrix {
-    Mat::full(rows, columns, Complex64::new(f64::NAN, f64::NAN))
-}
-
 /// The triangle `R` of `A = Q R` of a tall real matrix: `|R x| = |A x|` for every `x`.
 ///
 /// # Errors
@@ -352,20 +276,6 @@ fn inverse_with_ridge(a: &ComplexMatrix, ridge: f64) -> Option<ComplexMatrix> {
     Some(complex_matrix(n, n, |i, j| {
         inverse[(i, j)] * (scale[i] * scale[j])
     }))
-}
-
-/// Complex matrix from a function of row and column.
-pub fn complex_matrix(
-    rows: usize,
-    columns: usize,
-    f: impl FnMut(usize, usize) -> Complex64,
-) -> ComplexMatrix {
-    Mat::from_fn(rows, columns, f)
-}
-
-/// Real matrix from a function of row and column.
-pub fn real_matrix(rows: usize, columns: usize, f: impl FnMut(usize, usize) -> f64) -> RealMatrix {
-    Mat::from_fn(rows, columns, f)
 }
 
 #[cfg(test)]

@@ -17,9 +17,9 @@
 
 use faer::{Mat, MatRef};
 
+use super::RealMatrix;
 use super::scale::exact_reciprocal;
 use super::vectorised::vectorised;
-use super::{RealMatrix, SparseMatrix};
 
 /// Largest power of two of [`equilibration`], and the reciprocal of the smallest: the product of
 /// two is a normal number.
@@ -165,16 +165,8 @@ pub fn rayleigh_quotients(
         .collect()
 }
 
-/// [`rayleigh_quotients`] of one vector with sparse matrices.
-pub fn sparse_rayleigh_quotient(
-    stiffness: &SparseMatrix,
-    mass: &SparseMatrix,
-    x: &[f64],
-) -> (f64, f64) {
-    quotient(stiffness.quadratic_form(x), mass.quadratic_form(x))
-}
-
-fn quotient(strain: QuadraticForm, kinetic: QuadraticForm) -> (f64, f64) {
+/// `phi^T K phi / phi^T M phi` of both forms, with its bound of rounding.
+pub(super) fn quotient(strain: QuadraticForm, kinetic: QuadraticForm) -> (f64, f64) {
     let rounding = f64::EPSILON * strain.magnitude / kinetic.value;
     (strain.value / kinetic.value, rounding)
 }

@@ -9,8 +9,8 @@ use faer::Mat;
 use faer::c64;
 use num_complex::Complex64;
 
-use super::lanczos::SplitMix;
 use super::scale::power_of_two;
+use super::split_mix::SplitMix;
 use super::{ComplexMatrix, LinalgError, RealMatrix, verify};
 
 /// Eigenvalues and right eigenvectors of a general real matrix.

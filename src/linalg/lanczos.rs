@@ -15,13 +15,15 @@
 
 use faer::Mat;
 
-use super::compensated::sparse_rayleigh_quotient;
 use super::low_modes::{
     MAX_MIXED_OVER_SHIFT, MAX_NEXT_SHIFT, MAX_UNSEPARATED_OVER_SHIFT, MIN_SHIFT_OVER_HIGHEST,
     MIN_SHIFT_ROUNDINGS, NEAR_SHIFT, ZERO_ROUNDINGS, orthonormal,
 };
+use super::pencil::{Cholesky, Pencil};
 use super::ritz::{Goal, Ritz};
-use super::sparse::{Cholesky, Pencil, SparseMatrix};
+use super::sparse::{SparseMatrix, sparse_rayleigh_quotient};
+use super::sparse_modes::SparseModes;
+use super::split_mix::SplitMix;
 use super::{LinalgError, RealMatrix, SymmetricEigen, symmetric_eigen, verify};
 
 /// Width of the block: two and more see the double roots of symmetric structures at once; one to
@@ -52,23 +54,6 @@ pub enum Wanted {
     Lowest(usize),
     /// All with omega² below this, (rad/s)².
     Below(f64),
-}
-
-/// Lowest eigenvalues and vectors of `K phi = omega^2 M phi`, none missing.
-#[derive(Clone, Debug)]
-pub struct SparseModes {
-    /// Eigenvalues omega², ascending, (rad/s)².
-    pub omega_squared: Vec<f64>,
-    /// Mass-normalised vectors, one per column.
-    pub vectors: RealMatrix,
-    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`,
-    /// (rad/s)².
-    pub rounding: Vec<f64>,
-    /// The limit below which the eigenvalues were counted, (rad/s)²; `None` where these are all
-    /// there are.
-    pub counted_below: Option<f64>,
-    /// Vectors to which the shifted and inverted pair was applied.
-    pub solves: usize,
 }
 
 /// The lowest modes of a sparse symmetric pair, M positive definite and K positive semidefinite;
@@ -492,22 +477,4 @@ fn subtract(a: &mut RealMatrix, j: usize, i: usize, factor: f64) {
 
 fn scale(a: &mut RealMatrix, j: usize, factor: f64) {
     a.col_mut(j).iter_mut().for_each(|value| *value *= factor);
-}
-
-/// Numbers without a pattern, the same in every run.
-///
-/// # Reference
-/// Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators, OOPSLA, figure 17.
-pub(super) struct SplitMix(pub(super) u64);
-
-impl SplitMix {
-    /// The next number from -1 to 1.
-    pub(super) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }

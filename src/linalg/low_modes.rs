@@ -16,7 +16,8 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
-use super::symmetric::{ScaledPair, SymmetricModes, divide_and_conquer};
+use super::scaled_pair::{ScaledPair, SymmetricModes};
+use super::symmetric_solvers::divide_and_conquer;
 use super::{LinalgError, RealMatrix};
 
 /// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger:

@@ -1,6 +1,6 @@
 //! Ritz values of an iteration: which have converged, and whether they contain the wanted modes.
 
-use super::sparse::Pencil;
+use super::pencil::Pencil;
 use super::{LinalgError, RealMatrix};
 
 /// Eigenvalues nearer than this part are not parted by a limit.

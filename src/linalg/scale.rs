@@ -5,8 +5,10 @@
 //! whatever the matrix is) and the eigenvectors of general real matrices (wrong from entries of
 //! 1e-15 down). LAPACK scales before both. A power of two changes no digit of any entry.
 
-use faer::MatRef;
 use faer::traits::ComplexField;
+use faer::{Mat, MatRef};
+
+use super::RealMatrix;
 
 /// Power of two that brings the largest entry into `[1, 2)`, 1 for a matrix of zeros.
 pub(super) fn power_of_two<T: ComplexField<Real = f64>>(a: MatRef<'_, T>) -> f64 {
@@ -31,6 +33,11 @@ pub(super) fn power_of_four<T: ComplexField<Real = f64>>(a: MatRef<'_, T>) -> f6
 pub(super) fn exact_reciprocal(x: f64) -> f64 {
     let exponent = (x.to_bits() >> 52) as i64 - 1023;
     f64::from_bits(((1023 - exponent).clamp(1, 2046) as u64) << 52)
+}
+
+/// Every entry times a factor.
+pub(super) fn scaled(a: &RealMatrix, factor: f64) -> RealMatrix {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor)
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! All is judged in the scale of the diagonal: `D^-1/2 A D^-1/2` with `D = diag(A)`, which does not
 //! depend on the units of the coordinates.
 
-use super::sparse::{Pencil, SparseMatrix};
+use super::pencil::Pencil;
+use super::sparse::SparseMatrix;
 use super::{LinalgError, RealMatrix, real_matrix};
 
 /// Eigenvalues of the scaled matrix below this many `sqrt(n) eps` are 0. Smaller: rounding counts

@@ -1,7 +1,7 @@
 //! Sparse modes against closed forms with exactly repeated roots: products of uniform bars with
 //! consistent mass.
 
-use super::sparse::Pencil;
+use super::pencil::Pencil;
 use super::*;
 
 /// Tridiagonal matrix of a uniform bar of `h`-long linear elements, with its ends held or free.
@@ -207,7 +207,7 @@ fn a_band_has_exactly_the_modes_below_its_upper_limit() {
 fn the_eigenvalue_count_equals_the_dense_spectrum() {
     let (k, m) = product(7, 2, true);
     let exact = closed_form(7, 2, true);
-    let pencil = sparse::Pencil::new(&k, &m).unwrap();
+    let pencil = pencil::Pencil::new(&k, &m).unwrap();
     for pair in exact.windows(2).filter(|pair| pair[1] - pair[0] > 1e-3) {
         let shift = 0.5 * (pair[0] + pair[1]);
         let expected = exact.partition_point(|value| *value < shift);

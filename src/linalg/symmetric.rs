@@ -6,48 +6,18 @@
 //! lowest modes of a pair are computed a second time by shift and invert (`low_modes`), whose error
 //! is relative to each eigenvalue.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{
-    ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
-};
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Auto, Mat, MatRef, Par, Side};
+use faer::{Mat, Par, Side};
 
-use super::compensated::{QuadraticForm, plain_forms, quadratic_forms};
 use super::low_modes::LowModes;
-use super::scale::{power_of_four, power_of_two};
+use super::scaled_pair::{ScaledPair, SymmetricModes};
+use super::symmetric_solvers::{
+    Solver, SymmetricEigen, divide_and_conquer, not_converged, qr_iteration,
+};
 use super::{LinalgError, RealMatrix, SparseMatrix, verify};
-
-/// Largest bound of the relative rounding of a quadratic form that is summed in the working
-/// precision. Larger: the error of a mode comes near the 1e-9 that it may have. Smaller: time
-/// without use; graded matrices have no terms that cancel.
-const MAX_PLAIN_ERROR: f64 = 1e-10;
-
-/// Eigenvalues and vectors of `K phi = omega^2 M phi`.
-#[derive(Clone, Debug)]
-pub struct SymmetricModes {
-    /// Eigenvalues omega², ascending, (rad/s)².
-    pub omega_squared: Vec<f64>,
-    /// Mass-normalised vectors, one per column, `phi^T M phi = I`.
-    pub vectors: RealMatrix,
-    /// Bound of the change of each omega² by rounding of the entries of K, `eps |phi|^T |K| |phi|`,
-    /// (rad/s)²: computed for the modes whose omega² is below 1e-5 of the largest, where it may
-    /// matter; for the others `eps` times the largest omega².
-    pub rounding: Vec<f64>,
-}
-
-/// Eigenvalues and vectors of a symmetric matrix, `A = Q diag(lambda) Q^T`.
-#[derive(Clone, Debug)]
-pub struct SymmetricEigen {
-    /// Eigenvalues, ascending.
-    pub values: Vec<f64>,
-    /// Orthonormal vectors, one per column.
-    pub vectors: RealMatrix,
-}
 
 /// All eigenvalues and vectors of a symmetric matrix, of which the lower triangle counts.
 ///
@@ -113,9 +83,6 @@ impl SymmetricModes {
     }
 }
 
-/// A solver of the standard problem.
-pub(super) type Solver = fn(&RealMatrix) -> Result<SymmetricEigen, LinalgError>;
-
 /// [`symmetric_modes`] by the first of these solvers of the reduced problem whose result passes the
 /// check.
 pub(super) fn modes_by(
@@ -154,156 +121,6 @@ fn checked_modes(
     modes.take_quotients(pair, low.count());
     verify::scaled_modes(pair, &modes, &low)?;
     Ok(modes)
-}
-
-/// Most entries that are not zero, as a part of all, of a matrix whose products skip its zeros.
-/// Larger: a product with a full matrix is faster. Smaller: time without use.
-const MAX_FILL: f64 = 0.05;
-
-/// A pair brought to entries of order one by powers of two.
-pub(super) struct ScaledPair {
-    pub stiffness: RealMatrix,
-    pub mass: RealMatrix,
-    stiffness_factor: f64,
-    mass_factor: f64,
-    /// Where most entries are zero.
-    sparse_stiffness: Option<SparseMatrix>,
-    sparse_mass: Option<SparseMatrix>,
-}
-
-impl ScaledPair {
-    pub fn new(stiffness: &RealMatrix, mass: &RealMatrix) -> Self {
-        let stiffness_factor = power_of_two(stiffness.as_ref());
-        let mass_factor = power_of_four(mass.as_ref());
-        let (stiffness, mass) = (
-            scaled(stiffness, stiffness_factor),
-            scaled(mass, mass_factor),
-        );
-        Self {
-            sparse_stiffness: without_zeros(&stiffness),
-            sparse_mass: without_zeros(&mass),
-            stiffness,
-            mass,
-            stiffness_factor,
-            mass_factor,
-        }
-    }
-
-    /// `K X`.
-    pub fn stiffness_times(&self, x: MatRef<'_, f64>) -> RealMatrix {
-        match &self.sparse_stiffness {
-            Some(sparse) => sparse.multiply(&x.to_owned()),
-            None => &self.stiffness * x,
-        }
-    }
-
-    /// `M X`.
-    pub fn mass_times(&self, x: MatRef<'_, f64>) -> RealMatrix {
-        match &self.sparse_mass {
-            Some(sparse) => sparse.multiply(&x.to_owned()),
-            None => &self.mass * x,
-        }
-    }
-
-    /// `x^T K x` of every column, with a rounding that is small beside that of the entries of K, or
-    /// beside 1e-10 of the form.
-    pub fn stiffness_forms(&self, x: &RealMatrix) -> Vec<QuadraticForm> {
-        if let Some(sparse) = &self.sparse_stiffness {
-            let column = |j: usize| sparse.quadratic_form(x.col_as_slice(j));
-            return (0..x.ncols()).map(column).collect();
-        }
-        let (mut forms, bound) = plain_forms(&self.stiffness, x);
-        let cancels = |&j: &usize| bound * forms[j].magnitude > MAX_PLAIN_ERROR * forms[j].value;
-        let cancelling: Vec<usize> = (0..x.ncols()).filter(cancels).collect();
-        let chosen = Mat::from_fn(x.nrows(), cancelling.len(), |i, j| x[(i, cancelling[j])]);
-        let exact = quadratic_forms(self.stiffness.as_ref(), chosen.as_ref());
-        for (j, form) in cancelling.into_iter().zip(exact) {
-            forms[j] = form;
-        }
-        forms
-    }
-
-    /// Modes of the scaled pair as those of the pair.
-    fn unscaled(&self, modes: SymmetricModes) -> SymmetricModes {
-        self.converted(
-            modes,
-            self.mass_factor / self.stiffness_factor,
-            self.mass_factor.sqrt(),
-        )
-    }
-
-    /// Modes of the pair as those of the scaled pair.
-    pub fn scaled(&self, modes: SymmetricModes) -> SymmetricModes {
-        let omega_squared = self.stiffness_factor / self.mass_factor;
-        self.converted(modes, omega_squared, self.mass_factor.sqrt().recip())
-    }
-
-    fn converted(
-        &self,
-        mut modes: SymmetricModes,
-        omega_squared: f64,
-        vectors: f64,
-    ) -> SymmetricModes {
-        for values in [&mut modes.omega_squared, &mut modes.rounding] {
-            values.iter_mut().for_each(|value| *value *= omega_squared);
-        }
-        modes.vectors = scaled(&modes.vectors, vectors);
-        modes
-    }
-}
-
-/// Divide and conquer of a matrix brought to entries of order one.
-pub(super) fn divide_and_conquer(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
-    let n = a.nrows();
-    if n == 0 {
-        return Ok(SymmetricEigen {
-            values: Vec::new(),
-            vectors: Mat::zeros(0, 0),
-        });
-    }
-    let factor = power_of_two(a.as_ref());
-    let eigen = scaled(a, factor).self_adjoint_eigen(Side::Lower);
-    let eigen = eigen.map_err(|_| not_converged(n))?;
-    let values = eigen.S().column_vector().iter();
-    Ok(SymmetricEigen {
-        values: values.map(|value| value / factor).collect(),
-        vectors: eigen.U().to_owned(),
-    })
-}
-
-/// Implicit QR iteration of the tridiagonal matrix, several times slower than divide and conquer.
-fn qr_iteration(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
-    let n = a.nrows();
-    if n == 0 {
-        return divide_and_conquer(a);
-    }
-    let factor = power_of_two(a.as_ref());
-    let scaled = scaled(a, factor);
-    let params = SelfAdjointEvdParams {
-        recursion_threshold: usize::MAX,
-        ..<SelfAdjointEvdParams as Auto<f64>>::auto()
-    };
-    let (with_vectors, par) = (ComputeEigenvectors::Yes, Par::Seq);
-    let scratch = self_adjoint_evd_scratch::<f64>(n, with_vectors, par, params.into());
-    let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    let (s, u) = (values.as_mut(), Some(vectors.as_mut()));
-    self_adjoint_evd(scaled.as_ref(), s, u, par, stack, params.into())
-        .map_err(|_| not_converged(n))?;
-    let values = values.column_vector().iter().map(|value| value / factor);
-    Ok(SymmetricEigen {
-        values: values.collect(),
-        vectors,
-    })
-}
-
-fn not_converged(n: usize) -> LinalgError {
-    LinalgError::NotConverged {
-        what: "symmetric eigenvalue iteration",
-        rows: n,
-        columns: n,
-    }
 }
 
 /// The pair in standard form: `M = L L^T`, `A = L^-1 K L^-T`.
@@ -377,29 +194,10 @@ fn is_diagonal(a: &SparseMatrix) -> bool {
     a.entries().all(|(i, j, _)| i == j)
 }
 
-/// A matrix without its zeros, where these are nearly all of it.
-fn without_zeros(a: &RealMatrix) -> Option<SparseMatrix> {
-    let n = a.nrows();
-    // What is not a number is no zero.
-    let column = |j: usize| {
-        let entries = a.col_as_slice(j).iter().enumerate();
-        entries.filter(|(_, value)| value.is_nan() || value.abs() > 0.0)
-    };
-    let count: usize = (0..n).map(|j| column(j).count()).sum();
-    if count as f64 > MAX_FILL * (n * n) as f64 {
-        return None;
-    }
-    let entries = (0..n).flat_map(|j| column(j).map(move |(i, &value)| (i, j, value)));
-    SparseMatrix::from_entries(n, &entries.collect::<Vec<_>>()).ok()
-}
-
-fn scaled(a: &RealMatrix, factor: f64) -> RealMatrix {
-    Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::real_matrix;
+    use super::super::scale::scaled;
     use super::*;
 
     /// Divide and conquer as faer has it: wrong above 128 coordinates for entries of other orders

@@ -19,8 +19,8 @@ use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Mat, MatRef, c64};
 
-use super::lanczos::SplitMix;
-use super::symmetric::SymmetricEigen;
+use super::split_mix::SplitMix;
+use super::symmetric_solvers::SymmetricEigen;
 use super::{ComplexMatrix, LinalgError, RealMatrix};
 
 pub use modes::symmetric_modes;

@@ -3,11 +3,11 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, Par, Side};
 
-use super::super::compensated::sparse_rayleigh_quotient;
-use super::super::lanczos::SparseModes;
 use super::super::low_modes::{Level, LowModes};
-use super::super::symmetric::{ScaledPair, SymmetricModes};
-use super::super::{LinalgError, RealMatrix, SparseMatrix};
+use super::super::scaled_pair::{ScaledPair, SymmetricModes};
+use super::super::sparse::{SparseMatrix, sparse_rayleigh_quotient};
+use super::super::sparse_modes::SparseModes;
+use super::super::{LinalgError, RealMatrix};
 use super::{Check, PROBES, backward, larger, largest, norm_of_row, weighted_signs};
 
 /// Lowest modes whose number is compared with the inertia, where there are as many.
