@@ -16,26 +16,17 @@
 
 use std::f64::consts::TAU;
 
-use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::parameter::check_values;
 use crate::theory::rigid::RigidBodies;
 use crate::theory::spring_assembly::{Machine, Stretch, minus};
-use crate::theory::{
-    Assumption, Coordinate, ModelQuantity, Motion, Nonlinear, ParameterSpec, SystemDerivative,
-    SystemMatrices, TheoreticalModel, TheoryError,
-};
+use crate::theory::{Coordinate, Motion, ParameterSpec};
 
 use super::helical_parameters::{PLANETS, SET_NAMES, parameters};
-use super::helical_response::response_quantities;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 const CENTRE: [Dual; 3] = [Dual::ZERO; 3];
-/// Share of the kinetic energy below which a body counts as stationary: far above the rounding of
-/// repeated roots.
-const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 
 /// The gear with 18 coordinates, or 6 with rigid bearings.
 ///
@@ -43,10 +34,10 @@ const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 /// ... `planet-4`.
 #[derive(Clone, Debug)]
 pub struct HelicalPlanetary {
-    name: String,
-    parameters: Vec<ParameterSpec>,
+    pub(super) name: String,
+    pub(super) parameters: Vec<ParameterSpec>,
     torsional: bool,
-    bodies: RigidBodies,
+    pub(super) bodies: RigidBodies,
 }
 
 /// Angle at which a planet sits, rad.
@@ -94,7 +85,7 @@ impl HelicalPlanetary {
         self.bodies.coordinates.iter().map(of_coordinate).collect()
     }
 
-    fn machine(&self, values: &Values<'_>) -> Machine {
+    pub(super) fn machine(&self, values: &Values<'_>) -> Machine {
         let mut all = Machine::new(&self.bodies.coordinates, self.inertia(values));
         if !self.torsional {
             self.add_bearings(values, &mut all);
@@ -211,73 +202,4 @@ fn bodies(parameters: &[ParameterSpec], torsional: bool) -> RigidBodies {
         add(format!("planet-{n}"), at_m, moves, format!("th_{n}"));
     }
     all
-}
-
-impl TheoreticalModel for HelicalPlanetary {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.parameters
-    }
-
-    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
-        check_values(&self.name, &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, None)).matrices())
-    }
-
-    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
-        check_values(&self.name, &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, Some(j))).derivative())
-    }
-
-    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
-        self.bodies.observation_row(target)
-    }
-
-    fn mode_class(&self, omega_rad_s: f64, shares: &[f64]) -> Option<&'static str> {
-        if omega_rad_s <= 0.0 {
-            return Some("free motion");
-        }
-        let all = || self.bodies.coordinates.iter().zip(shares);
-        let central = |motion: Motion| -> f64 {
-            all()
-                .filter(|(coordinate, _)| {
-                    coordinate.motion == motion && !coordinate.body.starts_with("planet-")
-                })
-                .map(|(_, share)| share)
-                .sum()
-        };
-        let (moves, turns) = (central(Motion::Translation), central(Motion::Rotation));
-        Some(
-            match (
-                moves > MIN_MOVING_ENERGY_SHARE,
-                turns > MIN_MOVING_ENERGY_SHARE,
-            ) {
-                (false, false) => "planet mode: carrier and sun still",
-                (true, false) => "translational mode: carrier and sun do not turn",
-                (false, true) => "rotational mode: carrier and sun turn in place",
-                (true, true) => "coupled",
-            },
-        )
-    }
-
-    fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
-        response_quantities(self, values)
-    }
-
-    fn nonlinear(&self) -> Option<&dyn Nonlinear> {
-        Some(self)
-    }
-
-    fn assumptions(&self) -> Vec<Assumption> {
-        let statements = [
-            "plane motion of rigid bodies: no axial or tilting motion of the helical gears, no backlash",
-            "natural frequencies at rest, with both mesh stiffnesses at the middle of the printed range",
-            "ring of 83 teeth for the printed 82, which neither is coaxial nor lets four planets be assembled; input torque 40/4.952 N m for the printed 9.65, which would accelerate the carrier by 71 rad/s2",
-            "face width, bores, the carrier's disc, the wave of the mesh stiffness and the damping are not printed",
-        ];
-        Assumption::all(&self.name, statements)
-    }
 }

@@ -1,6 +1,7 @@
 //! Transmissions whose models are built in, by name; one file each.
 
 mod cycloid_ball;
+mod cycloid_ball_model;
 mod cycloid_ball_parameters;
 #[cfg(test)]
 mod cycloid_ball_printed_tests;
@@ -20,6 +21,7 @@ mod helical_motion;
 mod helical_motion_tests;
 mod helical_parameters;
 mod helical_planetary;
+mod helical_planetary_model;
 #[cfg(test)]
 mod helical_planetary_tests;
 mod helical_response;
@@ -30,6 +32,7 @@ mod helical_starts_tests;
 #[cfg(test)]
 mod helical_teeth_tests;
 mod spider_reducer;
+mod spider_reducer_model;
 mod spider_reducer_parameters;
 mod spider_reducer_results;
 #[cfg(test)]
@@ -38,6 +41,7 @@ mod spider_reducer_tests;
 mod spider_reducer_variants_tests;
 mod torsional_closed_forms;
 mod torsional_planetary;
+mod torsional_planetary_model;
 #[cfg(test)]
 mod torsional_planetary_tests;
 mod torsional_results;

@@ -20,24 +20,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::parameter::{check_values, nominal_values};
+use crate::theory::parameter::nominal_values;
 use crate::theory::rigid::RigidBodies;
 use crate::theory::spring_assembly::{Machine, Stretch, minus};
-use crate::theory::{
-    Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError,
-};
+use crate::theory::{Coordinate, Motion, ParameterSpec};
 
 use super::spider_reducer_parameters::parameters;
-use super::spider_reducer_results::quantities;
 
 /// Number of spider shafts of the machine.
 const SHAFTS: usize = 4;
-/// Share of the kinetic energy below which a group of bodies counts as stationary: far above
-/// rounding.
-const MIN_MOVING_ENERGY_SHARE: f64 = 1e-9;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -50,9 +42,9 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 /// nominal geometry, the centre of mass of the output at the origin.
 #[derive(Clone, Debug)]
 pub struct SpiderReducer {
-    parameters: Vec<ParameterSpec>,
+    pub(super) parameters: Vec<ParameterSpec>,
     shafts: usize,
-    bodies: RigidBodies,
+    pub(super) bodies: RigidBodies,
 }
 
 impl SpiderReducer {
@@ -140,7 +132,7 @@ impl SpiderReducer {
         self.bodies.coordinates.iter().map(of_coordinate).collect()
     }
 
-    fn machine(&self, values: &Values<'_>) -> Machine {
+    pub(super) fn machine(&self, values: &Values<'_>) -> Machine {
         let mut all = Machine::new(&self.bodies.coordinates, self.inertia(values));
         for axis in [X, Y] {
             let axis = axis.map(Dual::constant);
@@ -209,7 +201,7 @@ impl SpiderReducer {
         minus(gear, machine.point("output", on_ring, action))
     }
 
-    fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
+    pub(super) fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
         let specs = &self.parameters;
         Values { specs, values, by }
     }
@@ -223,62 +215,4 @@ fn crank_angle(values: &Values<'_>, i: usize) -> Dual {
 /// The arm to a station on the axis.
 fn along(station: Dual) -> [Dual; 3] {
     [Dual::ZERO, Dual::ZERO, station]
-}
-
-impl TheoreticalModel for SpiderReducer {
-    fn name(&self) -> &str {
-        "spider reducer HJW-18B"
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.parameters
-    }
-
-    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
-        check_values(self.name(), &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, None)).matrices())
-    }
-
-    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
-        check_values(self.name(), &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, Some(j))).derivative())
-    }
-
-    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
-        self.bodies.observation_row(target)
-    }
-
-    fn mode_class(&self, _omega_rad_s: f64, shares: &[f64]) -> Option<&'static str> {
-        let share = |start: &str| -> f64 {
-            let all = self.bodies.coordinates.iter().zip(shares);
-            let matching = all.filter(|(coordinate, _)| coordinate.body.starts_with(start));
-            matching.map(|(_, share)| share).sum()
-        };
-        let subsystems = [
-            ("output", "compound, output shaft leads"),
-            ("input", "compound, input shaft leads"),
-            ("shaft-", "compound, spider shafts lead"),
-            ("gear-", "compound, spider gears lead"),
-        ];
-        if share("shaft-") > 1.0 - MIN_MOVING_ENERGY_SHARE {
-            return Some("spider shafts alone, gears still");
-        }
-        let leading = subsystems
-            .iter()
-            .max_by(|a, b| share(a.0).total_cmp(&share(b.0)));
-        leading.map(|(_, class)| *class)
-    }
-
-    fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
-        quantities(self, values)
-    }
-
-    fn assumptions(&self) -> Vec<Assumption> {
-        let statements = [
-            "every mass, moment of inertia and station is assumed: the paper prints none; the spin inertia of the spider shafts and the rear bearing of the output are chosen so that the first and the ninth root are the printed 66.2 and 272.6 Hz",
-            "rigid bodies on massless springs, bearings alike along x and y, mean mesh stiffness; no gyroscopic, centrifugal or preload terms, no damping",
-            "the rotation of the input shaft is held, as in the paper",
-        ];
-        Assumption::all(self.name(), statements)
-    }
 }

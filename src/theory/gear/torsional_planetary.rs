@@ -14,36 +14,27 @@
 //! Wang et al. (2005), Natural characteristics and mode jumps of planetary gear transmissions (in
 //! Chinese), Journal of Vibration Engineering 18(4), 412, equations 1 to 19.
 
-use crate::geometry::Target;
 use crate::theory::dual::{Dual, Values};
-use crate::theory::parameter::check_values;
 use crate::theory::rigid::RigidBodies;
 use crate::theory::spring_assembly::Machine;
-use crate::theory::{
-    Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, ParameterStatus,
-    SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError,
-};
+use crate::theory::{Coordinate, Motion, ParameterSpec, ParameterStatus};
 
 use super::torsional_closed_forms::{ClosedForms, Fixed};
-use super::torsional_results::quantities;
 use ParameterStatus::{Inferred, Printed};
 
 /// The sets: the machine of table 2, whose carrier has a support, and those with one member fixed.
 pub(super) const SET_NAMES: &[&str] = &["table-2", "carrier-fixed", "ring-fixed", "sun-fixed"];
-
-/// Share of the kinetic energy below which a body counts as stationary: far above rounding.
-const MIN_MOVING_ENERGY_SHARE: f64 = 1e-12;
 
 /// The gear with `3 + N` coordinates, or `2 + N` with one member fixed.
 ///
 /// Bodies and coordinates: `carrier` (uc), `ring` (ur), `sun` (us), `planet-1` (u1) ... `planet-N`.
 #[derive(Clone, Debug)]
 pub struct TorsionalPlanetary {
-    name: String,
-    parameters: Vec<ParameterSpec>,
+    pub(super) name: String,
+    pub(super) parameters: Vec<ParameterSpec>,
     planets: usize,
     fixed: Option<Fixed>,
-    bodies: RigidBodies,
+    pub(super) bodies: RigidBodies,
 }
 
 impl TorsionalPlanetary {
@@ -80,7 +71,7 @@ impl TorsionalPlanetary {
         })
     }
 
-    fn machine(&self, values: &Values<'_>) -> Machine {
+    pub(super) fn machine(&self, values: &Values<'_>) -> Machine {
         let inertia = |coordinate: &Coordinate| match coordinate.body.as_str() {
             "carrier" => values.get("m_c"),
             "ring" => values.get("m_r"),
@@ -117,7 +108,7 @@ impl TorsionalPlanetary {
         all.position(|coordinate| coordinate.name == name)
     }
 
-    fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
+    pub(super) fn values<'a>(&'a self, values: &'a [f64], by: Option<usize>) -> Values<'a> {
         let specs = &self.parameters;
         Values { specs, values, by }
     }
@@ -139,57 +130,6 @@ impl TorsionalPlanetary {
             k_r: get("k_r"),
             k_s: get("k_s"),
         })
-    }
-}
-
-impl TheoreticalModel for TorsionalPlanetary {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.parameters
-    }
-
-    fn assemble(&self, values: &[f64]) -> Result<SystemMatrices, TheoryError> {
-        check_values(&self.name, &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, None)).matrices())
-    }
-
-    fn derivative(&self, values: &[f64], j: usize) -> Result<SystemDerivative, TheoryError> {
-        check_values(&self.name, &self.parameters, values)?;
-        Ok(self.machine(&self.values(values, Some(j))).derivative())
-    }
-
-    /// A coordinate; a point of a body has no reading, since the radii are not known.
-    fn observation_row(&self, _values: &[f64], target: &Target) -> Result<Vec<f64>, TheoryError> {
-        self.bodies.observation_row(target)
-    }
-
-    fn mode_class(&self, omega_rad_s: f64, shares: &[f64]) -> Option<&'static str> {
-        if omega_rad_s <= 0.0 {
-            return Some("free motion");
-        }
-        let all = self.bodies.coordinates.iter().zip(shares);
-        let planets = all.filter(|(coordinate, _)| coordinate.body.starts_with("planet-"));
-        let planets: f64 = planets.map(|(_, share)| share).sum();
-        Some(if planets > 1.0 - MIN_MOVING_ENERGY_SHARE {
-            "planet mode: carrier, ring and sun still"
-        } else {
-            "rotational mode: planets alike"
-        })
-    }
-
-    fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
-        quantities(self, values)
-    }
-
-    fn assumptions(&self) -> Vec<Assumption> {
-        let statements = [
-            "torsion alone: no body is displaced; rigid bodies on massless springs, no gyroscopic terms, no damping",
-            "the three printed rotational frequencies of table 2 need a carrier of 7.54 kg with the support of 1e9 N/m on it, and 4 planets; the printed 4.90 kg without the planets it carries (4 times 0.66 kg, not printed) misses by up to 18 %",
-        ];
-        Assumption::all(&self.name, statements)
     }
 }
 
