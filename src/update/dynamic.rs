@@ -28,8 +28,8 @@ use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::{Condensation, SystemDerivative, SystemMatrices, TheoryModes};
 
 use super::UpdateError;
-use super::residual::{Projection, dot};
-use super::target::TargetShapes;
+use super::projection::{Projection, dot};
+use super::target_shapes::TargetShapes;
 
 /// Constant data of a target.
 #[derive(Clone, Debug)]

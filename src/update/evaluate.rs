@@ -4,6 +4,10 @@ use crate::theory::{SystemMatrices, TheoryModes};
 
 use super::Link;
 
+/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)`
+/// above `nu`.
+const DEVIATIONS: f64 = 2.0;
+
 /// The model at one point.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
@@ -33,4 +37,9 @@ impl Evaluation {
         let data = &self.residual[..self.data_rows];
         data.iter().map(|r| r * r).sum()
     }
+}
+
+/// `nu + 2 sqrt(2 nu)`.
+pub(super) fn largest_chi_square(nu: f64) -> f64 {
+    nu + DEVIATIONS * (2.0 * nu).sqrt()
 }

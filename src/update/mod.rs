@@ -19,12 +19,15 @@ mod options;
 mod parameter;
 mod parameter_subsets;
 mod problem;
+mod projection;
 mod residual;
 mod residual_selection;
 mod result;
 mod shape_continuation;
 mod solve;
 mod target;
+mod target_shapes;
+mod trust_region;
 
 #[cfg(test)]
 mod cycloid_tests;
@@ -57,5 +60,6 @@ pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
 };
-pub use solve::{MultiStart, Solution, solve, solve_from_starts};
+pub use solve::{MultiStart, solve, solve_from_starts};
 pub use target::{MeasuredModes, ReversedSensors, ShapeWeights, Target};
+pub use trust_region::Solution;

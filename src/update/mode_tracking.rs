@@ -6,7 +6,7 @@ use crate::linalg::RealMatrix;
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
 
-use super::target::TargetShapes;
+use super::target_shapes::TargetShapes;
 use super::{Target, UpdateError};
 
 /// Shares below this are not looked at when modes are followed.

@@ -13,8 +13,10 @@
 
 use rayon::prelude::*;
 
-use super::result::{Fit, fit, largest_chi_square};
-use super::solve::{Solution, solve_from_starts};
+use super::evaluate::largest_chi_square;
+use super::result::{Fit, fit};
+use super::solve::solve_from_starts;
+use super::trust_region::Solution;
 use super::{UpdateError, UpdateProblem};
 
 /// Pairs are tried among this many of the best single parameters.

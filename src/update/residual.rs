@@ -10,20 +10,15 @@
 //! the sensors, both divided by the deviations: the residual of a shape with free scale.
 //! With equal deviations `sigma` of all `d` components, whose root mean square is 1, its square is
 //! `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
-//!
-//! # Reference
-//! Golub and Pereyra (1973), SIAM J. Numer. Anal. 10, 413, equation 4.7 (derivative of a
-//! projection).
 
 use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 use crate::theory::{ModeDerivatives, TheoryModes};
 
-use super::target::TargetShapes;
+use super::projection::{Projection, dot};
+use super::target_shapes::TargetShapes;
 use super::{Link, Target, UpdateError};
 
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
-/// A vector of which less than this part is independent of those before adds no direction.
-const DEPENDENT: f64 = 1e-8;
 /// Minimum ratio of the smallest to the largest singular value of the coefficients of measured
 /// shapes that separate the branches of a root.
 const MIN_SINGULAR_VALUE_RATIO: f64 = 0.2;
@@ -233,114 +228,4 @@ impl<'a> LinkResidual<'a> {
         let mac = |v: &Vec<f64>| 1.0 - square(&projection.rest(v)) / square(v);
         shapes.vectors.iter().map(mac).reduce(f64::min)
     }
-}
-
-/// The model's shapes `Phi = Q R` at the sensors; linearly dependent columns are left
-/// out.
-pub(super) struct Projection {
-    q: Vec<Vec<f64>>,
-    /// Columns of the upper triangle.
-    r: Vec<Vec<f64>>,
-    /// Which modes they are, by their place in the link.
-    columns: Vec<usize>,
-}
-
-impl Projection {
-    /// Of the shapes of modes of the model at the sensors of a target.
-    pub fn of_modes(shapes: &TargetShapes, modes: &TheoryModes, nearest: &[usize]) -> Self {
-        let (d, n) = (shapes.rows.nrows(), shapes.rows.ncols());
-        let column = |&mode: &usize| {
-            let reading = |row: usize| -> f64 {
-                let parts = (0..n).map(|i| shapes.rows[(row, i)] * modes.vectors[(i, mode)]);
-                parts.sum()
-            };
-            (0..d).map(reading).collect()
-        };
-        Self::of_columns(nearest.iter().map(column))
-    }
-
-    /// Of any columns.
-    pub fn of_columns(columns: impl Iterator<Item = Vec<f64>>) -> Self {
-        let mut projection = Self {
-            q: Vec::new(),
-            r: Vec::new(),
-            columns: Vec::new(),
-        };
-        for (k, column) in columns.enumerate() {
-            projection.add(k, column);
-        }
-        projection
-    }
-
-    fn add(&mut self, k: usize, vector: Vec<f64>) {
-        let length = dot(&vector, &vector).sqrt();
-        let mut column = vec![0.0; self.q.len()];
-        let mut rest = vector;
-        // Twice, so that the rounding of the first pass is removed as well.
-        for _ in 0..2 {
-            for (q, entry) in self.q.iter().zip(&mut column) {
-                let part = dot(q, &rest);
-                *entry += part;
-                rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
-            }
-        }
-        let left = dot(&rest, &rest).sqrt();
-        if left > DEPENDENT * length {
-            column.push(left);
-            self.q.push(rest.iter().map(|r| r / left).collect());
-            self.r.push(column);
-            self.columns.push(k);
-        }
-    }
-
-    /// `(I - Q Q^T) v`.
-    pub fn rest(&self, v: &[f64]) -> Vec<f64> {
-        let mut rest = v.to_vec();
-        for q in &self.q {
-            let part = dot(q, &rest);
-            rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
-        }
-        rest
-    }
-
-    /// `R^-1 Q^T v`.
-    pub fn coefficients(&self, v: &[f64]) -> Vec<f64> {
-        let mut c: Vec<f64> = self.q.iter().map(|q| dot(q, v)).collect();
-        for k in (0..c.len()).rev() {
-            c[k] /= self.r[k][k];
-            for i in 0..k {
-                c[i] -= self.r[k][i] * c[k];
-            }
-        }
-        c
-    }
-
-    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the rest of `v`.
-    pub fn derivative(&self, v: &[f64], change: &RealMatrix) -> Vec<f64> {
-        let m = self.q.len();
-        let (rest, d) = (self.rest(v), v.len());
-        let c = self.coefficients(v);
-        let column = |row: usize, k: usize| change[(row, self.columns[k])];
-        let moved: Vec<f64> = (0..d)
-            .map(|row| (0..m).map(|k| column(row, k) * c[k]).sum())
-            .collect();
-        let mut y: Vec<f64> = (0..m)
-            .map(|k| (0..d).map(|row| column(row, k) * rest[row]).sum())
-            .collect();
-        for k in 0..m {
-            for i in 0..k {
-                y[k] -= self.r[k][i] * y[i];
-            }
-            y[k] /= self.r[k][k];
-        }
-        let mut result: Vec<f64> = self.rest(&moved).iter().map(|x| -x).collect();
-        for (q, y) in self.q.iter().zip(&y) {
-            result.iter_mut().zip(q).for_each(|(r, q)| *r -= q * y);
-        }
-        result
-    }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -252,7 +252,7 @@ impl UpdateProblem<'_> {
     }
 }
 
-type DynamicPair<'a> = (&'a super::target::TargetShapes, &'a DynamicTarget);
+type DynamicPair<'a> = (&'a super::target_shapes::TargetShapes, &'a DynamicTarget);
 
 /// The columns of several parts, one part below the other.
 fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {

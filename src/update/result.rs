@@ -4,16 +4,15 @@
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
 
+use super::evaluate::largest_chi_square;
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{Combination, Identifiability, Verdict};
-use super::solve::{MultiStart, SAME_OPTIMUM, Solution, solve, solve_from_starts};
+use super::solve::{MultiStart, SAME_OPTIMUM, solve, solve_from_starts};
+use super::trust_region::Solution;
 use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProblem};
 
 /// A parameter nearer to its bound than this part of a prior deviation is at it.
 const AT_BOUND: f64 = 1e-6;
-/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)`
-/// above `nu`.
-const DEVIATIONS: f64 = 2.0;
 /// How often FRFs are fitted, each time with the damping that fits the frequencies found before.
 const FRF_ROUNDS: usize = 2;
 /// Two-sided 95 % of a normal distribution.
@@ -190,11 +189,6 @@ impl UpdateResult {
     pub fn fits(&self) -> bool {
         self.reduced_chi_square() <= self.largest_reduced_chi_square()
     }
-}
-
-/// `nu + 2 sqrt(2 nu)`.
-pub(super) fn largest_chi_square(nu: f64) -> f64 {
-    nu + DEVIATIONS * (2.0 * nu).sqrt()
 }
 
 /// Updates a model: the best of several starts; a parameter that the test does not see goes back to

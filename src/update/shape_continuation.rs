@@ -9,22 +9,13 @@
 //! # Reference
 //! Blake and Zisserman (1987), Visual Reconstruction, chapter 7 (graduated non-convexity).
 
-use super::result::largest_chi_square;
-use super::solve::{Solution, solve_from};
-use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
+use super::trust_region::{Solution, solve_from};
+use super::{Evaluation, UpdateError, UpdateProblem};
 
 /// Weights of shapes, one after the other, before the stated weight.
 const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
 /// Steps on the line from the model as it stands to a start.
 const STEPS: usize = 20;
-
-/// Whether residuals of modes end above what noise explains.
-pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
-    let of_modes = problem.options.residuals != Residuals::ModalDynamic && !problem.compares_frfs;
-    let free = problem.free.len();
-    let nu = problem.data_count(at).saturating_sub(free).max(1) as f64;
-    of_modes && at.chi_square() > largest_chi_square(nu)
-}
 
 /// From the pairs of the start.
 pub(super) fn with_pairs_of_the_start(

@@ -7,11 +7,12 @@ use crate::correlate::DofMap;
 use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
-use crate::linalg::{RealMatrix, real_matrix};
+use crate::linalg::real_matrix;
 use crate::modal::{ModalModel, Mode};
 use crate::theory::TheoreticalModel;
 
 use super::dynamic::DynamicTarget;
+use super::target_shapes::TargetShapes;
 use super::{UpdateError, UpdateOptions};
 
 /// The modes of a test, or a list of published frequencies: modes without shapes, several of one
@@ -108,28 +109,6 @@ impl Target {
         let vectors = self.shapes.iter().flat_map(|shapes| &shapes.vectors);
         let of_shape = vectors.map(|v| v.len().saturating_sub(self.modes.len()));
         1 + of_shape.sum::<usize>()
-    }
-}
-
-/// Shapes of a target at the degrees of freedom that test and model share, everything divided by
-/// the deviations.
-#[derive(Clone, Debug)]
-pub(super) struct TargetShapes {
-    /// One row for each degree of freedom, one column for each coordinate of the model.
-    pub rows: RealMatrix,
-    /// One vector for each mode.
-    pub vectors: Vec<Vec<f64>>,
-}
-
-impl TargetShapes {
-    /// With deviations divided by a factor.
-    pub fn scaled(&self, factor: f64) -> Self {
-        let (rows, vectors) = (&self.rows, self.vectors.iter());
-        let scaled = |v: &Vec<f64>| v.iter().map(|x| factor * x).collect();
-        Self {
-            rows: real_matrix(rows.nrows(), rows.ncols(), |i, j| factor * rows[(i, j)]),
-            vectors: vectors.map(scaled).collect(),
-        }
     }
 }
 
