@@ -10,10 +10,10 @@ use super::chance::{ChanceLevel, MIN_DOFS_OF_SHAPE, Setting, effective_part};
 use super::global_stiffness_factor::{Unlike, common_factor};
 use super::modal_contribution::{ModalContribution, shares};
 use super::model_roots::{Root, elastic_modes, elastic_roots};
-use super::pairing::{
-    Basis, Competitor, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, Partner, Shapes, UnpairedRoot,
-    Verdict,
+use super::partner::{
+    Basis, Competitor, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, Partner, UnpairedRoot, Verdict,
 };
+use super::shapes::Shapes;
 use super::{CorrelateError, PairOptions, assign};
 
 /// Cost of a pair at both gates, and of leaving a test mode and a theory mode over: a pair inside

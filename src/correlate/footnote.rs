@@ -5,7 +5,7 @@ use std::fmt;
 use crate::finding::Code;
 
 use super::chance::MIN_DOFS_OF_SHAPE;
-use super::table::{PairedTest, Row, Status, TestCell};
+use super::table_row::{PairedTest, Row, Status, TestCell};
 use super::{Basis, ChanceLevel, ErrorReference};
 
 /// A sentence under the table.

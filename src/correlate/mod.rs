@@ -23,13 +23,16 @@ mod nearest;
 mod observability;
 mod options;
 mod pairing;
+mod partner;
 mod placement;
 mod placement_candidates;
 pub mod published;
 mod reversed_sensors;
+mod shapes;
 mod subspace;
 mod table;
 mod table_cell;
+mod table_row;
 
 #[cfg(test)]
 mod alignment_tests;
@@ -58,11 +61,10 @@ pub use observability::{
     RootDamping, observability,
 };
 pub use options::{ErrorReference, PairOptions};
-pub use pairing::{
-    Basis, Competitor, NearMiss, Pair, Pairing, Partner, UnpairedRoot, Verdict, pair,
-};
-pub use placement::{Candidates, Placement, PlannedRoot, RankedHit, Step, placement};
+pub use pairing::{Pairing, pair};
+pub use partner::{Basis, Competitor, NearMiss, Pair, Partner, UnpairedRoot, Verdict};
+pub use placement::{Placement, PlannedRoot, RankedHit, Step, placement};
+pub use placement_candidates::Candidates;
 pub use subspace::{principal_angles_deg, subspace_mac};
-pub use table::{
-    ComparisonTable, PairedTest, Row, Status, TestCell, TestSummary, TheoryCell, compare,
-};
+pub use table::{ComparisonTable, TestSummary, compare};
+pub use table_row::{PairedTest, Row, Status, TestCell, TheoryCell};

@@ -20,7 +20,7 @@ use crate::modal::ModalModel;
 
 use super::model_roots::Root;
 use super::observability::modal_mass_kg;
-use super::pairing::Shapes;
+use super::shapes::Shapes;
 
 /// Deviation of a measured value from any sum of the theory's modes, over the root mean square of
 /// the shape.

@@ -18,17 +18,8 @@ use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
 use super::observability::{NotJudged, Sight};
-use super::placement_candidates::{Added, AllPoints, NewPoints, Row, Target, squared};
+use super::placement_candidates::{Added, AllPoints, Candidates, NewPoints, Row, Target, squared};
 use super::subspace::orthonormal;
-
-/// Points that a test could have.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Candidates {
-    /// Points that can be hit.
-    pub hits: Vec<Dof>,
-    /// Points that can carry a sensor.
-    pub sensors: Vec<Dof>,
-}
 
 /// Points to add to a test.
 #[derive(Clone, Debug, PartialEq)]

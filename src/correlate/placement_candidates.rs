@@ -15,7 +15,15 @@ use super::observability::{
     LARGEST_STD_OF_SPACING, NODE_FRACTION_OF_LARGEST, NotJudged, PEAK_OVER_NOISE_DB, Peak, Sight,
     over_root_mass,
 };
-use super::placement::Candidates;
+
+/// Points that a test could have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidates {
+    /// Points that can be hit.
+    pub hits: Vec<Dof>,
+    /// Points that can carry a sensor.
+    pub sensors: Vec<Dof>,
+}
 
 /// Points to be added together.
 #[derive(Clone, Copy, Debug, Default)]

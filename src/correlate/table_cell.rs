@@ -8,7 +8,7 @@ use crate::modal::{ModalModel, Mode};
 
 use super::chance::MIN_DOFS_OF_SHAPE;
 use super::model_roots::Root;
-use super::table::{PairedTest, Status, TestCell};
+use super::table_row::{PairedTest, Status, TestCell};
 use super::{
     Basis, ChanceLevel, Competitor, ErrorReference, Observability, Pair, PairOptions, Partner,
     Verdict, observability,

@@ -5,8 +5,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::finding::{Code, Finding, Place};
 use crate::modal::ModalModel;
 
-use super::pairing::Shapes;
 use super::pairing_tests::{blend, mode, model, paired, repeated, shape};
+use super::shapes::Shapes;
 use super::*;
 
 #[test]

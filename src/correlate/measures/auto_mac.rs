@@ -6,9 +6,9 @@ use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
 use super::super::model_roots::check_model;
-use super::super::pairing::Shapes;
+use super::super::shapes::Shapes;
 use super::super::{CorrelateError, DofMap, PairOptions};
-use super::{MacMatrix, ModeName};
+use super::mac_matrix::{MacMatrix, ModeName};
 
 /// When two modes of one set are duplicates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -5,10 +5,10 @@ use serde::Serialize;
 use crate::modal::ModalModel;
 
 use super::super::model_roots::elastic_modes;
-use super::super::pairing::Shapes;
+use super::super::shapes::Shapes;
 use super::super::subspace::principal_angles_deg;
 use super::super::{CorrelateError, Pair, Pairing};
-use super::ModeName;
+use super::mac_matrix::ModeName;
 
 /// Neighbouring modes nearer than this part of the higher frequency are one cluster.
 pub const CLUSTER_WIDTH: f64 = 0.02;

@@ -19,6 +19,7 @@ mod auto_mac;
 mod cluster;
 mod coordinate;
 mod frf;
+mod mac_matrix;
 mod orthogonality;
 mod pair_shapes;
 mod serep_modes;
@@ -28,7 +29,7 @@ use serde::Serialize;
 
 use crate::modal::{ModalModel, modal_scale_factor};
 
-use super::pairing::Shapes;
+use super::shapes::Shapes;
 use super::{CorrelateError, PairOptions, Pairing};
 
 pub use auto_mac::{AutoMac, Duplicate, DuplicateLimits, auto_mac};
@@ -37,6 +38,7 @@ pub use coordinate::CoordinateMac;
 pub use frf::{
     BandCorrelation, FrfCorrelation, FunctionCorrelation, LineCorrelation, frf_correlation,
 };
+pub use mac_matrix::{DofRange, MacMatrix, ModeName};
 pub use orthogonality::{
     Orthogonality, ReducedMass, Reduction, SensorRow, orthogonality, orthogonality_dofs,
     reduced_mass,
@@ -49,77 +51,6 @@ use auto_mac::at_sensors;
 use cluster::clusters;
 use coordinate::coordinates;
 use pair_shapes::PairShapes;
-
-/// Degrees of freedom that the numbers of a matrix rest on, which differ where shapes have gaps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
-pub struct DofRange {
-    /// The fewest.
-    pub fewest: usize,
-    /// The most.
-    pub most: usize,
-}
-
-impl DofRange {
-    /// Over some counts; zero of none.
-    pub(super) fn over(counts: impl Iterator<Item = usize> + Clone) -> Self {
-        Self {
-            fewest: counts.clone().min().unwrap_or(0),
-            most: counts.max().unwrap_or(0),
-        }
-    }
-}
-
-/// A mode as rows and columns name it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ModeName {
-    /// Its number in its model, from 1.
-    pub mode: usize,
-    /// Its natural frequency, Hz.
-    pub hz: f64,
-}
-
-impl ModeName {
-    pub(super) fn all(model: &ModalModel) -> Vec<Self> {
-        let modes = (1..).zip(&model.modes);
-        modes
-            .map(|(mode, source)| Self {
-                mode,
-                hz: source.frequency_hz,
-            })
-            .collect()
-    }
-}
-
-/// Modal assurance criterion of every mode of one set with every mode of another,
-/// [`crate::modal::mac`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MacMatrix {
-    /// Modes of the rows: of the test.
-    pub rows: Vec<ModeName>,
-    /// Modes of the columns: of the theory.
-    pub columns: Vec<ModeName>,
-    /// MAC; `None` where a mode has no shape or is zero there, or fewer than two degrees of freedom
-    /// are common.
-    pub mac: Vec<Vec<Option<f64>>>,
-    /// Degrees of freedom at which both modes of a pair have values.
-    pub dofs: DofRange,
-}
-
-impl MacMatrix {
-    pub(super) fn new(rows: &ModalModel, columns: &ModalModel, shapes: &Shapes) -> Self {
-        let pairs =
-            (0..rows.modes.len()).flat_map(|i| (0..columns.modes.len()).map(move |j| (i, j)));
-        Self {
-            rows: ModeName::all(rows),
-            columns: ModeName::all(columns),
-            mac: shapes.mac_matrix(),
-            dofs: match shapes.count_of_all() {
-                Some(count) => DofRange::over(std::iter::once(count)),
-                None => DofRange::over(pairs.map(|(i, j)| shapes.common_count(i, j))),
-            },
-        }
-    }
-}
 
 /// A pair of any two modes with frequencies and MAC: a point of the plot in which the MAC stands
 /// over both frequencies, so that shapes that agree at the wrong frequency are seen as such.

@@ -10,10 +10,10 @@ use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{SystemMatrices, guyan, serep_expansion};
 
 use super::super::model_roots::{elastic_modes, highest_rigid_hz};
-use super::super::pairing::without_rounding;
+use super::super::shapes::without_rounding;
 use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
-use super::ModeName;
+use super::mac_matrix::ModeName;
 
 /// Part of a test shape outside the modes of a SEREP reduction above which its orthogonality is a
 /// finding.

@@ -4,7 +4,7 @@
 use num_complex::Complex64;
 
 use super::super::Pairing;
-use super::super::pairing::Shapes;
+use super::super::shapes::Shapes;
 use super::super::subspace::projection;
 
 /// Values of one test mode and of its partner at every common degree of freedom; `None` where one

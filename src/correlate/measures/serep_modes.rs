@@ -6,7 +6,7 @@ use crate::dof::Dof;
 use crate::modal::ModalModel;
 
 use super::super::model_roots::elastic_modes;
-use super::super::pairing::without_rounding;
+use super::super::shapes::without_rounding;
 
 /// Minimum length of a shape outside the modes kept before, over the largest reading of a kept
 /// mode. At 1/100 an error of 1 % at the sensors becomes as large as the shape.

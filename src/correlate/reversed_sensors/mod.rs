@@ -17,7 +17,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::{ModalModel, ModeShape};
 
-use super::pairing::Shapes;
+use super::shapes::Shapes;
 use super::{CorrelateError, DofMap, PairOptions};
 
 use hypotheses::{Hypothesis, hypotheses};

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::super::chance::{ChanceLevel, Setting, effective_part};
 use super::super::model_roots::{Root, elastic_modes, elastic_roots};
-use super::super::pairing::{MIN_SHAPE_DOFS, Shapes};
+use super::super::shapes::{MIN_SHAPE_DOFS, Shapes};
 use super::super::subspace::orthonormal;
 use super::super::{PairOptions, assign};
 use crate::modal::ModalModel;
