@@ -11,7 +11,7 @@ use crate::geometry::Sensor;
 use crate::linalg::{self, ComplexMatrix, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Pole, Scaling, modal_phase_collinearity};
 
-use super::eigen::check_sensors;
+use super::sensor_modes::check_sensors;
 use super::{
     Coordinate, ModeOptions, SystemMatrices, TheoreticalModel, TheoryError, modes_of_matrices,
 };

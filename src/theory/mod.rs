@@ -13,6 +13,7 @@ mod condensation;
 mod condensation_tests;
 #[cfg(test)]
 mod condensation_uses_tests;
+mod condensed_modes;
 mod damped;
 mod description;
 mod direct_frf;
@@ -33,6 +34,7 @@ mod lumped;
 mod lumped_description;
 mod mass_error;
 mod massless;
+mod model_roots;
 mod nearest_name;
 mod parameter;
 mod property;
@@ -45,6 +47,7 @@ mod residues;
 mod response;
 mod rigid;
 mod sensitivity;
+mod sensor_modes;
 mod sparse;
 mod spring_assembly;
 mod sweep;
@@ -80,8 +83,8 @@ pub use description::{
     BeamDescription, BeamFile, End, PointMassDescription, SCHEMA, SpringDescription, Value,
 };
 pub use direct_frf::direct_receptance;
-pub use eigen::{ModeOptions, TheoryModes, modes, modes_of_matrices};
-pub use energy::{ModelRoot, StrainShares, model_roots};
+pub use eigen::{ModeOptions, TheoryModes, modes_of_matrices};
+pub use energy::StrainShares;
 pub use error::TheoryError;
 pub use external::{ExternalMatrices, ExternalModel, MatrixSet, StatedDamping};
 pub use gear::{
@@ -92,6 +95,7 @@ pub use lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
 pub use mass_error::MassError;
+pub use model_roots::{ModelRoot, model_roots};
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
@@ -104,8 +108,10 @@ pub use sensitivity::{
     ModeDerivatives, RootSensitivity, mode_derivatives, model_sensitivities, sensitivities,
     system_derivatives,
 };
+pub use sensor_modes::modes;
 pub use sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
-pub use sweep::{EventKind, Locus, LocusEvent, Sweep, SweepRange, sweep};
+pub use sweep::{Locus, Sweep, SweepRange, sweep};
+pub use sweep_events::{EventKind, LocusEvent};
 
 /// Kind of motion of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

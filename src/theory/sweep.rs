@@ -15,7 +15,7 @@ use crate::axis::Band;
 
 use super::parameter::{check_values, index_of};
 use super::sparse::DEFAULT_MODES;
-use super::sweep_events::events;
+use super::sweep_events::{LocusEvent, events};
 use super::sweep_track::{ModeTrack, ModeTracker, Sample};
 use super::{
     ModeOptions, ModelRoot, ParameterSpec, TheoreticalModel, TheoryError, model_roots, modes,
@@ -100,47 +100,6 @@ pub struct Locus {
     pub omega_rad_s: Vec<Option<f64>>,
     /// Class of the motion at the first value, in the words of the model.
     pub class: Option<String>,
-}
-
-/// Interaction of two loci.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EventKind {
-    /// They meet without interaction and keep their shapes.
-    Crossing,
-    /// They come near, do not meet, and exchange their shapes.
-    Veering,
-}
-
-impl EventKind {
-    /// Printed name.
-    pub fn name(self) -> &'static str {
-        match self {
-            EventKind::Crossing => "crossing",
-            EventKind::Veering => "veering",
-        }
-    }
-}
-
-/// A crossing or a veering.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocusEvent {
-    /// Crossing or veering.
-    pub kind: EventKind,
-    /// Indices of the two loci, the one that is lower before the event first.
-    pub loci: [usize; 2],
-    /// Value of the parameter where they meet, or where their frequencies are nearest.
-    pub place: f64,
-    /// Their frequencies there, Hz.
-    pub frequency_hz: [f64; 2],
-    /// Distance of their frequencies there, Hz; 0 at a crossing.
-    pub gap_hz: f64,
-    /// Coupling factor there, 0 (none) to 1: `c^2/(c^2 + (s_a - s_b)^2/4)` with the slopes `s =
-    /// dlambda/dp` and the coupling `c = phi_a^T (dK/dp - lambda dM/dp) phi_b`, lambda the mean of
-    /// both (the cross-sensitivity quotient).
-    pub coupling: f64,
-    /// The change of the parameter over which a veering takes place, `gap in lambda / 2 c`; `None`
-    /// for a crossing.
-    pub width: Option<f64>,
 }
 
 /// A model swept over one parameter.

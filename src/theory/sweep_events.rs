@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use crate::linalg::RealMatrix;
 
 use super::TheoryError;
-use super::sweep::{EventKind, LocusEvent};
 use super::sweep_track::{ModeTrack, ModeTracker, Sample, pairs, zero_between};
 
 /// The least veering index: more than half of how a shape changes comes from the other one of the
@@ -14,6 +13,47 @@ const VEERING_INDEX: f64 = 0.5;
 /// On both sides a pair must part to this multiple of its least distance in lambda: half of the
 /// exchange of shapes lies within.
 const PARTED: f64 = std::f64::consts::SQRT_2;
+
+/// Interaction of two loci.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventKind {
+    /// They meet without interaction and keep their shapes.
+    Crossing,
+    /// They come near, do not meet, and exchange their shapes.
+    Veering,
+}
+
+impl EventKind {
+    /// Printed name.
+    pub fn name(self) -> &'static str {
+        match self {
+            EventKind::Crossing => "crossing",
+            EventKind::Veering => "veering",
+        }
+    }
+}
+
+/// A crossing or a veering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusEvent {
+    /// Crossing or veering.
+    pub kind: EventKind,
+    /// Indices of the two loci, the one that is lower before the event first.
+    pub loci: [usize; 2],
+    /// Value of the parameter where they meet, or where their frequencies are nearest.
+    pub place: f64,
+    /// Their frequencies there, Hz.
+    pub frequency_hz: [f64; 2],
+    /// Distance of their frequencies there, Hz; 0 at a crossing.
+    pub gap_hz: f64,
+    /// Coupling factor there, 0 (none) to 1: `c^2/(c^2 + (s_a - s_b)^2/4)` with the slopes `s =
+    /// dlambda/dp` and the coupling `c = phi_a^T (dK/dp - lambda dM/dp) phi_b`, lambda the mean of
+    /// both (the cross-sensitivity quotient).
+    pub coupling: f64,
+    /// The change of the parameter over which a veering takes place, `gap in lambda / 2 c`; `None`
+    /// for a crossing.
+    pub width: Option<f64>,
+}
 
 /// Crossings and veerings of families of modes, in the order of their places.
 pub(super) fn events(
