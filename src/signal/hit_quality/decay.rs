@@ -2,8 +2,9 @@
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
+use super::JudgeLimits;
+use super::check::{Check, Outcome, Rule, beyond};
 use super::pretrigger::{VARIANCE_DEVIATIONS, rms_about};
-use super::{Check, JudgeLimits, Outcome, Rule, beyond};
 
 /// The last part of the record by which its end is judged, and the first and last by which its
 /// drift is: an eighth.

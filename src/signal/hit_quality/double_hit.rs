@@ -31,8 +31,9 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::linalg::vectorised;
 
 use super::super::Pulse;
+use super::JudgeLimits;
+use super::check::{Check, Outcome, Rule};
 use super::pretrigger::{converter_step, trimmed_deviation};
-use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Samples on both sides of the pulse that belong to it: the foot below the onset threshold.
 const FOOT: usize = 2;

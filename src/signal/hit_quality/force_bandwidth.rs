@@ -3,7 +3,8 @@
 use crate::fourier::ForwardPlan;
 
 use super::super::Pulse;
-use super::{Check, JudgeLimits, Outcome, Rule, beyond};
+use super::JudgeLimits;
+use super::check::{Check, Outcome, Rule, beyond};
 
 /// Frequency lines per 1/length of the pulse: the frequency where the spectrum crosses a level is
 /// found to 1/16 of 1/length.

@@ -10,8 +10,9 @@
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::super::Extent;
+use super::JudgeLimits;
+use super::check::{Check, Outcome, Rule};
 use super::pretrigger::converter_step;
-use super::{Check, JudgeLimits, Outcome, Rule};
 
 /// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.
 const RAIL_STEPS: f64 = 4.5;

@@ -5,7 +5,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
-use super::{Check, JudgeLimits, Outcome, Rule, beyond};
+use super::JudgeLimits;
+use super::check::{Check, Outcome, Rule, beyond};
 
 /// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in
 /// it.
