@@ -8,24 +8,25 @@
 //! are read from all hits, one at a time, transformed and summed, so that nothing larger than the
 //! forces of one point, a record of each thread and the finished functions is held.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::axis::TimeAxis;
+use crate::axis::{Band, TimeAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::fourier::ForwardPlan;
 use crate::record::{Hit, HitInfo, InMemory, Recording, Samples};
 
-use crate::signal::{JudgeLimits, lane_count};
+use crate::signal::lane_count;
 
 use super::force::{Extent, ForceHit, read_force};
 use super::frf_estimation::{
     Estimation, Finished, Group, SharedRecording, Task, Work, force_power,
 };
 use super::preconditions::check;
+use super::selection::Selection;
 use super::truncation::{QuarterEnergies, truncation_finding};
 use super::usable_band::ForcePower;
 use super::variance::independent_lines;
@@ -40,28 +41,6 @@ pub struct Estimated {
     pub truncation: BTreeMap<(Dof, Dof), Truncation>,
 }
 
-/// Which hits are averaged.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
-    /// Their numbers, from 0.
-    pub hits: Vec<usize>,
-    /// Limits by which a single clipped response is left out of its function; `None` keeps all.
-    pub overloads: Option<JudgeLimits>,
-    /// Hits of which no response is left out, from 0.
-    pub accepted: BTreeSet<usize>,
-}
-
-impl Selection {
-    /// So many hits from the first on, all of them as they are.
-    pub fn all(count: usize) -> Self {
-        Self {
-            hits: (0..count).collect(),
-            overloads: None,
-            accepted: BTreeSet::new(),
-        }
-    }
-}
-
 /// Estimates the FRF of every (response, hit point) pair of hits in memory: [`estimate_recording`]
 /// of all of them.
 ///
@@ -70,6 +49,18 @@ impl Selection {
 pub fn estimate(hits: &[Hit], options: &EstimateOptions) -> Result<FrfSet, FrfError> {
     let all = Selection::all(hits.len());
     Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.set)
+}
+
+/// The valid band of hits in memory, see [`super::FrfSet::valid_band`].
+///
+/// # Errors
+/// As [`super::estimate()`]; [`FrfError::BandEmpty`] when less than two lines are left.
+pub fn usable_band(hits: &[Hit], options: &EstimateOptions) -> Result<Band, FrfError> {
+    let set = estimate(hits, options)?;
+    set.valid_band.ok_or(FrfError::BandEmpty {
+        lo_hz: set.axis().hz(1),
+        hi_hz: 0.0,
+    })
 }
 
 /// The limit of the truncation error of each function, from its record: see [`Truncation`].

@@ -14,10 +14,11 @@ use crate::signal::{Extent, offset_of, overloaded, to_si};
 use super::coherence::coherence;
 use super::force::ForceHit;
 use super::preconditions::kind_of;
+use super::selection::Selection;
 use super::spectra_sums::{LineError, Sums};
 use super::truncation::QuarterEnergies;
 use super::variance::{Averaged, NoisePowers, variances};
-use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData, Selection};
+use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData};
 
 /// The hits at one point, with their forces.
 pub(super) struct Group<'a> {

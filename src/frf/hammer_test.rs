@@ -6,25 +6,14 @@ use std::collections::BTreeSet;
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::record::Recording;
-use crate::signal::{ExponentialWindow, JudgeLimits, Outcome, Rule};
+use crate::signal::{ExponentialWindow, Outcome, Rule};
 
 use super::consistency::check_set;
-use super::estimate::{Estimated, Selection, estimate_recording};
+use super::estimate::{Estimated, estimate_recording};
+use super::hammer_options::{HammerOptions, ResponseWindow};
 use super::hit_report::{HitReport, judge};
+use super::selection::Selection;
 use super::{EstimateOptions, FrfError};
-
-/// The exponential window on force and responses.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub enum ResponseWindow {
-    /// None where the responses have decayed to 1 % when their records end; else one that falls to
-    /// 1 %.
-    #[default]
-    Auto,
-    /// None.
-    Off,
-    /// One that falls to this fraction at the end of the record.
-    End(f64),
-}
 
 /// Value at the end of the record of a window that is not specified (Fladung and Rost 1997,
 /// Application and correction of the exponential window for frequency response functions: about 1
@@ -33,26 +22,6 @@ const WINDOW_END: f64 = 0.01;
 
 /// Largest truncation error of H at which its sign at a resonance is tested: two degrees of phase.
 const MAX_TRUNCATION_ERROR: f64 = 0.035;
-
-/// How a recorded hammer test becomes FRFs.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct HammerOptions {
-    /// Estimator, force window, offsets. Exponential window and cut are decided here.
-    pub estimate: EstimateOptions,
-    /// The exponential window.
-    pub response_window: ResponseWindow,
-    /// Whether what lies before each pulse is left out; with an exponential window alone when not
-    /// stated.
-    pub cut_pretrigger: Option<bool>,
-    /// Limits of the rules.
-    pub limits: JudgeLimits,
-    /// Numbers, from 1, of hits that are used whatever the rules say.
-    pub accept: BTreeSet<usize>,
-    /// Numbers, from 1, of hits that are not used whatever the rules say.
-    pub reject: BTreeSet<usize>,
-    /// Judge, but use every hit that `reject` does not name.
-    pub keep_all: bool,
-}
 
 /// The result of a hammer test.
 #[derive(Clone, Debug)]

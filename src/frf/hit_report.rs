@@ -17,8 +17,9 @@ use crate::signal::{
     judge_force, judge_levels, judge_response, to_si,
 };
 
+use super::FrfError;
+use super::hammer_options::HammerOptions;
 use super::preconditions::check;
-use super::{FrfError, HammerOptions};
 
 /// Responses of a hit that are judged.
 const JUDGED_RESPONSES: usize = 4;

@@ -3,10 +3,8 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, TimeAxis};
-use crate::record::Hit;
 
-use super::estimate::estimate;
-use super::{EstimateOptions, FrfError};
+use super::FrfError;
 
 /// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in
 /// most analysers).
@@ -17,18 +15,6 @@ const LOWEST_POWER: f64 = 1e-2;
 
 /// Lines of a running median: hum and drift fill less than half of them.
 const SMOOTHED: usize = 9;
-
-/// The valid band of hits in memory, see [`super::FrfSet::valid_band`].
-///
-/// # Errors
-/// As [`super::estimate()`]; [`FrfError::BandEmpty`] when less than two lines are left.
-pub fn usable_band(hits: &[Hit], options: &EstimateOptions) -> Result<Band, FrfError> {
-    let set = estimate(hits, options)?;
-    set.valid_band.ok_or(FrfError::BandEmpty {
-        lo_hz: set.axis().hz(1),
-        hi_hz: 0.0,
-    })
-}
 
 /// Power of the force at every line, summed over hits.
 pub(super) struct ForcePower {

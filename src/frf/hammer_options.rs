@@ -1,0 +1,40 @@
+//! The options of a hammer test state its estimator, its window and its accepted hits.
+
+use std::collections::BTreeSet;
+
+use crate::signal::JudgeLimits;
+
+use super::EstimateOptions;
+
+/// The exponential window on force and responses.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum ResponseWindow {
+    /// None where the responses have decayed to 1 % when their records end; else one that falls to
+    /// 1 %.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// One that falls to this fraction at the end of the record.
+    End(f64),
+}
+
+/// How a recorded hammer test becomes FRFs.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct HammerOptions {
+    /// Estimator, force window, offsets. Exponential window and cut are decided here.
+    pub estimate: EstimateOptions,
+    /// The exponential window.
+    pub response_window: ResponseWindow,
+    /// Whether what lies before each pulse is left out; with an exponential window alone when not
+    /// stated.
+    pub cut_pretrigger: Option<bool>,
+    /// Limits of the rules.
+    pub limits: JudgeLimits,
+    /// Numbers, from 1, of hits that are used whatever the rules say.
+    pub accept: BTreeSet<usize>,
+    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    pub reject: BTreeSet<usize>,
+    /// Judge, but use every hit that `reject` does not name.
+    pub keep_all: bool,
+}
