@@ -117,6 +117,9 @@ pub struct Plan {
     pub stability: Option<StabilityPlan>,
 }
 
+/// Name of the numerical part beside the slices.
+pub(super) const STABILITY: &str = "stability";
+
 const DEFAULT_DRAWS: u32 = 80;
 const DEFAULT_REFINE: u32 = 2;
 const MAX_REFINE: u32 = 6;
@@ -358,7 +361,7 @@ fn check_name(key: &str, name: &str, before: &[Slice]) -> Result<(), BreakdownEr
         let expected = "letters, digits, hyphens, points and underscores: it is a file's name";
         return Err(wrong(&format!("{key}.name"), name, expected));
     }
-    if name == super::store::STABILITY || before.iter().any(|slice| slice.name == name) {
+    if name == STABILITY || before.iter().any(|slice| slice.name == name) {
         return Err(wrong(
             &format!("{key}.name"),
             name,

@@ -6,9 +6,10 @@ use sha2::{Digest, Sha256};
 use crate::scene::Observer;
 use crate::study::Meter;
 
+use super::BreakdownError;
+use super::plan::{Plan, STABILITY};
 use super::slice::{MethodTime, Slice, SliceResult};
 use super::stability::{Stability, StabilityPlan};
-use super::{BreakdownError, Plan};
 
 /// Keeps finished slices by name. The library touches no file: the caller decides where to keep
 /// them, and keeps a text completely or not at all.
@@ -59,8 +60,6 @@ struct Kept<T> {
 /// The schema text of a kept slice; a change of the random draws changes its number.
 const SCHEMA: &str = "modalign-breakdown-slice/1";
 const TIMES_SCHEMA: &str = "modalign-breakdown-times/1";
-/// Name of the numerical part beside the slices.
-pub const STABILITY: &str = "stability";
 
 /// The results of a study.
 #[derive(Clone, Debug, Default)]

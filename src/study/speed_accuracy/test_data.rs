@@ -10,7 +10,8 @@ use crate::modal::{ModalModel, Mode};
 
 use super::super::{DetectionCounts, Judge, Meter, Method, REFINED, StudyError, System, TrueMode};
 use super::data::TestSets;
-use super::{DataRow, SpeedAccuracyOptions, SpeedLimits, Timing, front};
+use super::result::{DataRow, SpeedLimits, Timing};
+use super::{SpeedAccuracyOptions, front};
 
 /// Signal-to-noise ratio of FRFs without a stated variance, dB: all modes count as observable.
 const UNSTATED_SNR_DB: f64 = 120.0;

@@ -5,7 +5,8 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::{LINES, Modes, Problem, Rounded, SAMPLES, TOP_HZ, normal_equations, roots, single};
+use super::modes::{LINES, Modes, SAMPLES, TOP_HZ};
+use super::problem::{Problem, Rounded, normal_equations, roots, single};
 
 const STEP_S: f64 = 0.5 / TOP_HZ;
 

@@ -7,7 +7,8 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use super::{LINES, Modes, Problem, Rounded, TOP_HZ, normal_equations, roots, single};
+use super::modes::{LINES, Modes, TOP_HZ};
+use super::problem::{Problem, Rounded, normal_equations, roots, single};
 
 const TOP_RAD_S: f64 = std::f64::consts::TAU * TOP_HZ;
 
