@@ -11,23 +11,9 @@ use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::Quantity;
 
 use super::draft_columns::arrays_text;
-use super::toml_text::FILL_IN;
+use super::draft_file::{DraftFile, file_text};
+use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
-
-/// One exported file.
-#[derive(Clone, Copy, Debug)]
-pub struct DraftFile<'a> {
-    /// Its path as the scene is to name it.
-    pub path: &'a str,
-    /// Contents of its headers.
-    pub catalog: &'a Catalog,
-    /// The response of what does not name one.
-    pub response: Option<&'a Dof>,
-    /// The hit point of what does not name one.
-    pub reference: Option<&'a Dof>,
-    /// Whether part of it is bad, and its good part is sufficient.
-    pub partial: bool,
-}
 
 /// Statements of the user in addition to the files.
 #[derive(Clone, Copy, Debug, Default)]
@@ -362,38 +348,6 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     text
 }
 
-/// `[[test.file]]` with the points that a file leaves open.
-pub(super) fn file_text(
-    file: &DraftFile,
-    response: bool,
-    reference: bool,
-    dofs: &mut BTreeSet<Dof>,
-) -> String {
-    let mut text = format!("[[test.file]]\npath = {}\n", quoted(file.path));
-    let points = [
-        (
-            response,
-            "response",
-            file.response,
-            "point and direction of the sensor, such as 1:+Z",
-        ),
-        (
-            reference,
-            "reference",
-            file.reference,
-            "the hit point, such as 2:+Z",
-        ),
-    ];
-    for (_, key, stated, what) in points.iter().filter(|point| point.0) {
-        let _ = match stated {
-            Some(dof) => writeln!(text, "{key} = \"{dof}\""),
-            None => writeln!(text, "{key} = \"{FILL_IN}\"   # {what}"),
-        };
-        dofs.extend(stated.map(Dof::positive));
-    }
-    text
-}
-
 fn model_text(model: Option<&DraftModel>) -> String {
     match model {
         Some(model) => format!("\n[model]\n{}\n", model.line),
@@ -481,9 +435,4 @@ fn axis_text(entry: &Entry) -> String {
         EntryAxis::Frequency(axis) => format!(", {} lines by {} Hz each", axis.len, axis.step_hz),
         EntryAxis::General(axis) => format!(", {} values each", axis.len),
     }
-}
-
-/// A text as TOML writes it.
-pub(super) fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }

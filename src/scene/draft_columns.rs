@@ -6,8 +6,8 @@ use std::fmt::Write;
 use crate::dof::Dof;
 use crate::io::ArrayInfo;
 
-use super::draft::{DraftFile, file_text, quoted};
-use super::toml_text::FILL_IN;
+use super::draft_file::{DraftFile, file_text};
+use super::toml_text::{FILL_IN, quoted};
 
 /// Maximum number of columns of an array that is listed column by column.
 const MAX_COLUMNS: usize = 16;

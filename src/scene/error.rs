@@ -117,3 +117,13 @@ fn also(lines: &[usize]) -> String {
         _ => format!(" (lines {} as well)", numbers.join(", ")),
     }
 }
+
+/// The error of a key with what was got and what is expected.
+pub(super) fn value_error(path: &str, key: &str, got: &str, expected: &str) -> SceneError {
+    SceneError::Value {
+        path: path.to_owned(),
+        key: key.to_owned(),
+        got: got.to_owned(),
+        expected: expected.to_owned(),
+    }
+}

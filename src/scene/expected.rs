@@ -16,9 +16,9 @@ use crate::correlate::published::{
 use crate::theory::ModelRoot;
 
 use super::SceneError;
-use super::model::{check_schema, value_error};
-use super::published_claims::{ClaimTable, check_names, claim};
-use super::toml_text::{parse, read_text};
+use super::error::value_error;
+use super::published_claims::{ClaimTable, check_names, check_one_of, claim};
+use super::toml_text::{check_schema, parse, read_text};
 
 /// The schema text of published results.
 pub const EXPECTED_SCHEMA: &str = "modalign-expected/1";
@@ -278,18 +278,4 @@ fn check_frequency(hz: f64, path: &str, key: &str) -> Result<(), SceneError> {
 
 fn twice(path: &str, key: &str) -> SceneError {
     value_error(path, key, "the same name twice", "each one once")
-}
-
-pub(super) fn check_one_of<'a>(
-    name: &str,
-    known: impl Iterator<Item = &'a String>,
-    path: &str,
-    key: &str,
-) -> Result<(), SceneError> {
-    let known: Vec<&String> = known.collect();
-    if known.iter().any(|candidate| *candidate == name) {
-        return Ok(());
-    }
-    let expected = format!("one of {known:?}");
-    Err(value_error(path, key, &format!("{name:?}"), &expected))
 }

@@ -17,9 +17,9 @@ use crate::signal::TriggerOptions;
 
 use super::SceneError;
 use super::columns::{table_spec, window};
+use super::error::value_error;
 use super::file_dofs::dofs_of_files;
-use super::model::value_error;
-use super::plan::FilePlan;
+use super::test_plan::FilePlan;
 use super::trigger::cut;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 

@@ -44,8 +44,8 @@ use crate::theory::{
 };
 
 use super::SceneError;
-use super::model::{check_schema, value_error};
-use super::toml_text::{parse, read_text};
+use super::error::value_error;
+use super::toml_text::{check_schema, parse, read_text};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

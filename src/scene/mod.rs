@@ -7,6 +7,7 @@ mod columns;
 mod damage;
 mod draft;
 mod draft_columns;
+mod draft_file;
 mod error;
 mod expected;
 mod figures;
@@ -17,6 +18,8 @@ mod matrices;
 #[cfg(test)]
 mod matrices_tests;
 mod model;
+mod model_kind;
+mod model_name;
 mod modes_file;
 mod observer;
 mod placement;
@@ -30,6 +33,8 @@ mod result;
 mod run;
 mod synth_spec;
 mod synth_truth;
+mod test_plan;
+mod test_result;
 mod toml_text;
 mod trigger;
 mod typed;
@@ -40,7 +45,8 @@ mod updated_model;
 mod expected_tests;
 
 pub use damage::{damage, lost_parts};
-pub use draft::{Draft, DraftFile, DraftModel, DraftPlan, draft_scene};
+pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
+pub use draft_file::DraftFile;
 pub use error::SceneError;
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};
 pub use figures::*;
@@ -48,27 +54,27 @@ pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
 };
-pub use model::{
-    LoadedModel, ModelKind, Theory, built_in_taken, load_model, model_kind, sensors, table_model,
-    theory,
-};
+pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
+pub use model_kind::{ModelKind, built_in_taken, model_kind};
 pub use modes_file::{LoadedModes, ModesOptions, holds_functions, is_modes_file, load_modes};
-pub use observer::{Observer, run};
+pub use observer::Observer;
 pub use placement::{PlacedTest, PlacementPlan};
-pub use plan::{FilePlan, Scene, TestPlan, TestSource, force_window, offset};
+pub use plan::{Scene, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use regression_check::{
     Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
     RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
 };
-pub use result::{SceneResult, TestResult};
+pub use result::SceneResult;
 #[cfg(feature = "cli")]
 pub(crate) use run::with_dofs;
 pub use run::{
-    Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets,
+    Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets, run,
     run_observed, test_data,
 };
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
+pub use test_plan::{FilePlan, TestPlan, TestSource};
+pub use test_result::TestResult;
 pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{
     ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable, UpdateParameterTable,

@@ -1,28 +1,27 @@
 //! A model as a scene, a spec or the command line names it: read, built, solved at the sensors.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::modal::ModalModel;
 use crate::theory::{
-    Assumption, BUILT_IN, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel,
-    ModeOptions, ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA,
-    Sweep, SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
+    Assumption, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel, ModeOptions,
+    ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA, Sweep,
+    SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
     compare_details, coordinate_sensors, damped_model, model_roots, model_sensitivities, modes,
     override_values, sweep,
 };
 
-use super::Scene;
-use super::SceneError;
+use super::error::{SceneError, value_error};
 use super::matrices::matrix_model;
+use super::model_name::{is_built_in, named_model};
 use super::modes_file::{LoadedModes, ModesOptions, is_modes_file, load_modes};
-use super::toml_text::{parse, read_text};
+use super::toml_text::{check_schema, parse, read_text};
 use super::typed::{ModelTable, SensorTable};
 
 /// A model that can be solved, with the values of its parameters.
@@ -123,66 +122,6 @@ pub fn load_model(
         }
     };
     loaded(model, sensors_of_file, overrides)
-}
-
-/// What a path of the command line names where a model is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ModelKind {
-    /// A built-in model, perhaps with a set.
-    BuiltIn,
-    /// A scene whose model is meant.
-    Scene,
-    /// A file of finished modes.
-    Modes,
-    /// A model file.
-    File,
-}
-
-/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file
-/// or a folder with a scene.
-pub fn model_kind(path: &Path) -> ModelKind {
-    let is_plain = path.components().count() == 1;
-    if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
-        ModelKind::BuiltIn
-    } else if Scene::is_path(path) {
-        ModelKind::Scene
-    } else if path.is_file() && is_built_in(path) || is_modes_file(path) {
-        ModelKind::Modes
-    } else {
-        ModelKind::File
-    }
-}
-
-/// The finding that a built-in model was taken where a file, or a folder with a scene, has its
-/// name.
-pub fn built_in_taken(path: &Path) -> Option<Finding> {
-    let other = match (path.is_file(), holds_scene(path)) {
-        (true, _) => "file",
-        (_, true) => "folder",
-        (false, false) => return None,
-    };
-    if model_kind(path) != ModelKind::BuiltIn {
-        return None;
-    }
-    let place = Place::File {
-        path: path.display().to_string(),
-        line: None,
-        byte: None,
-    };
-    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, place);
-    Some(finding.detail(format!("./{} names the {other}", path.display())))
-}
-
-fn holds_scene(path: &Path) -> bool {
-    path.join("scene.toml").is_file()
-}
-
-/// Whether a model is meant by its built-in name, perhaps with a set, and not as a file.
-pub(super) fn is_built_in(name: &Path) -> bool {
-    let text = name.to_string_lossy();
-    let first = text.split('/').next();
-    let short = text.split('/').count() <= 2 && !text.ends_with('/') && name.extension().is_none();
-    short && BUILT_IN.iter().any(|model| Some(model.name) == first)
 }
 
 fn loaded(
@@ -448,64 +387,4 @@ pub fn table_model(
         return Ok(None);
     }
     load_model(&named, &table.parameters).map(Some)
-}
-
-/// The model that a `[model]` table names: a built-in name as it stands, or the path of a file.
-///
-/// # Errors
-/// [`SceneError::Value`] when it names neither or both, or a name that is not built in.
-pub(super) fn named_model(
-    table: &ModelTable,
-    folder: &Path,
-    path: &str,
-) -> Result<PathBuf, SceneError> {
-    let named: PathBuf = match (&table.name, &table.file) {
-        (Some(name), None) => Path::new(name).to_path_buf(),
-        (None, Some(file)) => folder.join(file),
-        _ => {
-            return Err(value_error(
-                path,
-                "[model]",
-                "none or both of `name` and `file`",
-                "`name` of a built-in model, or `file` with a model.toml or a file of modes",
-            ));
-        }
-    };
-    if table.name.is_some() && !is_built_in(&named) {
-        let got = format!("{:?}", named.display());
-        let built_in_names: Vec<&str> = BUILT_IN.iter().map(|model| model.name).collect();
-        return Err(value_error(
-            path,
-            "[model] name",
-            &got,
-            &built_in_names.join(", "),
-        ));
-    }
-    Ok(named)
-}
-
-/// Checks the `schema` key of a file.
-///
-/// # Errors
-/// [`SceneError::Value`] for another one.
-pub fn check_schema(got: &str, expected: &str, path: &str) -> Result<(), SceneError> {
-    if got == expected {
-        Ok(())
-    } else {
-        Err(value_error(
-            path,
-            "schema",
-            &format!("{got:?}"),
-            &format!("{expected:?}"),
-        ))
-    }
-}
-
-pub(super) fn value_error(path: &str, key: &str, got: &str, expected: &str) -> SceneError {
-    SceneError::Value {
-        path: path.to_owned(),
-        key: key.to_owned(),
-        got: got.to_owned(),
-        expected: expected.to_owned(),
-    }
 }

@@ -9,7 +9,7 @@ use crate::io::{
 use crate::modal::{InputFile, ModalModel};
 
 use super::SceneError;
-use super::model::is_built_in;
+use super::model_name::is_built_in;
 use super::toml_text::read_text;
 
 /// Whether a path names a file of modes, and not a model to be solved: whatever is neither a

@@ -1,7 +1,5 @@
 //! Progress messages of long computations.
 
-use super::{Scene, SceneError, SceneResult, run_observed};
-
 /// Hears of the steps of long work. The library has no clock and no terminal: what is shown, and
 /// when, is the caller's.
 pub trait Observer: Sync {
@@ -12,12 +10,4 @@ pub trait Observer: Sync {
 /// Ignores all messages.
 impl Observer for () {
     fn step(&self, _what: &str, _number: usize, _count: usize) {}
-}
-
-/// Runs a scene, unobserved.
-///
-/// # Errors
-/// As [`run_observed`].
-pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
-    run_observed(scene, &())
 }

@@ -6,9 +6,9 @@ use crate::geometry::Sensor;
 use crate::modal::ModalModel;
 
 use super::SceneError;
-use super::model::value_error;
-use super::plan::TestPlan;
-use super::result::TestResult;
+use super::error::value_error;
+use super::test_plan::TestPlan;
+use super::test_result::TestResult;
 use super::typed::PlacementTable;
 
 /// A test to be given more points, and the points that it could have.

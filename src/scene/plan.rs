@@ -1,27 +1,24 @@
 //! A scene as meant: paths resolved, names turned into options, everything checked that can be
 //! before data is read.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
 use crate::correlate::PairOptions;
-use crate::dof::Dof;
 use crate::frf::{EstimateOptions, Estimator, HammerOptions, ResponseWindow};
 use crate::geometry::Sensor;
-use crate::io::{HitGrouping, IoError};
-use crate::signal::{ForceWindow, Offset, TriggerOptions};
+use crate::signal::{ForceWindow, Offset};
 
 use super::SceneError;
-use super::columns;
+use super::error::value_error;
 use super::expected::{Expected, beside};
 use super::limits::Limits;
-use super::model::{check_schema, named_model, sensors, value_error};
+use super::model::sensors;
+use super::model_name::named_model;
 use super::placement::{PlacementPlan, placement_plans};
-use super::toml_text::{parse, read_text};
-use super::typed::{
-    FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, TestTable, UpdateTable,
-};
+use super::test_plan::{TestPlan, test_plan};
+use super::toml_text::{check_schema, parse, read_text};
+use super::typed::{FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, UpdateTable};
 
 /// The flank of a force window as a fraction of its hold.
 const FLANK_OF_HOLD: f64 = 0.5;
@@ -65,65 +62,6 @@ pub struct Scene {
     pub expected: Option<Expected>,
     /// Format of every file, instead of judging by content; the command line's word.
     pub format: Option<String>,
-}
-
-/// One test, ready to run.
-#[derive(Clone, Debug)]
-pub struct TestPlan {
-    /// Name.
-    pub name: String,
-    /// Where its data come from.
-    pub source: TestSource,
-    /// Band of identification.
-    pub band: Option<Band>,
-    /// Whether the good part of a partly bad file will do.
-    pub partial: bool,
-    /// Numbers, from 1, of hits that are used whatever the rules say.
-    pub accept: BTreeSet<usize>,
-    /// Numbers, from 1, of hits that are not used whatever the rules say.
-    pub reject: BTreeSet<usize>,
-}
-
-/// Where a test's data come from.
-#[derive(Clone, Debug)]
-pub enum TestSource {
-    /// Recordings or FRFs.
-    Files {
-        /// Each file with what the scene says of it.
-        files: Vec<FilePlan>,
-        /// How hits are grouped.
-        hits: HitGrouping,
-        /// How they are cut from continuous records.
-        trigger: TriggerOptions,
-        /// The test as typed: what its channels are, where the files do not say.
-        typed: Box<TestTable>,
-    },
-    /// A synthetic test's spec.
-    Synth(PathBuf),
-    /// Finished modes.
-    Modes(PathBuf),
-}
-
-/// One file with what the scene says of it.
-#[derive(Clone, Debug)]
-pub struct FilePlan {
-    /// Path.
-    pub path: PathBuf,
-    /// The scene's word for its response.
-    pub response: Option<Dof>,
-    /// The scene's word for its reference (hit point).
-    pub reference: Option<Dof>,
-}
-
-impl TestPlan {
-    /// The options of the scene, replaced by those that this test states.
-    pub fn hammer_options(&self, scene: &HammerOptions) -> HammerOptions {
-        HammerOptions {
-            accept: self.accept.clone(),
-            reject: self.reject.clone(),
-            ..scene.clone()
-        }
-    }
 }
 
 impl Scene {
@@ -274,157 +212,6 @@ fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneE
         }
     }
     Ok(())
-}
-
-fn test_plan(test: &TestTable, folder: &Path, path: &str) -> Result<TestPlan, SceneError> {
-    let key = |name: &str| format!("[[test]] {:?} {name}", test.name);
-    let band = test.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
-    let band = band.map_err(|error| {
-        value_error(
-            path,
-            &key("band_hz"),
-            &format!("{:?}", test.band_hz.unwrap_or_default()),
-            &error.to_string(),
-        )
-    })?;
-    columns::window(test.window.as_deref(), path)?;
-    let source = match (test.files.is_empty(), &test.synth, &test.modes) {
-        (false, None, None) => files_source(test, folder, path)?,
-        (true, synth, modes)
-            if synth.is_some() != modes.is_some()
-                && (describes_files(test) || (test.partial && synth.is_some())) =>
-        {
-            let got =
-                "hits, partial, sampling_rate_hz, delimiter, skip_lines, window, channel or file";
-            return Err(value_error(path, &key(""), got, "these with `files` alone"));
-        }
-        (true, Some(spec), None) => TestSource::Synth(folder.join(spec)),
-        (true, None, Some(modes)) => TestSource::Modes(folder.join(modes)),
-        _ => {
-            return Err(value_error(
-                path,
-                &key(""),
-                "none or several of files, synth, modes",
-                "exactly one of them",
-            ));
-        }
-    };
-    Ok(TestPlan {
-        name: test.name.clone(),
-        source,
-        band,
-        partial: test.partial,
-        accept: test.accept.clone(),
-        reject: test.reject.clone(),
-    })
-}
-
-/// Whether a test states what only files need.
-fn describes_files(test: &TestTable) -> bool {
-    let table = test.sampling_rate_hz.is_some() || test.delimiter.is_some() || test.skip_lines > 0;
-    table
-        || test.window.is_some()
-        || test.hits.is_some()
-        || !test.channel.is_empty()
-        || !test.file.is_empty()
-}
-
-fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSource, SceneError> {
-    let mut files = Vec::new();
-    for pattern in &test.files {
-        for found in expand(folder, pattern, path)? {
-            let word = test
-                .file
-                .iter()
-                .find(|word| folder.join(&word.path) == found)
-                .cloned();
-            let response = word.as_ref().and_then(|word| word.response.clone());
-            let reference = word.as_ref().and_then(|word| word.reference.clone());
-            files.push(FilePlan {
-                path: found,
-                response,
-                reference,
-            });
-        }
-    }
-    if let Some(twice) =
-        (1..files.len()).find(|i| files[..*i].iter().any(|file| file.path == files[*i].path))
-    {
-        let got = format!("{} twice", files[twice].path.display());
-        return Err(value_error(path, "[[test]] files", &got, "each file once"));
-    }
-    if let Some(word) = test.file.iter().find(|word| {
-        !files
-            .iter()
-            .any(|file| file.path == folder.join(&word.path))
-    }) {
-        return Err(value_error(
-            path,
-            "[[test.file]] path",
-            &format!("{:?}", word.path),
-            "one of the test's files",
-        ));
-    }
-    let hits = match test.hits.as_deref() {
-        None => HitGrouping::Records,
-        Some(name) => HitGrouping::from_name(name).ok_or_else(|| {
-            value_error(
-                path,
-                "[[test]] hits",
-                &format!("{name:?}"),
-                "\"records\", \"files\" or \"trigger\"",
-            )
-        })?,
-    };
-    let trigger = TriggerOptions {
-        level_n: test.trigger.level_n,
-        pretrigger_s: test.trigger.pretrigger_s,
-        length_s: test.trigger.length_s,
-    };
-    Ok(TestSource::Files {
-        files,
-        hits,
-        trigger,
-        typed: Box::new(test.clone()),
-    })
-}
-
-/// The files of one entry of `files`: itself, or what its wildcards match, in order of name.
-fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, SceneError> {
-    if !pattern.contains(['*', '?', '[']) || folder.join(pattern).exists() {
-        return Ok(vec![folder.join(pattern)]);
-    }
-    let full = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
-    let found = glob::glob(&full.display().to_string()).map_err(|error| {
-        value_error(
-            path,
-            "[[test]] files",
-            &format!("{pattern:?}"),
-            &format!("a wildcard pattern ({error})"),
-        )
-    })?;
-    let unreadable = |error: glob::GlobError| {
-        let action = "read";
-        let path = error.path().display().to_string();
-        SceneError::Io(IoError::System {
-            path,
-            action,
-            source: error.into(),
-        })
-    };
-    let mut files = found
-        .collect::<Result<Vec<PathBuf>, _>>()
-        .map_err(unreadable)?;
-    files.sort();
-    if files.is_empty() {
-        return Err(value_error(
-            path,
-            "[[test]] files",
-            &format!("{pattern:?}, which matches no file"),
-            "at least one file",
-        ));
-    }
-    Ok(files)
 }
 
 fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneError> {

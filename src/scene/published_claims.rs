@@ -8,8 +8,7 @@ use crate::correlate::published::{
 };
 
 use super::SceneError;
-use super::expected::check_one_of;
-use super::model::value_error;
+use super::error::value_error;
 
 /// A claim as typed; each kind needs some of the keys and admits no other.
 #[derive(Deserialize)]
@@ -198,4 +197,18 @@ fn statement(typed: &ClaimTable) -> Statement {
         "not-checkable" => Statement::NotCheckable,
         _ => Statement::TheoryColumn,
     }
+}
+
+pub(super) fn check_one_of<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a String>,
+    path: &str,
+    key: &str,
+) -> Result<(), SceneError> {
+    let known: Vec<&String> = known.collect();
+    if known.iter().any(|candidate| *candidate == name) {
+        return Ok(());
+    }
+    let expected = format!("one of {known:?}");
+    Err(value_error(path, key, &format!("{name:?}"), &expected))
 }

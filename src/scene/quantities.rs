@@ -6,7 +6,9 @@ use std::path::Path;
 use crate::correlate::published::{Claim, ModelQuantities, QuantityClaim, Statement};
 
 use super::SceneError;
-use super::model::{LoadedModel, is_built_in, load_model, table_model, value_error};
+use super::error::value_error;
+use super::model::{LoadedModel, load_model, table_model};
+use super::model_name::is_built_in;
 use super::plan::Scene;
 
 /// Quantities of every model that a claim names, each model once, in the order of the claims.

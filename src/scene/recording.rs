@@ -10,10 +10,11 @@ use crate::quantity::Quantity;
 use crate::synth::{Faults, HammerTest, HitPlan, LowPassOptions, Noise, Pulse, roving_hammer};
 
 use super::SceneError;
-use super::model::{check_schema, sensors, value_error};
+use super::error::value_error;
+use super::model::sensors;
 use super::synth_spec::{SYNTH_SCHEMA, SynthFile};
 use super::synth_truth::truth;
-use super::toml_text::{parse, read_text};
+use super::toml_text::{check_schema, parse, read_text};
 
 /// A synthetic recording with its truth.
 #[derive(Clone, Debug)]

@@ -15,17 +15,28 @@ use crate::modal::{InputFile, ModalModel};
 use crate::theory::{ModeOptions, ModelRoot};
 
 use super::SceneError;
+use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
-use super::model::{Theory, theory, value_error};
+use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
 use super::placement::placed_tests;
-use super::plan::{Scene, TestPlan, TestSource};
+use super::plan::Scene;
 use super::quantities::quantities;
 use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
-use super::result::{SceneResult, TestResult};
+use super::result::SceneResult;
+use super::test_plan::{TestPlan, TestSource};
+use super::test_result::TestResult;
+
+/// Runs a scene, unobserved.
+///
+/// # Errors
+/// As [`run_observed`].
+pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
+    run_observed(scene, &())
+}
 
 /// Runs a scene; every test, the model and the comparison are a step each.
 ///

@@ -15,7 +15,8 @@ use crate::synth::{HitPlan, Truth};
 use crate::theory::ModeOptions;
 
 use super::SceneError;
-use super::model::{theory, value_error};
+use super::error::value_error;
+use super::model::theory;
 use super::synth_spec::{SynthFile, TruthModeTable, TruthTable, folder_of};
 use super::toml_text::read_text;
 

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use crate::io::IoError;
 
-use super::SceneError;
+use super::error::{SceneError, value_error};
 
 /// Reads a file as UTF-8 text.
 ///
@@ -28,6 +28,28 @@ pub fn read_text(path: &Path) -> Result<String, IoError> {
         got: "a byte that is not UTF-8".to_owned(),
         expected: "UTF-8 text".to_owned(),
     })
+}
+
+/// Checks the `schema` key of a file.
+///
+/// # Errors
+/// [`SceneError::Value`] for another one.
+pub(super) fn check_schema(got: &str, expected: &str, path: &str) -> Result<(), SceneError> {
+    if got == expected {
+        Ok(())
+    } else {
+        Err(value_error(
+            path,
+            "schema",
+            &format!("{got:?}"),
+            &format!("{expected:?}"),
+        ))
+    }
+}
+
+/// A text as TOML writes it.
+pub(super) fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
 }
 
 /// Placeholder in a drafted file where the user has to state a value.

@@ -13,11 +13,13 @@ use crate::update::{
 };
 
 use super::SceneError;
+use super::error::value_error;
 use super::expected::Expected;
-use super::model::{LoadedModel, Theory, named_model, table_model, value_error};
+use super::model::{LoadedModel, Theory, table_model};
+use super::model_name::named_model;
 use super::plan::Scene;
-use super::result::TestResult;
 use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
+use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
 use super::updated_model::{overrides_note, replaced, table};

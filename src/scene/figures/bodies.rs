@@ -8,7 +8,7 @@ use crate::theory::{Coordinate, ModeOptions, Motion, TheoryModes, modes};
 
 use super::super::SceneError;
 use super::super::model::LoadedModel;
-use super::rounded;
+use super::rounding::rounded;
 
 /// Maximum number of values; a model of more is drawn at the sensors only.
 const MAX_NUMBERS: usize = 90_000;

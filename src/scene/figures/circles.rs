@@ -9,9 +9,9 @@ use crate::frf::FrfSet;
 use crate::identify::circle_detail;
 use crate::modal::{ModalModel, Mode};
 
-use super::super::result::TestResult;
-use super::curves::{contribution, terms};
-use super::{one_set, rounded};
+use super::super::test_result::TestResult;
+use super::curves::{contribution, one_set, terms};
+use super::rounding::rounded;
 
 /// Half width of the fitted band, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 1.5;

@@ -11,7 +11,7 @@ use crate::frf::FrfSet;
 use crate::linalg::{complex_matrix, least_squares};
 use crate::modal::ModalModel;
 
-use super::{rounded, to_decimals};
+use super::rounding::{rounded, to_decimals};
 
 /// Maximum number of FRFs of one test that are shown.
 pub(super) const MAX_FUNCTIONS: usize = 24;
@@ -270,6 +270,14 @@ pub(super) fn terms(
 /// `A/(s − λ) + A*/(s − λ*)`.
 pub(super) fn contribution((lambda, a): &(Complex64, Complex64), s: Complex64) -> Complex64 {
     a / (s - lambda) + a.conj() / (s - lambda.conj())
+}
+
+/// The only set of a test; a test on several axes is not fitted and not drawn.
+pub(super) fn one_set(sets: &[FrfSet]) -> Option<&FrfSet> {
+    match sets {
+        [set] => Some(set),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

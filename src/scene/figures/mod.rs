@@ -10,6 +10,7 @@ mod curves;
 mod overview;
 mod poles;
 mod provenance;
+mod rounding;
 mod shapes;
 #[cfg(test)]
 mod shapes_tests;
@@ -21,7 +22,11 @@ use crate::frf::FrfSet;
 
 use super::SceneError;
 use super::plan::Scene;
-use super::result::{SceneResult, TestResult};
+use super::result::SceneResult;
+use super::test_result::TestResult;
+
+use curves::one_set;
+use rounding::rounded;
 
 pub use bodies::{BodyNode, TheoryMotion};
 pub use circles::CircleFigure;
@@ -193,40 +198,6 @@ fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
     bar.collect()
 }
 
-/// The only set of a test; a test on several axes is not fitted and not drawn.
-fn one_set(sets: &[FrfSet]) -> Option<&FrfSet> {
-    match sets {
-        [set] => Some(set),
-        _ => None,
-    }
-}
-
 fn functions_shown(sets: &[FrfSet]) -> usize {
     one_set(sets).map_or(0, |set| set.len().min(curves::MAX_FUNCTIONS))
-}
-
-/// A number with so many significant digits.
-fn rounded(value: f64, digits: usize) -> f64 {
-    let text = format!("{value:.*e}", digits - 1);
-    text.parse().unwrap_or(value)
-}
-
-/// A number with so many decimals.
-fn to_decimals(value: f64, decimals: i32) -> f64 {
-    let scale = 10f64.powi(decimals);
-    (value * scale).round() / scale
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_rounded_and_stay_what_they_are() {
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-15 * b.abs();
-        assert!(near(rounded(1.234_567e-9, 4), 1.235e-9));
-        assert!(near(rounded(-98_765.0, 3), -98_800.0));
-        assert!(near(rounded(0.0, 3), 0.0) && rounded(f64::NAN, 3).is_nan());
-        assert!(near(to_decimals(-0.123_4, 2), -0.12));
-    }
 }

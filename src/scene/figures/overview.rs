@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::correlate::{ComparisonTable, ErrorReference, Row, Status, TestCell, TestSummary};
 
-use super::rounded;
+use super::rounding::rounded;
 
 /// Minimum number of pairs from which a common bias of the model is estimated.
 const MIN_LEANING_ROWS: usize = 3;

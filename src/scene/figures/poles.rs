@@ -9,9 +9,9 @@ use crate::identify::{
 };
 
 use super::super::plan::Scene;
-use super::super::result::TestResult;
-use super::curves::{chosen, kept_lines};
-use super::{one_set, rounded};
+use super::super::test_result::TestResult;
+use super::curves::{chosen, kept_lines, one_set};
+use super::rounding::rounded;
 
 /// Method whose poles are shown where the method of the test has no model orders.
 const WITH_ORDERS: &str = "lscf";

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::io::{IoError, sha256_of_bytes};
 
 use super::super::SceneError;
-use super::super::model::{is_built_in, named_model};
-use super::super::plan::{Scene, TestSource};
+use super::super::model_name::{is_built_in, named_model};
+use super::super::plan::Scene;
 use super::super::recording::load_synth;
 use super::super::result::SceneResult;
+use super::super::test_plan::TestSource;
 
 /// Maximum length of a text that is shown; of a longer one only the name is given.
 const MAX_TEXT_BYTES: usize = 60_000;

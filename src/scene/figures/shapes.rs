@@ -11,9 +11,9 @@ use crate::linalg::{Vector3, complex_matrix, least_squares};
 use crate::modal::ModeShape;
 
 use super::super::model::Theory;
-use super::super::result::TestResult;
+use super::super::test_result::TestResult;
 use super::bodies::TheoryMotion;
-use super::{rounded, to_decimals};
+use super::rounding::{rounded, to_decimals};
 
 /// Maximum number of modes of the model that are shown at the sensors.
 const MAX_MODEL_MODES: usize = 60;

@@ -10,7 +10,7 @@ use crate::linalg::Vector3;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::super::model::Theory;
-use super::super::result::TestResult;
+use super::super::test_result::TestResult;
 
 fn dof(text: &str) -> Dof {
     text.parse().unwrap()

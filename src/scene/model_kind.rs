@@ -1,0 +1,61 @@
+//! A path of the command line names a built-in model, a scene, finished modes or a model file.
+
+use std::path::Path;
+
+use crate::finding::{Code, Finding, Place, Severity};
+
+use super::model_name::is_built_in;
+use super::modes_file::is_modes_file;
+use super::plan::Scene;
+
+/// What a path of the command line names where a model is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelKind {
+    /// A built-in model, perhaps with a set.
+    BuiltIn,
+    /// A scene whose model is meant.
+    Scene,
+    /// A file of finished modes.
+    Modes,
+    /// A model file.
+    File,
+}
+
+/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file
+/// or a folder with a scene.
+pub fn model_kind(path: &Path) -> ModelKind {
+    let is_plain = path.components().count() == 1;
+    if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
+        ModelKind::BuiltIn
+    } else if Scene::is_path(path) {
+        ModelKind::Scene
+    } else if path.is_file() && is_built_in(path) || is_modes_file(path) {
+        ModelKind::Modes
+    } else {
+        ModelKind::File
+    }
+}
+
+/// The finding that a built-in model was taken where a file, or a folder with a scene, has its
+/// name.
+pub fn built_in_taken(path: &Path) -> Option<Finding> {
+    let other = match (path.is_file(), holds_scene(path)) {
+        (true, _) => "file",
+        (_, true) => "folder",
+        (false, false) => return None,
+    };
+    if model_kind(path) != ModelKind::BuiltIn {
+        return None;
+    }
+    let place = Place::File {
+        path: path.display().to_string(),
+        line: None,
+        byte: None,
+    };
+    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, place);
+    Some(finding.detail(format!("./{} names the {other}", path.display())))
+}
+
+fn holds_scene(path: &Path) -> bool {
+    path.join("scene.toml").is_file()
+}
