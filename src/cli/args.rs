@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::axis::Band;
 use crate::dof::Dof;
@@ -12,10 +13,8 @@ use crate::report::Language;
 use crate::theory::SweepRange;
 
 use super::color::ColorChoice;
-use super::completions::CompletionsArgs;
 use super::hint::nearest;
-use super::new::NewArgs;
-use super::study::StudyArgs;
+use super::study_args::StudyArgs;
 
 /// Correlates a hammer test with a theoretical model of the same machine.
 #[derive(Debug, Parser)]
@@ -472,6 +471,49 @@ pub struct CheckArgs {
     pub junit: Option<PathBuf>,
 }
 
+/// `new`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign new beam hits.uff --model model.toml")]
+pub struct NewArgs {
+    /// The scene's folder; what is there is never written over.
+    pub folder: PathBuf,
+    /// Exported files: recorded hits, FRFs or modes of any known format.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The theory: a model.toml, a file of finished modes, or a built-in model.
+    #[arg(long)]
+    pub model: Option<PathBuf>,
+    /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
+    #[arg(long, value_name = "DOF")]
+    pub response: Option<Dof>,
+    /// Excitation DOF of files that do not name it: one for all, or one for each file in their
+    /// order, 2:+Z,3:+Z.
+    #[arg(long, value_name = "DOF", value_delimiter = ',')]
+    pub reference: Vec<Dof>,
+    /// Where the points are: a list of lines POINT,X,Y,Z in metres.
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Band in Hz in which modes are searched, LO:HI.
+    #[arg(long, value_name = "LO:HI", value_parser = band)]
+    pub band: Option<Band>,
+    /// Copy the files to raw/ of the folder; else the scene names them where they are.
+    #[arg(long)]
+    pub copy: bool,
+    /// Continue with the good part of a partly bad file; the scene says so.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+/// `completions`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  modalign completions bash > modalign.bash      # bash: to be sourced, or put among its completions"
+)]
+pub struct CompletionsArgs {
+    /// The shell.
+    pub shell: Shell,
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     value
@@ -484,7 +526,7 @@ fn probability(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| format!("got `{text}`, expected a probability between 0 and 1"))
 }
 
-pub(super) fn band(text: &str) -> Result<Band, String> {
+fn band(text: &str) -> Result<Band, String> {
     let expected = || format!("got band `{text}`, expected LO:HI in Hz");
     let (lo, hi) = text.split_once(':').ok_or_else(expected)?;
     let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());

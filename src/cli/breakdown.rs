@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Instant;
 
-use clap::Args;
-
 use crate::error::Error;
 use crate::io::write_all_whole;
 use crate::report::json::{self, BreakdownFile};
@@ -22,42 +20,11 @@ use crate::study::breakdown::{
 };
 use crate::study::{StudyError, parse_study};
 
-use super::Outcome;
 use super::meter::ProcessMeter;
+use super::outcome::Outcome;
 use super::output::Output;
-use super::study::SceneReading;
-
-/// `study breakdown`.
-#[derive(Debug, Args)]
-pub struct BreakdownArgs {
-    /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The
-    /// maps show the modes of the scene.
-    pub input: PathBuf,
-    /// Write cells, tables and figures into this folder; slices that are finished there are not
-    /// computed again. In the folder of `run -o`, `modalign report` shows them.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Only these slices of a batch: part I of N, into a folder that --merge reads.
-    #[arg(long, value_name = "I/N", value_parser = part, requires = "output")]
-    pub cells: Option<Part>,
-    /// Compute nothing: join the slices that the parts of a batch left in these folders.
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "cells")]
-    pub merge: Vec<PathBuf>,
-    /// Draws for each cell, in place of those of the spec: few for a first look.
-    #[arg(long, value_name = "N")]
-    pub draws: Option<u32>,
-    /// Figures as PNG, too.
-    #[arg(long)]
-    pub png: bool,
-}
-
-fn part(text: &str) -> Result<Part, String> {
-    let numbers = text.split_once('/');
-    let numbers = numbers.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    let part = numbers.map(|(number, count)| Part { number, count });
-    part.filter(|part| part.number >= 1 && part.number <= part.count)
-        .ok_or_else(|| format!("got {text}, expected I/N with I from 1 to N, as in 1/4"))
-}
+use super::scene_reading::SceneReading;
+use super::study_args::BreakdownArgs;
 
 /// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when
 /// a file of the modes that are marked in the maps was partly bad.

@@ -18,9 +18,9 @@ use crate::scene::{
     read_text, relative_change,
 };
 
-use super::Outcome;
 use super::args::CheckArgs;
 use super::junit::junit;
+use super::outcome::Outcome;
 use super::output::Output;
 use super::targets::{check_targets, targets};
 

@@ -1,21 +1,10 @@
 //! `modalign completions`: a script for a shell.
 
-use clap::{Args, CommandFactory};
-use clap_complete::Shell;
+use clap::CommandFactory;
 
-use super::Outcome;
-use super::args::Cli;
+use super::args::{Cli, CompletionsArgs};
+use super::outcome::Outcome;
 use super::output::Output;
-
-/// `completions`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Example:\n  modalign completions bash > modalign.bash      # bash: to be sourced, or put among its completions"
-)]
-pub struct CompletionsArgs {
-    /// The shell.
-    pub shell: Shell,
-}
 
 /// Prints the script.
 pub fn completions(args: &CompletionsArgs, output: &mut Output) -> Outcome {

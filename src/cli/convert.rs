@@ -11,8 +11,8 @@ use crate::io::{
 use crate::report::Block;
 use crate::scene::{Scene, TestSource, open_test};
 
-use super::Outcome;
 use super::args::ConvertArgs;
+use super::outcome::Outcome;
 use super::output::{Output, check_extension};
 use super::targets::{check_targets, files_of, targets};
 

@@ -1,6 +1,6 @@
 //! `modalign correlate`: two sets of modes to the comparison table.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::correlate::measures::{
     AutoMac, DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor,
@@ -15,8 +15,8 @@ use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
-    Block, alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks,
-    renderer_for_extension, reversed_block, whole_comparison,
+    alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks, reversed_block,
+    whole_comparison,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_taken,
@@ -24,13 +24,14 @@ use crate::scene::{
 };
 use crate::theory::ModeOptions;
 
-use super::Outcome;
 use super::args::CorrelateArgs;
 use super::correlate_dofs::{Tied, has_common, tied};
 use super::correlate_frfs::correlate_frfs;
+use super::correlation_output::{Printed, print};
+use super::outcome::Outcome;
 use super::output::{MODES, Output, check_extension};
-use super::study::SceneReading;
-use super::targets::{check_correlate, numbered};
+use super::scene_reading::SceneReading;
+use super::targets::check_correlate;
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are
 /// compared with FRFs, a test without a theory with itself.
@@ -215,71 +216,6 @@ fn itself(
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// A result in all its forms.
-pub(super) struct Printed {
-    blocks: Vec<Block>,
-    /// Numbers of the blocks that are a CSV file each: its reader expects one table.
-    tables: Vec<usize>,
-    json: String,
-}
-
-impl Printed {
-    /// Blocks of which the first is the table.
-    fn one(blocks: Vec<Block>, json: String) -> Self {
-        let tables = vec![0];
-        Self {
-            blocks,
-            tables,
-            json,
-        }
-    }
-
-    /// Blocks of several tests, of each of which the first is the table.
-    pub(super) fn of_tests(tests: Vec<Vec<Block>>, json: String) -> Self {
-        let (mut blocks, mut tables) = (Vec::new(), Vec::new());
-        for of_test in tests {
-            tables.push(blocks.len());
-            blocks.extend(of_test);
-        }
-        Self {
-            blocks,
-            tables,
-            json,
-        }
-    }
-}
-
-/// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
-/// `x-1.csv`, `x-2.csv`.
-pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
-    let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
-    if let Some(path) = &args.output {
-        let both = (blocks.as_slice(), printed.blocks.as_slice());
-        for (path, text) in files(path, (both, &printed.tables), &printed.json) {
-            output.file(path, text);
-        }
-    }
-    output.translated(blocks);
-    output.json(|| printed.json);
-}
-
-/// Blocks with the caption and the number format that were chosen.
-fn formatted(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
-    let tables = blocks.iter_mut().filter_map(|block| match block {
-        Block::Table(table) => Some(table),
-        _ => None,
-    });
-    for (number, table) in tables.enumerate() {
-        if let Some(caption) = args.caption.as_ref().filter(|_| number == 0) {
-            table.caption = caption.clone();
-        }
-        if let Some(digits) = args.digits {
-            *table = std::mem::take(table).with_decimals(digits.into());
-        }
-    }
-    blocks
-}
-
 fn reduction(name: &str) -> Result<Reduction, Error> {
     Reduction::from_name(name).ok_or_else(|| Error::Argument {
         argument: "--orthogonality",
@@ -436,31 +372,4 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
         theory: model.solve(&sensors, &ModeOptions::default())?,
         model: Some(SolvedModel { model, sensors }),
     })
-}
-
-/// The files of the table: blocks in the chosen language, but CSV, which programs read, in English.
-fn files(
-    path: &Path,
-    ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),
-    json: &str,
-) -> Vec<(PathBuf, String)> {
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or("")
-        .to_lowercase();
-    let Some(renderer) = renderer_for_extension(&extension) else {
-        return vec![(path.to_owned(), json.to_owned())];
-    };
-    if renderer.name() != "csv" {
-        return vec![(path.to_owned(), renderer.render(blocks))];
-    }
-    let table = |at: usize| renderer.render(&english[at..=at]);
-    if let [only] = tables {
-        return vec![(path.to_owned(), table(*only))];
-    }
-    let tables = (1..).zip(tables);
-    tables
-        .map(|(number, at)| (numbered(path, number), table(*at)))
-        .collect()
 }

@@ -8,11 +8,11 @@ use crate::frf::FrfSet;
 use crate::report::{CsvText, Renderer, frf_correlation_blocks, frf_lines_block, json};
 use crate::scene::{FilePlan, IngestOptions, ingest_files};
 
-use super::Outcome;
 use super::args::CorrelateArgs;
-use super::correlate::{Printed, print};
+use super::correlation_output::{Printed, print};
+use super::outcome::Outcome;
 use super::output::{Output, check_extension};
-use super::study::SceneReading;
+use super::scene_reading::SceneReading;
 use super::targets::check_correlate;
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of

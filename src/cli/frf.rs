@@ -17,8 +17,8 @@ use crate::scene::{
 
 use crate::signal::{Offset, TriggerOptions};
 
-use super::Outcome;
 use super::args::FrfArgs;
+use super::outcome::Outcome;
 use super::output::{FUNCTIONS, Output, check_extension};
 use super::targets::{check_targets, files_of, targets};
 

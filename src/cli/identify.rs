@@ -15,8 +15,8 @@ use crate::scene::{
     FilePlan, IngestOptions, SceneError, identify_sets, indicators_of_sets, ingest_files, with_dofs,
 };
 
-use super::Outcome;
 use super::args::IdentifyArgs;
+use super::outcome::Outcome;
 use super::output::{MODES, Output, check_extension};
 use super::targets::{check_targets, targets};
 

@@ -12,8 +12,8 @@ use crate::io::{
 };
 use crate::report::{Block, Cell, Column, Table};
 
-use super::Outcome;
 use super::args::InspectArgs;
+use super::outcome::Outcome;
 use super::output::Output;
 
 /// Lists every file; exit code 1 when part of one is damaged or one of several cannot be read.

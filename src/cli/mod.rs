@@ -9,6 +9,7 @@ mod convert;
 mod correlate;
 mod correlate_dofs;
 mod correlate_frfs;
+mod correlation_output;
 mod frf;
 mod hint;
 mod identify;
@@ -18,14 +19,18 @@ mod junit;
 mod meter;
 mod new;
 mod order;
+mod outcome;
 mod output;
 mod progress;
 mod report;
 mod run;
+mod scene_reading;
 mod speed_accuracy;
 mod study;
+mod study_args;
 mod synth;
 mod targets;
+mod test_stem;
 mod theory;
 mod update;
 
@@ -38,27 +43,8 @@ use crate::error::Error;
 
 use args::{Cli, Global, Verb};
 use hint::hint;
+use outcome::Outcome;
 use output::Output;
-
-/// How a verb that did not fail ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outcome {
-    /// Done: exit code 0.
-    Done,
-    /// Done, but a stated limit is missed or part of the input was bad: exit code 1.
-    Missed,
-}
-
-impl Outcome {
-    /// `Missed` when something was.
-    fn missed_if(missed: bool) -> Self {
-        if missed {
-            Outcome::Missed
-        } else {
-            Outcome::Done
-        }
-    }
-}
 
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
 /// partly bad, 2 error.

@@ -3,9 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use clap::Args;
-
-use crate::axis::Band;
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
@@ -17,41 +14,9 @@ use crate::scene::{
     read_text,
 };
 
-use super::Outcome;
+use super::args::NewArgs;
+use super::outcome::Outcome;
 use super::output::Output;
-
-/// `new`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  modalign new beam hits.uff --model model.toml")]
-pub struct NewArgs {
-    /// The scene's folder; what is there is never written over.
-    pub folder: PathBuf,
-    /// Exported files: recorded hits, FRFs or modes of any known format.
-    #[arg(required = true)]
-    pub files: Vec<PathBuf>,
-    /// The theory: a model.toml, a file of finished modes, or a built-in model.
-    #[arg(long)]
-    pub model: Option<PathBuf>,
-    /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
-    #[arg(long, value_name = "DOF")]
-    pub response: Option<Dof>,
-    /// Excitation DOF of files that do not name it: one for all, or one for each file in their
-    /// order, 2:+Z,3:+Z.
-    #[arg(long, value_name = "DOF", value_delimiter = ',')]
-    pub reference: Vec<Dof>,
-    /// Where the points are: a list of lines POINT,X,Y,Z in metres.
-    #[arg(long, value_name = "FILE")]
-    pub points: Option<PathBuf>,
-    /// Band in Hz in which modes are searched, LO:HI.
-    #[arg(long, value_name = "LO:HI", value_parser = super::args::band)]
-    pub band: Option<Band>,
-    /// Copy the files to raw/ of the folder; else the scene names them where they are.
-    #[arg(long)]
-    pub copy: bool,
-    /// Continue with the good part of a partly bad file; the scene says so.
-    #[arg(long)]
-    pub partial: bool,
-}
 
 /// The parts of a new scene other than the raw files.
 const NAMES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];

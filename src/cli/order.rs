@@ -1,34 +1,15 @@
 //! `modalign study order`: what a scene needs, and what it does not.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
 use crate::error::Error;
 use crate::report::{
     CsvText, Markdown, Renderer, figure_files, json, order_blocks, order_figures, order_table,
 };
 use crate::study::order;
 
-use super::Outcome;
+use super::outcome::Outcome;
 use super::output::Output;
-use super::study::{SceneReading, load, report_damage};
-
-/// `study order`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  modalign study order measurements/free-free-beam -o needs")]
-pub struct OrderArgs {
-    /// A scene's folder, whose study.toml says what counts as enough if there is one, or a
-    /// study.toml.
-    #[arg(value_name = "SCENE|SPEC")]
-    path: PathBuf,
-    /// Write order.md, order.csv, order.json and a figure for each test into this folder.
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
-    #[arg(long, requires = "output")]
-    png: bool,
-}
+use super::scene_reading::{SceneReading, load, report_damage};
+use super::study_args::OrderArgs;
 
 /// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was
 /// bad.

@@ -16,12 +16,12 @@ use crate::report::{
     placement_blocks, published_comparison_block, published_roots_block, quantities_block,
     report_page, update_figures_svg,
 };
-use crate::scene::{Scene, SceneResult, figures, read_text};
+use crate::scene::{ReportTableTable, Scene, SceneResult, figures, read_text};
 
-use super::Outcome;
 use super::args::ReportArgs;
+use super::outcome::Outcome;
 use super::output::Output;
-use super::run::{group, test_stem};
+use super::test_stem::test_stem;
 
 /// The file from which the page is built.
 const DATA: &str = "report.json";
@@ -170,6 +170,15 @@ fn update_from(text: &str, path: &str) -> Result<Value, IoError> {
         got: error.to_string(),
         expected: "schema modalign-update/1",
     })
+}
+
+/// The tests of a comparison table with its caption and its notes.
+pub(super) fn group(table: &ReportTableTable) -> TableGroup<'_> {
+    TableGroup {
+        caption: &table.caption,
+        tests: &table.tests,
+        notes: &table.notes,
+    }
 }
 
 /// The tables of the page, by tab.

@@ -11,14 +11,15 @@ use crate::report::{
     energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
     published_comparison_block, published_roots_block, quantities_block, whole_comparison,
 };
-use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, run_observed as run_scene};
+use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
-use super::Outcome;
 use super::args::RunArgs;
+use super::outcome::Outcome;
 use super::output::Output;
-use super::report::report_files;
-use super::study::SceneReading;
+use super::report::{group, report_files};
+use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
+use super::test_stem::test_stem;
 
 /// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
@@ -138,37 +139,6 @@ fn findings_blocks(result: &SceneResult, language: Language) -> Vec<Block> {
         .filter(|(_, findings)| !findings.is_empty())
         .flat_map(named)
         .collect()
-}
-
-pub(super) fn group(table: &ReportTableTable) -> TableGroup<'_> {
-    TableGroup {
-        caption: &table.caption,
-        tests: &table.tests,
-        notes: &table.notes,
-    }
-}
-
-/// A file name made of a test's name.
-fn file_stem(name: &str) -> String {
-    let legal = |c: char| {
-        if c.is_alphanumeric() {
-            c.to_lowercase().collect()
-        } else {
-            " ".to_owned()
-        }
-    };
-    let legal: String = name.chars().map(legal).collect();
-    legal.split_whitespace().collect::<Vec<_>>().join("-")
-}
-
-/// The stem of the files of one test, another for each.
-pub(super) fn test_stem(result: &SceneResult, index: usize) -> String {
-    let stem = file_stem(&result.tests[index].name);
-    let mut before = result.tests[..index].iter();
-    match before.any(|other| file_stem(&other.name) == stem) {
-        true => format!("{stem}-{}", index + 1),
-        false => stem,
-    }
 }
 
 /// Everything that goes into the folder beside the report, made before the first file is written.

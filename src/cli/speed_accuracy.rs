@@ -1,9 +1,5 @@
 //! `modalign study speed-accuracy`: how fast and exact every method is.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
 use crate::error::Error;
 use crate::report::{
     CsvText, Renderer, figure_files, json, speed_accuracy_blocks, speed_accuracy_figures,
@@ -11,31 +7,11 @@ use crate::report::{
 };
 use crate::study::{SpeedAccuracy, speed_accuracy};
 
-use super::Outcome;
 use super::meter::ProcessMeter;
+use super::outcome::Outcome;
 use super::output::Output;
-use super::study::{SceneReading, load, report_damage};
-
-/// `study speed-accuracy`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Example:\n  modalign study speed-accuracy measurements/free-free-beam -o speed"
-)]
-pub struct SpeedAccuracyArgs {
-    /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
-    #[arg(value_name = "SCENE|SPEC")]
-    path: PathBuf,
-    /// Write speed-accuracy.csv, speed-accuracy-times.csv, speed-accuracy.json and the figures into
-    /// this folder; into that of `run -o`, and `modalign report` shows them.
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
-    #[arg(long, requires = "output")]
-    png: bool,
-    /// Draws of the noise at each level, instead of the spec's.
-    #[arg(long, value_name = "N")]
-    draws: Option<usize>,
-}
+use super::scene_reading::{SceneReading, load, report_damage};
+use super::study_args::SpeedAccuracyArgs;
 
 /// Runs the study; exit code 1 when part of the files was bad.
 pub fn study(

@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::report::{Block, theory_block};
 use crate::scene::{hammer_test, load_synth, record};
 
-use super::Outcome;
 use super::args::SynthArgs;
+use super::outcome::Outcome;
 use super::output::{Output, check_extension};
 use super::targets::{check_targets, targets};
 

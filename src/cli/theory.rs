@@ -18,10 +18,10 @@ use crate::scene::{
 };
 use crate::theory::{ModeOptions, ModelQuantity};
 
-use super::Outcome;
 use super::args::TheoryArgs;
+use super::outcome::Outcome;
 use super::output::{MODES, Output, check_extension};
-use super::study::SceneReading;
+use super::scene_reading::SceneReading;
 use super::targets::{check_targets, files_of, targets};
 
 /// Prints the modes; writes them with `-o`.

@@ -4,12 +4,12 @@ use crate::error::Error;
 use crate::report::{RENDERERS, json, update_blocks};
 use crate::scene::{TestResult, update_scene};
 
-use super::Outcome;
 use super::args::UpdateArgs;
+use super::outcome::Outcome;
 use super::output::Output;
 use super::report::{rebuilt, update_figures};
 use super::run::into_folder;
-use super::study::SceneReading;
+use super::scene_reading::SceneReading;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
 pub fn update(

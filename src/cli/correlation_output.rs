@@ -1,0 +1,101 @@
+//! The output of a correlation renders its blocks as text, its tables as files.
+
+use std::path::{Path, PathBuf};
+
+use crate::report::{Block, renderer_for_extension};
+
+use super::args::CorrelateArgs;
+use super::output::Output;
+use super::targets::numbered;
+
+/// A result in all its forms.
+pub(super) struct Printed {
+    blocks: Vec<Block>,
+    /// Numbers of the blocks that are a CSV file each: its reader expects one table.
+    tables: Vec<usize>,
+    json: String,
+}
+
+impl Printed {
+    /// Blocks of which the first is the table.
+    pub(super) fn one(blocks: Vec<Block>, json: String) -> Self {
+        let tables = vec![0];
+        Self {
+            blocks,
+            tables,
+            json,
+        }
+    }
+
+    /// Blocks of several tests, of each of which the first is the table.
+    pub(super) fn of_tests(tests: Vec<Vec<Block>>, json: String) -> Self {
+        let (mut blocks, mut tables) = (Vec::new(), Vec::new());
+        for of_test in tests {
+            tables.push(blocks.len());
+            blocks.extend(of_test);
+        }
+        Self {
+            blocks,
+            tables,
+            json,
+        }
+    }
+}
+
+/// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
+/// `x-1.csv`, `x-2.csv`.
+pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
+    let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
+    if let Some(path) = &args.output {
+        let both = (blocks.as_slice(), printed.blocks.as_slice());
+        for (path, text) in files(path, (both, &printed.tables), &printed.json) {
+            output.file(path, text);
+        }
+    }
+    output.translated(blocks);
+    output.json(|| printed.json);
+}
+
+/// Blocks with the caption and the number format that were chosen.
+fn formatted(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
+    let tables = blocks.iter_mut().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    for (number, table) in tables.enumerate() {
+        if let Some(caption) = args.caption.as_ref().filter(|_| number == 0) {
+            table.caption = caption.clone();
+        }
+        if let Some(digits) = args.digits {
+            *table = std::mem::take(table).with_decimals(digits.into());
+        }
+    }
+    blocks
+}
+
+/// The files of the table: blocks in the chosen language, but CSV, which programs read, in English.
+fn files(
+    path: &Path,
+    ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),
+    json: &str,
+) -> Vec<(PathBuf, String)> {
+    let extension = path
+        .extension()
+        .and_then(|extension| extension.to_str())
+        .unwrap_or("")
+        .to_lowercase();
+    let Some(renderer) = renderer_for_extension(&extension) else {
+        return vec![(path.to_owned(), json.to_owned())];
+    };
+    if renderer.name() != "csv" {
+        return vec![(path.to_owned(), renderer.render(blocks))];
+    }
+    let table = |at: usize| renderer.render(&english[at..=at]);
+    if let [only] = tables {
+        return vec![(path.to_owned(), table(*only))];
+    }
+    let tables = (1..).zip(tables);
+    tables
+        .map(|(number, at)| (numbered(path, number), table(*at)))
+        .collect()
+}
