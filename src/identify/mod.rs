@@ -24,6 +24,20 @@
 //! gives one mode. `ml`, the method of `auto`, also separates close modes by the participation
 //! factors of several references. `rfp`, `lsce` and `lscf` take the poles that are stable while the
 //! model order rises, with residues by least squares (`mdof`), and list the poles of all orders.
+//!
+//! | room | holds | may use |
+//! |---|---|---|
+//! | `estimator` | what every method gives | `error` |
+//! | `data` | FRFs of a band, poles that are fitted to them, residual | `estimator` `error` |
+//! | `noise` | variances, force noise, line correlation | `data` |
+//! | `fit` | nonlinear least squares, covariances | `data` `noise` `error` |
+//! | `run_variation` | frequency shifts between measurement runs | `data` `noise` `fit` `estimator` |
+//! | `sdof` | single-degree-of-freedom methods | `data` `fit` `estimator` `error` |
+//! | `mdof` | methods of rising model order | `data` `noise` `fit` `run_variation` `estimator` `error` |
+//! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `mdof` `estimator` `error` |
+//! | `modes` | modes from poles | `estimator` `error` |
+//! | `mode_indicators` | CMIF, MvMIF | `data` `estimator` `error` |
+//! | `order_selection` | number of modes that the data support | `data` `noise` `estimator` `error` |
 
 mod data;
 mod error;

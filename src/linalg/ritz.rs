@@ -92,7 +92,7 @@ impl Ritz {
             std::cmp::Ordering::Less => Ok(None),
             std::cmp::Ordering::Equal => Ok(Some((count, limit))),
             std::cmp::Ordering::Greater => Err(LinalgError::ModesMissing {
-                found: found,
+                found,
                 needed: count,
             }),
         }

@@ -13,6 +13,7 @@ mod cycloid_ball;
 mod exchange;
 mod faults;
 mod faulty_streams;
+mod file_circles;
 mod free_free_beam;
 mod gate;
 mod hit_command;

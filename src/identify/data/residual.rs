@@ -115,7 +115,7 @@ impl OutOfBandFit {
     }
 
     /// Coordinates of the residual of the poles: columns × FRFs.
-    pub fn from_residual(&self, roots: &[ModelPole]) -> ComplexMatrix {
+    pub fn residual_coordinates(&self, roots: &[ModelPole]) -> ComplexMatrix {
         let courses = self.weights.adjoint() * courses(self.line_shape, &self.omega, roots);
         &self.coordinates - courses * residues(roots, self.level.len())
     }
@@ -126,8 +126,10 @@ impl OutOfBandFit {
         data: &'a BandFrfs,
         roots: &'a [ModelPole],
     ) -> PredictedResponse<'a> {
-        let (coordinates, residues) =
-            (self.from_residual(roots), residues(roots, self.level.len()));
+        let (coordinates, residues) = (
+            self.residual_coordinates(roots),
+            residues(roots, self.level.len()),
+        );
         let first = self.columns.ncols();
         let rows = first + residues.nrows();
         let amplitudes = linalg::complex_matrix(rows, self.level.len(), |c, f| {
@@ -148,7 +150,7 @@ impl OutOfBandFit {
     /// Coordinates of the residual of the poles, over the noise, without constant and slope:
     /// columns × FRFs.
     fn whitened_coordinates(&self, roots: &[ModelPole]) -> ComplexMatrix {
-        let coordinates = self.from_residual(roots);
+        let coordinates = self.residual_coordinates(roots);
         let columns = coordinates.nrows() - MIN_OUT_OF_BAND_COLUMNS;
         linalg::complex_matrix(columns, coordinates.ncols(), |c, f| {
             coordinates[(MIN_OUT_OF_BAND_COLUMNS + c, f)] / self.level[f]

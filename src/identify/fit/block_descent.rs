@@ -103,7 +103,7 @@ pub(in crate::identify) fn refine(
         // Out-of-band terms change little from sweep to sweep, and are computed again before the
         // last fit of all blocks.
         if lost || !fresh && (is_final || sweep == next) {
-            beyond = Some(far.from_residual(&roots));
+            beyond = Some(far.residual_coordinates(&roots));
             next = 2 * sweep + 1;
         }
         lost &= fresh;

@@ -438,7 +438,7 @@ impl PoleModel {
         let (levels, correlation) = (self.levels(), self.data.correlation.clone());
         let mut residual = self.rest();
         self.data.estimate_noise_and_correlation(&mut residual);
-        self.data.shared = self.data.shared.from_residual(&self.data, &residual);
+        self.data.shared = self.data.shared.estimated_from(&self.data, &residual);
         let changed =
             |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
         self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)

@@ -109,7 +109,7 @@ impl ForceNoise {
     }
 
     /// Estimate from the residual of a fit on all lines.
-    pub fn from_residual(&self, data: &BandFrfs, rest: &Residual) -> Self {
+    pub fn estimated_from(&self, data: &BandFrfs, rest: &Residual) -> Self {
         let response = ModelResponse { data, rest };
         let groups: Vec<Vec<ResponseLine>> = self
             .groups
