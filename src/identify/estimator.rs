@@ -71,7 +71,7 @@ pub enum PoleStatus {
     Alone,
     /// Stable over three orders or more, and not selected as a mode.
     Stable,
-    /// Selected as a mode by [`identification`].
+    /// Selected as a mode by [`identification`](crate::identify::identification).
     Chosen,
 }
 
@@ -112,7 +112,7 @@ pub struct PoleTable {
 
 /// A method that finds poles in a set of FRFs.
 pub trait PoleEstimator {
-    /// Its name in [`ESTIMATORS`].
+    /// Its name in [`ESTIMATORS`](crate::identify::ESTIMATORS).
     fn name(&self) -> &'static str;
 
     /// Poles in a band.

@@ -31,7 +31,7 @@ const REMOVE_ONE_IN: usize = 4;
 
 impl PoleModel {
     /// Detects noise that is correlated between frequency lines
-    /// ([`BandFrfs::detect_correlated_noise`](crate::identify::data::band_frfs::BandFrfs::lines_share_noise)).
+    /// (`BandFrfs::detect_correlated_noise`).
     /// If there is such noise, poles that were fitted to it are removed, the least determined
     /// first, and the noise is estimated again with their contribution; the search finds modes
     /// among them again. Where the residual without these poles is no noise, all changes are
