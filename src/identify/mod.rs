@@ -16,8 +16,8 @@
 //! | `ml` | maximum likelihood from the stable poles of the polyreference LSCF (Guillaume et al. 2003), with Cramér-Rao bounds (Golub and Pereyra 1973) |
 //!
 //! An estimator gives poles as they are in the data, with the damping of an exponential window; the
-//! damping of the window is removed once, when candidates become modes. This stage reads no file and
-//! uses no theoretical model.
+//! damping of the window is removed once, when candidates become modes. This stage reads no file
+//! and uses no theoretical model.
 //!
 //! Several responses and references show the multiplicity of a pole (`repeated_poles`); a repeated
 //! pole gives as many modes of one group (`rank_one_terms`). With a single reference or response it

@@ -35,8 +35,8 @@ pub struct DataRow {
     pub tally: DetectionCounts,
     /// What it cost.
     pub timing: Timing,
-    /// Whether it is on the [front](super::front()) of processor time and frequency error among all rows of its
-    /// test.
+    /// Whether it is on the [front](super::front()) of processor time and frequency error among
+    /// all rows of its test.
     pub on_front: bool,
 }
 
@@ -60,7 +60,8 @@ pub struct TwinCost {
     pub method: Method,
     /// Cost of one identification.
     pub timing: Timing,
-    /// Whether it is on the [front](super::front()) of processor time and frequency error at that level.
+    /// Whether it is on the [front](super::front()) of processor time and frequency error at that
+    /// level.
     pub on_front: bool,
 }
 
