@@ -215,9 +215,9 @@ impl IdentifyOptions {
 
 /// The modes of a set of FRFs.
 ///
-/// Poles are those of the structure, without the added decay rate of an exponential window. Residues
-/// are those of receptances, m/(N s), for every kind of FRF. The model holds the findings of this
-/// stage, not those of the set.
+/// Poles are those of the structure, without the added decay rate of an exponential window.
+/// Residues are those of receptances, m/(N s), for every kind of FRF. The model holds the findings
+/// of this stage, not those of the set.
 ///
 /// ```
 /// use modalign::axis::FrequencyAxis;
@@ -266,8 +266,8 @@ pub fn identify(set: &FrfSet, options: &IdentifyOptions) -> Result<ModalModel, I
 pub struct Identification {
     /// The modes.
     pub model: ModalModel,
-    /// Points of the stabilization diagram, without the damping of an exponential window; none for a
-    /// method without orders.
+    /// Points of the stabilization diagram, without the damping of an exponential window; none for
+    /// a method without orders.
     pub stabilization: Vec<PoleAtOrder>,
 }
 

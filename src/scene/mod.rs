@@ -1,7 +1,7 @@
 //! Scenes: a test, a model, the options of every stage, and the chain that runs them.
 //!
-//! `typed` holds the scene as written, `plan` its meaning, `run` the chain that executes it. A scene
-//! computes nothing itself.
+//! `typed` holds the scene as written, `plan` its meaning, `run` the chain that executes it. A
+//! scene computes nothing itself.
 
 mod columns;
 mod damage;

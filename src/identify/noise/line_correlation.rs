@@ -107,8 +107,9 @@ impl LineCorrelation {
         Some(NoiseSegments::new(rest, MAX_SEGMENTS)?.correlation())
     }
 
-    /// As [`Self::from_residual`], where the residual can only be noise with small second differences:
-    /// every FRF has an independent profile, and distant lines of a segment are uncorrelated.
+    /// As [`Self::from_residual`], where the residual can only be noise with small second
+    /// differences: every FRF has an independent profile, and distant lines of a segment are
+    /// uncorrelated.
     pub fn of_correlated_noise(rest: &Residual) -> Option<Self> {
         let is_independent = |noise: &NoiseSegments| {
             let (enough_segments, longest) =

@@ -80,8 +80,8 @@ class PolePicker {
       const path = curve.map((value, k) => `${k ? 'L' : 'M'}${plot.sx(hz[k]).toFixed(1)} ${y(value).toFixed(1)}`).join('');
       group.append(svg('path', { d: path, fill: 'none', stroke: palette.axis, 'stroke-width': j ? 0.8 : 1.4, opacity: j ? 0.6 : 1 }));
     });
-    // The numbers of modes are at the top and the name of the axis at the bottom, legible over poles
-    // and curves.
+    // The numbers of modes are at the top and the name of the axis at the bottom, legible over
+    // poles and curves.
     const labels = logTicks(lo, hi).filter((tick) => tick.text).map((tick) => [y(tick.at) + 3, tick.text]);
     this.indicator = [...labels.filter(([at]) => at < bottom - 18), [bottom - 6, T('CMIF (m/(N s))')]];
   }

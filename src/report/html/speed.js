@@ -1,4 +1,5 @@
-// Speed and accuracy: time and error of every method, and errors over their Cramér-Rao bound against noise.
+// Speed and accuracy: time and error of every method, and errors over their Cramér-Rao bound
+// against noise.
 
 /** Replaces each `{}` of a sentence by a value, in order. */
 function fill(text, ...values) {
