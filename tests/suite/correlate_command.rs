@@ -394,7 +394,7 @@ fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_is_reported() {
     let wrong = text(&folder.path().join("wrong.csv"));
     let more = ["--nearest-node", "0.002", "--align", &wrong];
     let error = fail(files.into_iter().chain(more));
-    assert!(error.contains("turn, shift and scale"), "{error}");
+    assert!(error.contains("rotation, translation and scale"), "{error}");
 }
 
 #[test]

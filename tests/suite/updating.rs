@@ -253,7 +253,7 @@ fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
         );
         let words = std::fs::read_to_string(out.join("update.md")).unwrap();
         assert!(words.contains("Residuals: "), "{words}");
-        let count = words.contains("11 of 11 functions");
+        let count = words.contains("FRFs, 11 of 11");
         assert_eq!(count, kind.starts_with("frf"), "{words}");
     }
 }
