@@ -285,7 +285,7 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
     } else {
         "no set brings the residual to its uncertainty; this one has the smallest BIC"
     };
-    let predictions = explanation.foretold.iter().map(|f| {
+    let predictions = explanation.left_out_predictions.iter().map(|f| {
         vec![
             Cell::text(&f.label),
             Cell::signed(Some(f.before_percent), 3),

@@ -55,7 +55,9 @@ pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
 pub use mode_tracking::Link;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
-pub use parameter_subsets::{Change, Explanation, Foretold, check_always, explain, single_changes};
+pub use parameter_subsets::{
+    Change, Explanation, LeftOutPrediction, check_always, explain, single_changes,
+};
 pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,

@@ -54,7 +54,7 @@ impl Change {
 
 /// A measured root that was left out and predicted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Foretold {
+pub struct LeftOutPrediction {
     /// Label of the target.
     pub label: String,
     /// Error of the model as it stood, percent, as in [`FitRow`](super::FitRow).
@@ -76,7 +76,7 @@ pub struct Explanation {
     /// smallest BIC.
     pub proposed: Change,
     /// Leave-one-out check of that set.
-    pub foretold: Vec<Foretold>,
+    pub left_out_predictions: Vec<LeftOutPrediction>,
 }
 
 /// Tries all free parameters of the problem but those named in `always`, which are free in every
@@ -104,7 +104,7 @@ pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explana
     let (chosen, proposed) = trials.proposed(&none, &single, &pairs)?;
     let changes = |trials: Vec<(Vec<usize>, Change)>| trials.into_iter().map(|(_, c)| c).collect();
     Ok(Explanation {
-        foretold: trials.predict_left_out(&chosen)?,
+        left_out_predictions: trials.predict_left_out(&chosen)?,
         none,
         single: changes(single),
         pairs: changes(pairs),
@@ -247,7 +247,7 @@ impl<'b> Trials<'b> {
     }
 
     /// Every target left out in turn, and predicted by the set from all others.
-    fn predict_left_out(&self, chosen: &[usize]) -> Result<Vec<Foretold>, UpdateError> {
+    fn predict_left_out(&self, chosen: &[usize]) -> Result<Vec<LeftOutPrediction>, UpdateError> {
         let part = self.problem.with_free(&self.places(chosen));
         let count = part.targets.len();
         if part.free.is_empty() || count < 2 {
@@ -255,20 +255,22 @@ impl<'b> Trials<'b> {
         }
         let start = part.start(&vec![0.0; part.free.len()])?;
         let before = fit(&part, &start, None)?;
-        let one = |t: usize| -> Result<Option<Foretold>, UpdateError> {
+        let one = |t: usize| -> Result<Option<LeftOutPrediction>, UpdateError> {
             let without = part.without_target(t);
             let found: Solution = solve_from_starts(&without)?.best;
             let after = fit(&part, &part.start(&found.at.z)?, None)?;
             let errors = before.rows[t]
                 .error_percent
                 .zip(after.rows[t].error_percent);
-            Ok(errors.map(|(before_percent, after_percent)| Foretold {
-                label: part.targets[t].label.clone(),
-                before_percent,
-                after_percent,
-            }))
+            Ok(
+                errors.map(|(before_percent, after_percent)| LeftOutPrediction {
+                    label: part.targets[t].label.clone(),
+                    before_percent,
+                    after_percent,
+                }),
+            )
         };
-        let all: Vec<Result<Option<Foretold>, UpdateError>> =
+        let all: Vec<Result<Option<LeftOutPrediction>, UpdateError>> =
             (0..count).into_par_iter().map(one).collect();
         let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(all.into_iter().flatten().collect())

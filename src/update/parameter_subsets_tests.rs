@@ -26,8 +26,8 @@ fn the_changed_spring_is_proposed_and_predicts_held_out_modes() {
     assert!(!found.single[1].explains());
     // A second parameter costs more than it gains.
     assert!(found.pairs[0].bic > found.proposed.bic);
-    assert_eq!(found.foretold.len(), 4);
-    for row in &found.foretold {
+    assert_eq!(found.left_out_predictions.len(), 4);
+    for row in &found.left_out_predictions {
         assert!(row.after_percent.abs() < 0.1, "{row:?}");
     }
     for always in [vec!["k9"], vec!["k1", "k1"]] {

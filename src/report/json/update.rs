@@ -390,11 +390,14 @@ fn change(change: &Change) -> ChangeFile {
 }
 
 fn explanation(explanation: &Explanation) -> ExplanationFile {
-    let predictions = explanation.foretold.iter().map(|row| PredictionFile {
-        label: row.label.clone(),
-        before_percent: row.before_percent,
-        after_percent: row.after_percent,
-    });
+    let predictions = explanation
+        .left_out_predictions
+        .iter()
+        .map(|row| PredictionFile {
+            label: row.label.clone(),
+            before_percent: row.before_percent,
+            after_percent: row.after_percent,
+        });
     ExplanationFile {
         none: change(&explanation.none),
         single: explanation.single.iter().map(change).collect(),
