@@ -271,7 +271,7 @@ def check_studies(page, check):
     check("a place tells the share of every method", tip(page).count("%") == 7, repr(tip(page)))
     page.run(pick.format(labels.index("Method"), 2))
     check("one method has one contour", before > 1 and page.run(contours) == 1, f"{before} {page.run(contours)}")
-    distances = page.run("document.querySelector('#methods ul.told').innerText")
+    distances = page.run("document.querySelector('#methods ul.sentences').innerText")
     check("the distances of the modes are shown", "circle" in distances, repr(distances))
     page.run(pick.format(labels.index("Map"), 1))
     check("the method stays when another map is taken", page.run("document.querySelectorAll('#methods select')[%d].selectedIndex" % labels.index("Method")) == 2)

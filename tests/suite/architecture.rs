@@ -1,5 +1,5 @@
-//! The module table of `src/lib.rs` held against the code: who uses whom, file length, who may
-//! touch the outside.
+//! The stages follow the table in the head of `src/lib.rs`: each uses only those it may, files
+//! stay short, and only some stages reach the outside world.
 
 use std::collections::BTreeMap;
 use std::fs;
