@@ -118,7 +118,6 @@
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
 //! | [`update::UpdateProblem`] | a model whose parameters are updated to measured modes | `update` |
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
-//! | [`synth::population::PopulationSpec`] | a family from which hammer tests are drawn | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
 //! | [`scene::RowVerdict`] | a result compared with its baseline, row by row | `scene` |
 //! | [`scene::Draft`] | a scene drafted from exported files | `scene` |
@@ -156,7 +155,7 @@
 //! | `theory` | axis dof finding frf geometry linalg modal quantity |
 //! | `correlate` | axis dof finding frf geometry linalg modal quantity theory |
 //! | `update` | axis correlate dof finding frf geometry linalg modal quantity theory |
-//! | `synth` | axis dof finding fourier frf geometry linalg modal quantity record theory |
+//! | `synth` | axis dof finding fourier modal quantity record |
 //! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory update |
 //! | `study` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record scene signal synth theory update |
 //! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal study synth theory update |

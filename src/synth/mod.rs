@@ -14,7 +14,6 @@
 //! | `cascade` | partial fractions of the whole chain, evaluated at the sampling instants |
 //! | `channel` | [`Noise`], [`Offsets`], [`Quantisation`]: what is done to the samples of one channel |
 //! | `plan` | [`HammerTest`]: who is hit, who listens, how often; the checks of all arguments |
-//! | [`population`] | families of tests drawn from stated ranges |
 //! | `generate` | a checked plan becomes [`crate::record::Hit`]s |
 //!
 //! ```
@@ -58,7 +57,6 @@ mod error;
 mod filter;
 mod generate;
 mod plan;
-pub mod population;
 mod pulse;
 mod truth;
 

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use modalign::synth::population::Member;
-
 use super::judge::Verdict;
 use super::members;
 use super::pipeline::{Share, Tally, judged, judged_from_frfs_alone};
+use crate::population::Member;
 
 // The family and its seeds are fixed, so that the counts are too, but for roots on the edge of a
 // limit that another machine's rounding may tip over: each limit leaves room for a few of those,

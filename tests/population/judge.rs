@@ -19,9 +19,10 @@ use modalign::linalg::{ComplexMatrix, complex_matrix, least_squares};
 use modalign::modal::{ModalModel, Mode};
 use modalign::quantity::FrfKind;
 use modalign::record::{Channel, Hit};
-use modalign::synth::population::Member;
 use modalign::synth::{HalfSine, HammerTest, LowPass, Noise};
 use num_complex::Complex64;
+
+use crate::population::Member;
 
 /// Peak over noise, as a power: 10 dB.
 const MIN_PEAK_POWER_RATIO: f64 = 10.0;

@@ -21,6 +21,8 @@ mod mutants;
 mod mutation;
 mod pairing;
 mod pipeline;
+#[path = "../support/population/mod.rs"]
+mod population;
 mod recording;
 mod seeds;
 mod systems;
@@ -29,8 +31,9 @@ mod updating;
 mod variance;
 mod window;
 
-use modalign::synth::population::Member;
 use rayon::prelude::*;
+
+use population::Member;
 
 /// Every member, kind by kind.
 fn members() -> Vec<Member> {

@@ -6,9 +6,9 @@ use modalign::frf::{EstimateOptions, Function, FunctionData, estimate};
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::signal::ForceWindow;
 use modalign::synth::HammerTest;
-use modalign::synth::population::{Member, PopulationSpec};
 
 use super::judge::{Verdict, judge};
+use crate::population::{Member, PopulationSpec};
 
 /// The one committed family.
 pub fn family() -> PopulationSpec {

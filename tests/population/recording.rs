@@ -3,13 +3,13 @@
 use modalign::dof::Dof;
 use modalign::frf::{EstimateOptions, FrfSet, estimate, truncation_bounds};
 use modalign::modal::Mode;
-use modalign::synth::population::Member;
 use modalign::synth::{HalfSine, HammerTest, LowPass, Noise};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use super::members;
 use super::pipeline::family;
+use crate::population::Member;
 
 #[test]
 fn every_member_is_recorded_and_the_same_member_gives_the_same_samples_again() {

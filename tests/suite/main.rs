@@ -31,7 +31,10 @@ mod mutation;
 mod new_command;
 mod pairs_by_shape;
 mod placement;
+#[path = "../support/population/mod.rs"]
 mod population;
+mod population_draws;
+mod population_sample;
 mod published;
 mod readme;
 mod real_modes;

@@ -4,12 +4,12 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::linalg::{RealMatrix, real_matrix};
-use crate::modal::Pole;
-use crate::synth::SynthError;
-use crate::theory::{ModeOptions, SystemMatrices, TheoryModes, damped_modes, modes_of_matrices};
+use modalign::linalg::{RealMatrix, real_matrix};
+use modalign::modal::Pole;
+use modalign::theory::{ModeOptions, SystemMatrices, TheoryModes, damped_modes, modes_of_matrices};
 
-use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::error::PopulationError;
+use super::span::{Ends, KeyedSpan, MAX_COUNT, Span};
 use super::structure::{DrawnMode, Row, Shapes, Structure, column, coordinate, damped, elastic};
 
 /// `kind = "chain"`: masses and springs in a row.
@@ -67,7 +67,7 @@ pub struct DampersSpec {
 }
 
 impl ChainSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         vec![
             ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
@@ -77,7 +77,7 @@ impl ChainSpec {
         ]
     }
 
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let n = self.masses.whole(random);
         let held = self.held_ends.whole(random);
         let mut row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
@@ -99,7 +99,7 @@ impl ChainSpec {
 }
 
 impl LocalSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         vec![
             ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
@@ -110,7 +110,7 @@ impl LocalSpec {
         ]
     }
 
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let n = self.masses.whole(random);
         let row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
         let bare = row.modes()?;
@@ -162,7 +162,7 @@ fn tie(size: usize, from: Option<usize>, to: Option<usize>) -> RealMatrix {
 }
 
 impl DampersSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         vec![
             ("masses", self.masses, Ends::Whole(2, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
@@ -173,7 +173,7 @@ impl DampersSpec {
         ]
     }
 
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let n = self.masses.whole(random);
         let row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
         let undamped = row.modes()?;

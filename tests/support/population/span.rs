@@ -4,7 +4,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::synth::SynthError;
+use super::error::PopulationError;
 
 /// A range `[lo, hi]` from which a number is drawn; both ends belong to it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -61,10 +61,10 @@ pub(super) const MAX_COUNT: usize = 500;
 const MAX_MAGNITUDE: f64 = 1000.0;
 
 /// A range with its key and what it must be.
-pub(super) type Stated = (&'static str, Span, Ends);
+pub(super) type KeyedSpan = (&'static str, Span, Ends);
 
 impl Ends {
-    fn holds(self, span: Span) -> bool {
+    fn is_met_by(self, span: Span) -> bool {
         let Span { lo, hi } = span;
         let ordered = lo.is_finite() && hi.is_finite() && lo <= hi;
         ordered
@@ -95,11 +95,11 @@ impl Ends {
 /// Checks the ranges of one part of a population.
 ///
 /// # Errors
-/// [`SynthError::PopulationRange`] for the first that does not hold.
-pub(super) fn check(part: &str, stated: &[Stated]) -> Result<(), SynthError> {
-    match stated.iter().find(|(_, span, ends)| !ends.holds(*span)) {
+/// [`PopulationError::Range`] for the first that does not hold.
+pub(super) fn check(part: &str, stated: &[KeyedSpan]) -> Result<(), PopulationError> {
+    match stated.iter().find(|(_, span, ends)| !ends.is_met_by(*span)) {
         None => Ok(()),
-        Some((key, span, ends)) => Err(SynthError::PopulationRange {
+        Some((key, span, ends)) => Err(PopulationError::Range {
             part: part.to_owned(),
             key,
             got_lo: span.lo,

@@ -1,14 +1,14 @@
-//! A drawn structure: its modes at all points where it could be hit or listened to.
+//! A drawn structure: its modes at all points where it could be hit or measured.
 
 use num_complex::Complex64;
 use rand_chacha::ChaCha8Rng;
 
-use crate::linalg::real_matrix;
-use crate::synth::SynthError;
-use crate::theory::{
+use modalign::linalg::real_matrix;
+use modalign::theory::{
     Coordinate, ModeOptions, Motion, SystemMatrices, TheoryModes, modes_of_matrices,
 };
 
+use super::error::PopulationError;
 use super::span::Span;
 
 /// Most modes that a structure brings and a test may want: what the elements of a beam and the
@@ -136,8 +136,8 @@ impl Row {
     /// Its undamped modes.
     ///
     /// # Errors
-    /// [`SynthError::Theory`].
-    pub fn modes(&self) -> Result<TheoryModes, SynthError> {
+    /// [`PopulationError::Theory`].
+    pub fn modes(&self) -> Result<TheoryModes, PopulationError> {
         Ok(modes_of_matrices(
             &self.matrices(),
             &ModeOptions::default(),

@@ -6,7 +6,7 @@ mod judge;
 #[path = "../population/pipeline.rs"]
 mod pipeline;
 
-use modalign::synth::population::Member;
+use crate::population::Member;
 use pipeline::{Tally, family, judged, judged_from_frfs_alone};
 use rayon::prelude::*;
 

@@ -6,9 +6,8 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::synth::SynthError;
-
-use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::error::PopulationError;
+use super::span::{Ends, KeyedSpan, MAX_COUNT, Span};
 use super::structure::{DrawnMode, Row, Structure, column, elastic};
 
 /// `kind = "close"`: two like chains, weakly coupled, so that each mode of one chain becomes a
@@ -61,7 +60,7 @@ pub struct RepeatedSpec {
 }
 
 impl CloseSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         vec![
             ("masses", self.masses, Ends::Whole(1, MAX_COUNT)),
             ("mass_kg", self.mass_kg, Ends::Positive),
@@ -75,7 +74,7 @@ impl CloseSpec {
     /// In the modal coordinates of the two chains the stiffness of pair j is the 2 by 2 matrix with
     /// the eigenvalues `omega_1^2`, `omega_2^2` and the eigenvectors `(cos, sin)`, `(-sin, cos)` of
     /// the sharing angle; the masses stay.
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let n = self.masses.whole(random);
         let row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
         let chain = row.modes()?;
@@ -105,7 +104,7 @@ fn side_by_side(shape: &[f64], first: f64, second: f64) -> Vec<f64> {
 }
 
 impl RepeatedSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         let arrangements = Span::from([self.arrangements.len() as f64; 2]);
         vec![
             (
@@ -121,7 +120,7 @@ impl RepeatedSpec {
         ]
     }
 
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let chosen = random.random_range(0..self.arrangements.len());
         match self.arrangements[chosen] {
             Arrangement::Ring => Ok(self.ring(random)),
@@ -159,7 +158,7 @@ impl RepeatedSpec {
         Structure::real(modes)
     }
 
-    fn twins(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    fn twins(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let n = self.masses.whole(random);
         let row = Row::draw(n, self.mass_kg, self.stiffness_n_per_m, random);
         let chain = row.modes()?;

@@ -13,52 +13,14 @@
 //! | `beam` | beams and plates |
 //! | `pairs` | close pairs and repeated roots |
 //! | `plan` | [`TestSpec`]: from a structure to its test |
-//!
-//! ```
-//! use modalign::synth::population::PopulationSpec;
-//!
-//! let text = r#"
-//! schema = "modalign-population/1"
-//! title = "Rings"
-//! seed = 5
-//!
-//! [test]
-//! modes = [4, 4]
-//! references = [2, 2]
-//! responses = [5, 6]
-//! averages = [1, 1]
-//! time_constants = [6, 8]
-//! pretrigger_share = [0.05, 0.05]
-//! highest_over_edge = [0.6, 0.8]
-//! highest_times_contact = [0.5, 1.0]
-//! most_samples = 30000
-//!
-//! [[member]]
-//! count = 3
-//! [member.structure]
-//! kind = "repeated"
-//! arrangements = ["ring"]
-//! masses = [6, 9]
-//! mass_kg = [1, 2]
-//! stiffness_n_per_m = [1e5, 2e5]
-//! ground_ratio = [0.5, 1.0]
-//! damping_ratio = [0.01, 0.02]
-//! "#;
-//! let spec: PopulationSpec = toml::from_str(text).unwrap();
-//! let member = spec.draw(0, 2).unwrap();
-//! assert_eq!(member, spec.draw(0, 2).unwrap());
-//! assert!(!member.facts.repeated.is_empty());
-//! ```
 
 mod beam;
 mod chain;
+mod error;
 mod pairs;
 mod plan;
-mod span;
+pub mod span;
 mod structure;
-
-#[cfg(test)]
-mod draw_tests;
 
 use std::collections::BTreeMap;
 
@@ -66,16 +28,16 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::dof::Dof;
+use modalign::dof::Dof;
+use modalign::synth::HammerTest;
 
-use super::{HammerTest, SynthError};
 use structure::{DrawnMode, Structure};
 
-pub use beam::{BeamSpec, NodesSpec, PlateSpec};
-pub use chain::{ChainSpec, DampersSpec, LocalSpec};
-pub use pairs::{Arrangement, CloseSpec, RepeatedSpec};
-pub use plan::TestSpec;
-pub use span::Span;
+use beam::{BeamSpec, NodesSpec, PlateSpec};
+use chain::{ChainSpec, DampersSpec, LocalSpec};
+pub use error::PopulationError;
+use pairs::{CloseSpec, RepeatedSpec};
+use plan::TestSpec;
 
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-population/1";
@@ -143,7 +105,7 @@ pub struct Member {
 }
 
 /// Properties of the truth of a member; modes by their index in
-/// [`Truth::model`](super::Truth::model), from 0.
+/// [`Truth::model`](modalign::synth::Truth::model), from 0.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Facts {
     /// The modes of each repeated root.
@@ -169,20 +131,20 @@ impl StructureSpec {
         }
     }
 
-    fn stated(&self) -> Vec<span::Stated> {
+    fn spans(&self) -> Vec<span::KeyedSpan> {
         match self {
-            StructureSpec::Chain(spec) => spec.stated(),
-            StructureSpec::Beam(spec) => spec.stated(),
-            StructureSpec::Plate(spec) => spec.stated(),
-            StructureSpec::Local(spec) => spec.stated(),
-            StructureSpec::Dampers(spec) => spec.stated(),
-            StructureSpec::Close(spec) => spec.stated(),
-            StructureSpec::Repeated(spec) => spec.stated(),
-            StructureSpec::Nodes(spec) => spec.stated(),
+            StructureSpec::Chain(spec) => spec.spans(),
+            StructureSpec::Beam(spec) => spec.spans(),
+            StructureSpec::Plate(spec) => spec.spans(),
+            StructureSpec::Local(spec) => spec.spans(),
+            StructureSpec::Dampers(spec) => spec.spans(),
+            StructureSpec::Close(spec) => spec.spans(),
+            StructureSpec::Repeated(spec) => spec.spans(),
+            StructureSpec::Nodes(spec) => spec.spans(),
         }
     }
 
-    fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         match self {
             StructureSpec::Chain(spec) => spec.draw(random),
             StructureSpec::Beam(spec) => spec.draw(random),
@@ -200,18 +162,18 @@ impl PopulationSpec {
     /// Checks the schema and every range.
     ///
     /// # Errors
-    /// [`SynthError::PopulationSchema`], [`SynthError::PopulationRange`].
-    pub fn validate(&self) -> Result<(), SynthError> {
+    /// [`PopulationError::Schema`], [`PopulationError::Range`].
+    pub fn validate(&self) -> Result<(), PopulationError> {
         if self.schema != SCHEMA {
-            return Err(SynthError::PopulationSchema {
+            return Err(PopulationError::Schema {
                 got: self.schema.clone(),
                 expected: SCHEMA,
             });
         }
-        span::check("test", &self.test.stated())?;
+        span::check("test", &self.test.spans())?;
         for (i, member) in self.members.iter().enumerate() {
             let part = format!("member {} ({})", i + 1, member.structure.kind());
-            span::check(&part, &member.structure.stated())?;
+            span::check(&part, &member.structure.spans())?;
         }
         Ok(())
     }
@@ -222,13 +184,13 @@ impl PopulationSpec {
     /// depends neither on the others nor on the order in which they are drawn.
     ///
     /// # Errors
-    /// Those of [`PopulationSpec::validate`]; [`SynthError::NoSuchMember`]; [`SynthError::Theory`]
-    /// where the ranges allow an impossible structure; [`SynthError::RecordTooLong`]; those of
-    /// [`HammerTest::validate`].
-    pub fn draw(&self, kind: usize, number: usize) -> Result<Member, SynthError> {
+    /// Those of [`PopulationSpec::validate`]; [`PopulationError::NoSuchMember`];
+    /// [`PopulationError::Theory`] where the ranges allow an impossible structure;
+    /// [`PopulationError::RecordTooLong`]; those of [`HammerTest::validate`].
+    pub fn draw(&self, kind: usize, number: usize) -> Result<Member, PopulationError> {
         self.validate()?;
         let known = self.members.get(kind).filter(|m| number < m.count);
-        let member = known.ok_or_else(|| SynthError::NoSuchMember {
+        let member = known.ok_or_else(|| PopulationError::NoSuchMember {
             got_kind: kind,
             got_number: number,
             counts: self.members.iter().map(|m| m.count).collect(),

@@ -1,27 +1,31 @@
+//! A population draws the same member wherever it is drawn, with the properties of its kind.
+
 use std::collections::BTreeSet;
 
-use super::*;
-use crate::record::Hit;
-use crate::synth::Noise;
+use modalign::modal::{Mode, mac};
+use modalign::record::Hit;
+use modalign::synth::{HammerTest, Noise};
+
+use crate::population::span::Span;
+use crate::population::{Member, PopulationError, PopulationSpec, StructureSpec};
+
+const FAMILY: &str = include_str!("../population/family.toml");
 
 fn family() -> PopulationSpec {
-    toml::from_str(include_str!("../../../tests/population/family.toml"))
-        .expect("a drawn system is sound")
+    toml::from_str(FAMILY).unwrap()
 }
 
 /// Place of a kind in the family.
 fn place(family: &PopulationSpec, kind: &str) -> usize {
     let mut kinds = family.members.iter().map(|m| m.structure.kind());
-    kinds
-        .position(|drawn| drawn == kind)
-        .expect("a drawn system is sound")
+    kinds.position(|drawn| drawn == kind).unwrap()
 }
 
 fn all(family: &PopulationSpec, kind: &str) -> Vec<Member> {
     let place = place(family, kind);
     let numbers = 0..family.members[place].count;
     numbers
-        .map(|number| family.draw(place, number).expect("a drawn system is sound"))
+        .map(|number| family.draw(place, number).unwrap())
         .collect()
 }
 
@@ -45,7 +49,7 @@ fn every_kind_is_in_the_family_and_its_modes_lie_below_the_filters_edge() {
             assert!((1..=3).contains(&test.hits.len()));
             let slowest = modes
                 .iter()
-                .map(|m| -m.pole().expect("a drawn system is sound").lambda.re)
+                .map(|m| -m.pole().unwrap().lambda.re)
                 .fold(f64::MAX, f64::min);
             let after_s = test.record_s() - test.pretrigger_s;
             let time_constants = after_s * slowest;
@@ -63,28 +67,16 @@ fn every_kind_is_in_the_family_and_its_modes_lie_below_the_filters_edge() {
 fn a_member_does_not_depend_on_the_others() {
     let family = family();
     let (beam, close) = (place(&family, "beam"), place(&family, "close"));
-    let first = family.draw(beam, 3).expect("a drawn system is sound");
-    let other = family.draw(close, 3).expect("a drawn system is sound");
+    let first = family.draw(beam, 3).unwrap();
+    let other = family.draw(close, 3).unwrap();
     let mut fewer = family.clone();
     fewer.members[close].count = 4;
-    assert_eq!(
-        fewer.draw(close, 3).expect("a drawn system is sound"),
-        other
-    );
-    assert_eq!(fewer.draw(beam, 3).expect("a drawn system is sound"), first);
-    assert_ne!(
-        family.draw(beam, 4).expect("a drawn system is sound").test,
-        first.test
-    );
+    assert_eq!(fewer.draw(close, 3).unwrap(), other);
+    assert_eq!(fewer.draw(beam, 3).unwrap(), first);
+    assert_ne!(family.draw(beam, 4).unwrap().test, first.test);
     let mut reseeded = family.clone();
     reseeded.seed += 1;
-    assert_ne!(
-        reseeded
-            .draw(beam, 3)
-            .expect("a drawn system is sound")
-            .test,
-        first.test
-    );
+    assert_ne!(reseeded.draw(beam, 3).unwrap().test, first.test);
 }
 
 #[test]
@@ -95,11 +87,11 @@ fn the_repeated_kind_has_exactly_repeated_roots_with_independent_shapes() {
         let modes = &member.test.truth.model.modes;
         for root in &member.facts.repeated {
             let [a, b] = root[..] else { panic!("{root:?}") };
-            let pole = |j: usize| modes[j].pole().expect("a drawn system is sound");
+            let pole = |j: usize| modes[j].pole().unwrap();
             assert_eq!(pole(a), pole(b), "{}", member.name);
             assert_eq!(modes[a].group, modes[b].group);
             let shape = |j: usize| modes[j].shape.iter().map(|(_, v)| v).collect::<Vec<_>>();
-            assert!(crate::modal::mac(&shape(a), &shape(b)).unwrap_or(0.0) < 0.99);
+            assert!(mac(&shape(a), &shape(b)).unwrap_or(0.0) < 0.99);
         }
     }
 }
@@ -133,10 +125,7 @@ fn the_close_kind_has_the_stated_spacing() {
             assert!(!member.facts.close.is_empty(), "{}", member.name);
             for pair in &member.facts.close {
                 let (lower, upper) = (&modes[pair[0]], &modes[pair[1]]);
-                let width = lower
-                    .pole()
-                    .expect("a drawn system is sound")
-                    .half_power_width_hz();
+                let width = lower.pole().unwrap().half_power_width_hz();
                 let got = (upper.frequency_hz - lower.frequency_hz) / width;
                 // The distance of two frequencies is exact to their rounding over a width of 0.6 %
                 // of them.
@@ -178,7 +167,7 @@ fn the_node_kind_has_no_residue_at_its_reference_and_some_elsewhere() {
 fn discrete_dampers_turn_the_residues_of_driving_points() {
     let members = all(&family(), "dampers");
     let turned = members.iter().filter(|member| {
-        let angle = |mode: &crate::modal::Mode| {
+        let angle = |mode: &Mode| {
             let driving = mode.residues.iter().filter(|((r, h), _)| r == h);
             // A real shape has the driving-point residue -i/(2 omega_d m).
             driving
@@ -210,14 +199,14 @@ fn the_noise_of_the_samples_has_the_stated_level() {
     let family = family();
     let (mut channels, mut worst) = (0, 0.0f64);
     for kind in 0..family.members.len() {
-        let member = family.draw(kind, 0).expect("a drawn system is sound");
+        let member = family.draw(kind, 0).unwrap();
         let clean_test = HammerTest {
             noise: Noise::default(),
             ..member.test.clone()
         };
         let (noisy, clean): (Vec<Hit>, Vec<Hit>) = (
-            member.test.generate().expect("a drawn system is sound"),
-            clean_test.generate().expect("a drawn system is sound"),
+            member.test.generate().unwrap(),
+            clean_test.generate().unwrap(),
         );
         let mut compare = |level: f64, rms: f64, db: f64, samples: usize| {
             let expected = level / 10f64.powf(db / 20.0);
@@ -228,22 +217,14 @@ fn the_noise_of_the_samples_has_the_stated_level() {
         for (noisy, clean) in noisy.iter().zip(&clean) {
             let (force, pure) = (noisy.force.si(), clean.force.si());
             let peak = pure.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            let db = member
-                .test
-                .noise
-                .force_snr_db
-                .expect("a drawn system is sound");
+            let db = member.test.noise.force_snr_db.unwrap();
             compare(peak, noise_rms(&force, &pure), db, pure.len());
             for (noisy, clean) in noisy.responses.iter().zip(&clean.responses) {
                 let (response, pure) = (noisy.si(), clean.si());
                 let level = noise_rms(&pure, &vec![0.0; pure.len()]);
                 // A response on a node is silent and stays so.
                 if level > 0.0 {
-                    let db = member
-                        .test
-                        .noise
-                        .response_snr_db
-                        .expect("a drawn system is sound");
+                    let db = member.test.noise.response_snr_db.unwrap();
                     compare(level, noise_rms(&response, &pure), db, pure.len());
                 }
             }
@@ -260,7 +241,7 @@ fn impossible_ranges_are_refused_by_name() {
         let mut changed = family.clone();
         change(&mut changed);
         match changed.draw(0, 0).unwrap_err() {
-            SynthError::PopulationRange { key, .. } => key,
+            PopulationError::Range { key, .. } => key,
             other => panic!("{other}"),
         }
     };
@@ -285,16 +266,17 @@ fn impossible_ranges_are_refused_by_name() {
 
 #[test]
 fn unknown_keys_other_schemas_and_missing_members_are_errors() {
-    let text = include_str!("../../../tests/population/family.toml");
-    let typo = text.replace("tuning", "tunning");
+    let typo = FAMILY.replace("tuning", "tunning");
     let error = toml::from_str::<PopulationSpec>(&typo).unwrap_err();
     assert!(error.to_string().contains("tunning"), "{error}");
     let mut family = family();
     let count = family.members[0].count;
     let error = family.draw(0, count).unwrap_err();
-    assert!(matches!(error, SynthError::NoSuchMember { got_number, .. } if got_number == count));
+    assert!(
+        matches!(error, PopulationError::NoSuchMember { got_number, .. } if got_number == count)
+    );
     assert!(family.draw(99, 0).is_err());
     family.schema = "modalign-population/2".to_owned();
     let error = family.draw(0, 0).unwrap_err();
-    assert!(matches!(error, SynthError::PopulationSchema { .. }));
+    assert!(matches!(error, PopulationError::Schema { .. }));
 }

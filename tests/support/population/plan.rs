@@ -8,14 +8,15 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::dof::Dof;
-use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
-use crate::quantity::Quantity;
-use crate::synth::{
+use modalign::dof::Dof;
+use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
+use modalign::quantity::Quantity;
+use modalign::synth::{
     Faults, HammerTest, LowPassOptions, Noise, Pulse, SynthError, Truth, roving_hammer,
 };
 
-use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::error::PopulationError;
+use super::span::{Ends, KeyedSpan, MAX_COUNT, Span};
 use super::structure::{DrawnMode, MAX_MODES, Shapes, Structure};
 
 /// Records are a multiple of this many samples, so that their length has small factors.
@@ -56,7 +57,7 @@ pub struct TestSpec {
 }
 
 impl TestSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         let snr = [
             ("force_snr_db", self.force_snr_db),
             ("response_snr_db", self.response_snr_db),
@@ -92,12 +93,12 @@ impl TestSpec {
     /// The test of a structure.
     ///
     /// # Errors
-    /// [`SynthError::RecordTooLong`], and those of [`HammerTest::validate`].
+    /// [`PopulationError::RecordTooLong`], and those of [`HammerTest::validate`].
     pub(super) fn plan(
         &self,
         structure: &Structure,
         random: &mut ChaCha8Rng,
-    ) -> Result<(HammerTest, Vec<DrawnMode>), SynthError> {
+    ) -> Result<(HammerTest, Vec<DrawnMode>), PopulationError> {
         let record = self.record(random);
         let wanted = self.modes.whole(random);
         let modes = record.fitting(&structure.modes, wanted, self.most_samples)?;
@@ -203,7 +204,7 @@ impl Record {
         modes: &[DrawnMode],
         wanted: usize,
         most_samples: usize,
-    ) -> Result<Vec<DrawnMode>, SynthError> {
+    ) -> Result<Vec<DrawnMode>, PopulationError> {
         let mut sorted = modes.to_vec();
         sorted.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let same = |a: &DrawnMode, b: &DrawnMode| {
@@ -224,7 +225,7 @@ impl Record {
                 return Ok(kept);
             }
             if roots.len() <= 1 {
-                return Err(SynthError::RecordTooLong {
+                return Err(PopulationError::RecordTooLong {
                     got,
                     expected: most_samples,
                 });

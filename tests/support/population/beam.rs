@@ -6,14 +6,14 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use crate::dof::Dof;
-use crate::geometry::{Sensor, Target};
-use crate::synth::SynthError;
-use crate::theory::{
+use modalign::dof::Dof;
+use modalign::geometry::{Sensor, Target};
+use modalign::theory::{
     BeamDescription, BeamFile, BeamModel, End, ModeOptions, SCHEMA, TheoryModes, Value, modes,
 };
 
-use super::span::{Ends, MAX_COUNT, Span, Stated};
+use super::error::PopulationError;
+use super::span::{Ends, KeyedSpan, MAX_COUNT, Span};
 use super::structure::{DrawnMode, MAX_MODES, Structure, damped, elastic};
 
 const YOUNGS_MODULUS_PA: f64 = 2.1e11;
@@ -22,7 +22,7 @@ const POISSONS_RATIO: f64 = 0.3;
 const WIDTH_M: f64 = 0.04;
 /// Elements of a beam: the twelfth elastic mode is then within 1e-3 of the continuous beam.
 const ELEMENTS: usize = 32;
-/// Points where a beam or a plate may be hit or listened to.
+/// Points where a beam or a plate may be hit or measured.
 const POINTS: usize = 30;
 /// Half-waves of a plate in each direction that are looked at: enough for the lowest [`MAX_MODES`]
 /// up to an aspect of 2.
@@ -76,7 +76,7 @@ pub struct PlateSpec {
 }
 
 impl BeamSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         let choices = |list: &[End]| Span::from([list.len() as f64; 2]);
         vec![
             ("length_m", self.length_m, Ends::Positive),
@@ -95,7 +95,7 @@ impl BeamSpec {
         ]
     }
 
-    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, SynthError> {
+    pub(super) fn draw(&self, random: &mut ChaCha8Rng) -> Result<Structure, PopulationError> {
         let length_m = self.length_m.uniform(random);
         let thickness_m = self.thickness_m.log_uniform(random);
         let held = [&self.starts, &self.ends].map(|list| list[random.random_range(0..list.len())]);
@@ -172,7 +172,7 @@ fn sin_pi(p: usize, q: usize) -> f64 {
 }
 
 impl NodesSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         vec![
             ("length_m", self.length_m, Ends::Positive),
             ("thickness_m", self.thickness_m, Ends::Positive),
@@ -211,7 +211,7 @@ impl NodesSpec {
 }
 
 impl PlateSpec {
-    pub(super) fn stated(&self) -> Vec<Stated> {
+    pub(super) fn spans(&self) -> Vec<KeyedSpan> {
         let probability = Span::from([self.square_probability; 2]);
         vec![
             ("length_m", self.length_m, Ends::Positive),
