@@ -36,7 +36,7 @@ impl Condensation {
         most: usize,
     ) -> Result<SparseModes, TheoryError> {
         if self.division.massive.len() <= few_masses::MAX_MASSIVE_MOTIONS {
-            return few_masses::lowest_modes(self, (stiffness, mass), wanted, most);
+            return few_masses::lowest_modes(self, stiffness, mass, wanted, most);
         }
         let tau = least_ratio(mass, stiffness);
         let raised = SparseMatrix::weighted_sum(self.size, &[(1.0, mass), (tau, stiffness)])?;

@@ -378,15 +378,17 @@ fn check_matrix(
     expected: usize,
 ) -> Result<(), TheoryError> {
     let places = (0..expected).flat_map(|row| (0..=row).map(move |column| (row, column)));
-    let size = (matrix.nrows(), matrix.ncols());
-    check_entries((name, expected), size, places, |i, j| matrix[(i, j)])
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    check_entries(name, expected, rows, columns, places, |i, j| matrix[(i, j)])
 }
 
 /// Rows and columns as expected, at least one; the entries of these places finite, each equal to
 /// its mirror image up to the rounding of a sum.
 pub(super) fn check_entries(
-    (name, expected): (&'static str, usize),
-    (got_rows, got_columns): (usize, usize),
+    name: &'static str,
+    expected: usize,
+    got_rows: usize,
+    got_columns: usize,
     places: impl Iterator<Item = (usize, usize)>,
     entry: impl Fn(usize, usize) -> f64,
 ) -> Result<(), TheoryError> {

@@ -28,7 +28,8 @@ const ZERO_ROUNDINGS: f64 = 4.0;
 /// [`TheoryError::Linalg`].
 pub(super) fn lowest_modes(
     condensation: &Condensation,
-    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
     wanted: Wanted,
     most: usize,
 ) -> Result<SparseModes, TheoryError> {
@@ -72,7 +73,7 @@ fn all_modes(
     let (massive, massless) = (&division.massive, &division.massless);
     let turned = division.turned(stiffness)?;
     let followed = condensation.followed(&coupling(&turned, massive, massless))?;
-    let condensed = condensed(&turned, (massive, massless), &followed);
+    let condensed = condensed(&turned, massive, massless, &followed);
     let loaded = linalg::principal_block(&division.turned(mass)?, massive)?;
     let condensed_modes = linalg::symmetric_modes(&condensed, &loaded.to_dense())?;
     let vectors = condensation.whole(
@@ -115,7 +116,8 @@ fn coupling(turned: &SparseMatrix, massive: &[usize], massless: &[usize]) -> Rea
 /// `T^T K T`, symmetric.
 fn condensed(
     turned: &SparseMatrix,
-    (massive, massless): (&[usize], &[usize]),
+    massive: &[usize],
+    massless: &[usize],
     followed: &RealMatrix,
 ) -> RealMatrix {
     let count = massive.len();

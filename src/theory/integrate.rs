@@ -71,9 +71,11 @@ impl ExtrapolatedMidpoint {
     fn midpoint(
         &mut self,
         equations: &dyn Equations,
-        (time_s, step_s): (f64, f64),
+        time_s: f64,
+        step_s: f64,
         state: &[f64],
-        (column, substeps): (usize, usize),
+        column: usize,
+        substeps: usize,
     ) {
         let h = step_s / substeps as f64;
         let [old, new] = &mut self.points;
@@ -105,7 +107,7 @@ impl Integrator for ExtrapolatedMidpoint {
             .for_each(|values| values.resize(n, 0.0));
         for column in 0..COLUMNS {
             let substeps = 2 * (column + 1);
-            self.midpoint(equations, (time_s, step_s), state, (column, substeps));
+            self.midpoint(equations, time_s, step_s, state, column, substeps);
         }
         // In place: after round r, column k holds the extrapolation over columns k - r to k.
         for round in 1..COLUMNS {

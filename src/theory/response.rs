@@ -70,7 +70,8 @@ impl ResponseSignal {
     pub(super) fn new(
         (name, unit, meaning): (&'static str, &'static str, &'static str),
         samples: Vec<f64>,
-        (steps_per_period, harmonics): (usize, usize),
+        steps_per_period: usize,
+        harmonics: usize,
     ) -> Self {
         let amplitudes = amplitudes(&samples, steps_per_period, harmonics);
         Self {
@@ -215,7 +216,7 @@ mod tests {
         let turn = |i: usize| std::f64::consts::TAU * i as f64 / steps as f64;
         let value = |i: usize| 3.0 + 2.0 * turn(i).sin() - 0.5 * (3.0 * turn(i)).cos();
         let samples: Vec<f64> = (0..3 * steps).map(value).collect();
-        let signal = ResponseSignal::new(("x", "m", "a sum"), samples.clone(), (steps, 40));
+        let signal = ResponseSignal::new(("x", "m", "a sum"), samples.clone(), steps, 40);
         assert!((signal.mean() - 3.0).abs() < 1e-12);
         assert!((signal.deviation() - (2.0f64 + 0.125).sqrt()).abs() < 1e-12);
         assert!((signal.rms() - (9.0f64 + 2.125).sqrt()).abs() < 1e-12);
@@ -226,10 +227,10 @@ mod tests {
         }
         assert_eq!((signal.lines_above(0.1), signal.lines_above(0.3)), (2, 1));
         let doubled = samples.iter().map(|x| 2.0 * x).collect();
-        let other = ResponseSignal::new(("x", "m", "twice"), doubled, (steps, 3));
+        let other = ResponseSignal::new(("x", "m", "twice"), doubled, steps, 3);
         assert!((signal.difference(&other).unwrap() - 0.5).abs() < 1e-12);
         assert!((other.difference(&signal).unwrap() - 1.0).abs() < 1e-12);
-        let shorter = ResponseSignal::new(("x", "m", "one"), samples[..steps].to_vec(), (steps, 3));
+        let shorter = ResponseSignal::new(("x", "m", "one"), samples[..steps].to_vec(), steps, 3);
         assert_eq!(signal.difference(&shorter), None);
     }
 }

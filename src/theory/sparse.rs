@@ -131,7 +131,7 @@ pub(super) fn check_symmetric(
     matrix: &SparseMatrix,
     expected: usize,
 ) -> Result<(), TheoryError> {
-    let size = (matrix.size(), matrix.size());
+    let size = matrix.size();
     let places = matrix.entries().map(|(row, column, _)| (row, column));
-    check_entries((name, expected), size, places, |i, j| matrix.get(i, j))
+    check_entries(name, expected, size, size, places, |i, j| matrix.get(i, j))
 }

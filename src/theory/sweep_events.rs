@@ -66,7 +66,7 @@ pub(super) fn events(
     let mut found = Vec::new();
     for (a, b) in pairs(families.len()) {
         found.extend(crossings(tracker, track, families, [a, b])?);
-        found.extend(veerings(tracker, (track, &couplings), families, [a, b])?);
+        found.extend(veerings(tracker, track, &couplings, families, [a, b])?);
     }
     found.sort_by(|x, y| x.place.total_cmp(&y.place).then(x.loci.cmp(&y.loci)));
     Ok(found)
@@ -121,7 +121,8 @@ fn before(track: &ModeTrack, value: f64) -> &Sample {
 
 fn veerings(
     tracker: &ModeTracker<'_>,
-    (track, couplings): (&ModeTrack, &[RealMatrix]),
+    track: &ModeTrack,
+    couplings: &[RealMatrix],
     families: &[Vec<usize>],
     [a, b]: [usize; 2],
 ) -> Result<Vec<LocusEvent>, TheoryError> {

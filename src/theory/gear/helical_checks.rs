@@ -22,7 +22,8 @@ const RADIUS_M: f64 = 0.05;
 pub(super) fn run(
     integrator: &mut dyn Integrator,
     motion: &Motion,
-    (periods, steps): (usize, usize),
+    periods: usize,
+    steps: usize,
     state: &mut [f64],
 ) {
     let step_s = motion.mesh_period_s() / steps as f64;
@@ -50,12 +51,13 @@ pub(super) fn shaken(motion: &Motion) -> Vec<f64> {
 pub(super) fn energy_drift(
     integrator: &mut dyn Integrator,
     motion: &Motion,
-    span: (usize, usize),
+    periods: usize,
+    steps: usize,
 ) -> f64 {
     let mut state = shaken(motion);
     let [kinetic, strain] = motion.energy(0.0, &state);
-    run(integrator, motion, span, &mut state);
-    let end_s = span.0 as f64 * motion.mesh_period_s();
+    run(integrator, motion, periods, steps, &mut state);
+    let end_s = periods as f64 * motion.mesh_period_s();
     let [after, held] = motion.energy(end_s, &state);
     ((after - kinetic) + (held - strain)).abs() / strain
 }
@@ -67,12 +69,12 @@ pub(super) fn check_quantities(
 ) -> Result<Vec<ModelQuantity>, TheoryError> {
     let motion = Motion::new(model, values, Detail::ExactAngle)?;
     let free = motion.clone().conservative();
-    let drift = |steps| energy_drift(&mut RungeKutta4::default(), &free, (1, steps));
+    let drift = |steps| energy_drift(&mut RungeKutta4::default(), &free, 1, steps);
     let order = (drift(COARSE) / drift(2 * COARSE)).log2();
     let end_s = PERIODS as f64 * motion.mesh_period_s();
     let deflection = |integrator: &mut dyn Integrator, steps| {
         let mut state = motion.equilibrium();
-        run(integrator, &motion, (PERIODS, steps), &mut state);
+        run(integrator, &motion, PERIODS, steps, &mut state);
         motion.meshes(end_s, &state, 0)[0].compression_m
     };
     let one = deflection(&mut RungeKutta4::default(), RUNGE_KUTTA_STEPS);

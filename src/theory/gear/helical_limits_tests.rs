@@ -128,7 +128,7 @@ fn the_torsional_model_comes_within_a_percent_at_a_hundred_and_twelve_times_the_
         let response = |detail| {
             let mut motion = Motion::new(&model, &values, detail).unwrap();
             motion.damping_s *= (DAMPED_BEARING / (ratio * MESH)).min(1.0);
-            run(&motion, motion.equilibrium(), (span, steps))
+            run(&motion, motion.equilibrium(), span, steps)
         };
         let [torsional, constant] = [Detail::Torsional, Detail::ConstantAngle].map(response);
         let [torsional, constant] =

@@ -105,14 +105,14 @@ fn without_losses_the_energy_drifts_with_the_order_of_the_integrator() {
     ] {
         let motion = motion("kb-1.5e8", detail, &[("speed", 800.0)]).conservative();
         let mut rule = RungeKutta4::default();
-        let coarse = energy_drift(&mut rule, &motion, (4, 250));
-        let fine = energy_drift(&mut rule, &motion, (4, 500));
+        let coarse = energy_drift(&mut rule, &motion, 4, 250);
+        let fine = energy_drift(&mut rule, &motion, 4, 500);
         let order = (coarse / fine).log2();
         assert!(
             (order - 5.0).abs() < 0.2,
             "{detail:?}: {order} {coarse} {fine}"
         );
-        let exact = energy_drift(&mut ExtrapolatedMidpoint::default(), &motion, (4, 50));
+        let exact = energy_drift(&mut ExtrapolatedMidpoint::default(), &motion, 4, 50);
         assert!(exact < 1e-10, "{detail:?}: {exact}");
     }
 }
@@ -200,7 +200,8 @@ fn after_ten_periods_the_state_is_the_reference_by_both_integrators() {
         run(
             &mut ExtrapolatedMidpoint::default(),
             &motion,
-            (10, 400),
+            10,
+            400,
             &mut state,
         );
         let followed = state.clone();
@@ -232,7 +233,7 @@ fn after_ten_periods_the_state_is_the_reference_by_both_integrators() {
         }
         if detail == Detail::ConstantAngle {
             let mut other = motion.equilibrium();
-            run(&mut RungeKutta4::default(), &motion, (10, 8000), &mut other);
+            run(&mut RungeKutta4::default(), &motion, 10, 8000, &mut other);
             let compression = motion.meshes(time, &state, 0)[0].compression_m;
             let theirs = motion.meshes(time, &other, 0)[0].compression_m;
             assert!(
@@ -249,7 +250,7 @@ fn with_stiff_bearings_the_motion_becomes_the_torsional_one() {
     let deflection = |motion: &Motion| {
         let mut state = motion.equilibrium();
         let mut rule = ExtrapolatedMidpoint::default();
-        run(&mut rule, motion, (1, 1000), &mut state);
+        run(&mut rule, motion, 1, 1000, &mut state);
         motion.meshes(motion.mesh_period_s(), &state, 0)[0].compression_m
     };
     let limit = deflection(&torsional);

@@ -64,7 +64,7 @@ impl HelicalPlanetary {
             .iter()
             .map(|detail| Motion::new(self, values, *detail));
         let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
-        Ok(side_by_side(&motions?, (span, steps)))
+        Ok(side_by_side(&motions?, span, steps))
     }
 
     /// The responses by constant and printed varying angle with the teeth that the ring has in
@@ -81,7 +81,7 @@ impl HelicalPlanetary {
             Ok(motion.with_ring_teeth(PRINTED_RING_TEETH))
         });
         let motions: Result<Vec<Motion>, TheoryError> = motions.collect();
-        Ok(side_by_side(&motions?, (span, steps)))
+        Ok(side_by_side(&motions?, span, steps))
     }
 
     /// Steps per mesh period, with every corner of the stiffness on one.
@@ -95,8 +95,8 @@ impl HelicalPlanetary {
 }
 
 /// Responses of one machine from the equilibrium, with so many steps per period.
-fn side_by_side(motions: &[Motion], (span, steps): (ResponseSpan, usize)) -> TimeResponse {
-    let run_motion = |motion: &Motion| run(motion, motion.equilibrium(), (span, steps));
+fn side_by_side(motions: &[Motion], span: ResponseSpan, steps: usize) -> TimeResponse {
+    let run_motion = |motion: &Motion| run(motion, motion.equilibrium(), span, steps);
     TimeResponse {
         excitation_hz: 1.0 / motions[0].mesh_period_s(),
         span,
@@ -166,7 +166,8 @@ const SIGNALS: [(&str, &str, &str); 8] = [
 pub(super) fn run(
     motion: &Motion,
     mut state: Vec<f64>,
-    (span, steps): (ResponseSpan, usize),
+    span: ResponseSpan,
+    steps: usize,
 ) -> DetailResponse {
     let step_s = motion.mesh_period_s() / steps as f64;
     let mut integrator = RungeKutta4::default();
@@ -205,7 +206,7 @@ pub(super) fn run(
             Detail::ExactAngle => 5 * 2 * PLANETS,
         },
         signals: signals
-            .map(|(what, samples)| ResponseSignal::new(what, samples, (steps, HARMONICS)))
+            .map(|(what, samples)| ResponseSignal::new(what, samples, steps, HARMONICS))
             .collect(),
     }
 }

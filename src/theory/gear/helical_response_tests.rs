@@ -341,7 +341,7 @@ fn changes_by_a_varying_angle_and_soft_bearings_are_the_reference() {
     let thinned = |signal: &ResponseSignal| {
         let step = signal.samples.len() / (400 * ResponseSpan::default().recorded_periods);
         let samples: Vec<f64> = signal.samples.iter().copied().step_by(step).collect();
-        ResponseSignal::new(("delta_sp1", "m", "at common instants"), samples, (400, 1))
+        ResponseSignal::new(("delta_sp1", "m", "at common instants"), samples, 400, 1)
     };
     let distance = thinned(five).difference(&thinned(three)).unwrap();
     assert!((distance / 0.1450 - 1.0).abs() < 1e-3, "{distance}");

@@ -149,7 +149,7 @@ fn check(set: &str, start: Start, steps: usize, rows: [Row; 3], changes: [Change
         .par_iter()
         .map(|detail| {
             let motion = nominal_motion(&model, *detail).undamped();
-            run(&motion, start.state(&motion), (SPAN, steps))
+            run(&motion, start.state(&motion), SPAN, steps)
         })
         .collect();
     let signal = |detail: usize, name: &str| details[detail].signal(name).unwrap();

@@ -140,13 +140,7 @@ fn the_steady_response_with_82_teeth_is_the_reference_and_the_suns_motion_comes_
     let motions: Vec<Motion> = ANGLES.map(of).into_iter().chain([turned]).collect();
     let responses: Vec<DetailResponse> = motions
         .par_iter()
-        .map(|motion| {
-            run(
-                motion,
-                motion.equilibrium(),
-                (ResponseSpan::default(), 2000),
-            )
-        })
+        .map(|motion| run(motion, motion.equilibrium(), ResponseSpan::default(), 2000))
         .collect();
     let signal = |detail: usize, name: &str| responses[detail].signal(name).unwrap();
     for (detail, rms, std, largest, load, sun) in [
