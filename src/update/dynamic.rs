@@ -40,10 +40,11 @@ pub(super) struct DynamicTarget {
 }
 
 impl DynamicTarget {
-    /// Of a target whose shapes the modes `nearest` of the model are nearest to; `None` where these
-    /// say nothing of its length.
+    /// From frequency and shapes of a target, and the modes `nearest` of the model that are nearest
+    /// to them; `None` where these modes give the motion no length.
     pub fn new(
-        (hz, relative_std): (f64, f64),
+        hz: f64,
+        relative_std: f64,
         shapes: &TargetShapes,
         modes: &TheoryModes,
         nearest: &[usize],

@@ -111,13 +111,13 @@ impl<'a> UpdateProblem<'a> {
     /// measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         let links = self.links(&self.initial, &self.options.pair)?;
-        let place = (self.model, self.initial.as_slice());
+        let sensors = self.observation_rows()?;
         let rows = measured.iter().zip(&self.reversed).map(|(set, reversed)| {
-            let test = (set.modes, reversed.dofs.as_slice());
-            let rows = |floor| ShapeRows::new(place, self.sensors, test, &self.options, floor);
-            self.options.shape_floor.map(rows).transpose()
+            let rows =
+                |floor| ShapeRows::new(&sensors, set.modes, &reversed.dofs, &self.options, floor);
+            self.options.shape_floor.map(rows)
         });
-        let rows = rows.collect::<Result<Vec<_>, _>>()?;
+        let rows: Vec<Option<ShapeRows>> = rows.collect();
         for t in 0..self.targets.len() {
             let others = others_of(t, &links, &self.targets);
             let floor = self.options.frequency_floor;
@@ -134,6 +134,15 @@ impl<'a> UpdateProblem<'a> {
             (target.shapes, target.shape_weights) = shapes.unzip();
         }
         Ok(())
+    }
+
+    /// The sensors of the model, each with its observation row at the start.
+    pub(super) fn observation_rows(&self) -> Result<Vec<(Dof, Vec<f64>)>, UpdateError> {
+        let row = |sensor: &Sensor| {
+            let row = self.model.observation_row(&self.initial, &sensor.target)?;
+            Ok((sensor.dof.positive(), row))
+        };
+        self.sensors.iter().map(row).collect()
     }
 
     /// Sensors of each test with the opposite sign of the model at the start, where values of

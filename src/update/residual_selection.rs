@@ -145,12 +145,10 @@ impl UpdateProblem<'_> {
     ) -> Result<(), UpdateError> {
         for (t, target) in self.targets.iter_mut().enumerate() {
             let link = links.iter().find(|link| link.targets.contains(&t));
-            let at = (target.hz, target.relative_std);
-            target.dynamic = target
-                .shapes
-                .as_ref()
-                .zip(link)
-                .and_then(|(shapes, link)| DynamicTarget::new(at, shapes, modes, &link.modes));
+            let (hz, std) = (target.hz, target.relative_std);
+            let shaped_link = target.shapes.as_ref().zip(link);
+            target.dynamic = shaped_link
+                .and_then(|(shapes, link)| DynamicTarget::new(hz, std, shapes, modes, &link.modes));
             if target.dynamic.is_none() {
                 let label = target.label.clone();
                 return Err(UpdateError::NoShapes { label });
@@ -167,12 +165,7 @@ impl UpdateProblem<'_> {
         &mut self,
         measured: &[MeasuredModes<'_>],
     ) -> Result<(), UpdateError> {
-        let row = |sensor: &crate::geometry::Sensor| {
-            let row = self.model.observation_row(&self.initial, &sensor.target)?;
-            Ok((sensor.dof.positive(), row))
-        };
-        let rows = self.sensors.iter().map(row);
-        let sensors: Vec<(Dof, Vec<f64>)> = rows.collect::<Result<_, UpdateError>>()?;
+        let sensors = self.observation_rows()?;
         let mut all = Vec::new();
         for (test, test_data) in measured.iter().enumerate() {
             let choice = choice(&self.options, test_data);

@@ -6,10 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::correlate::DofMap;
 use crate::dof::Dof;
 use crate::frf::FrfSet;
-use crate::geometry::Sensor;
 use crate::linalg::real_matrix;
 use crate::modal::{ModalModel, Mode};
-use crate::theory::TheoreticalModel;
 
 use super::dynamic::DynamicTarget;
 use super::target_shapes::TargetShapes;
@@ -132,19 +130,18 @@ struct ShapeRow {
 }
 
 impl ShapeRows {
-    /// The common degrees of freedom of a test and the sensors, each with its sign and weight and
-    /// its observation row; without the test's reversed sensors.
+    /// The common degrees of freedom of a test and of the sensors of the model, given with their
+    /// observation rows; without the test's reversed sensors.
     pub fn new(
-        (model, values): (&dyn TheoreticalModel, &[f64]),
-        sensors: &[Sensor],
-        (test, reversed): (&ModalModel, &[Dof]),
+        sensors: &[(Dof, Vec<f64>)],
+        test: &ModalModel,
+        reversed: &[Dof],
         options: &UpdateOptions,
         floor: f64,
-    ) -> Result<Self, UpdateError> {
+    ) -> Self {
         let shapes = test.modes.iter().map(|mode| &mode.shape);
         let dofs = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof));
-        let names: Vec<Dof> = sensors.iter().map(|sensor| sensor.dof.positive()).collect();
-        let map = DofMap::new(dofs, names.iter());
+        let map = DofMap::new(dofs, sensors.iter().map(|(sensor, _)| sensor));
         let mixed = map.pairs.iter().any(|p| !p.test.axis().is_rotation());
         let length = options.pair.rotation_length_m.filter(|_| mixed);
         let mut pairs = Vec::with_capacity(map.len());
@@ -153,11 +150,10 @@ impl ShapeRows {
             .iter()
             .filter(|pair| !reversed.contains(&pair.test))
         {
-            let sensor = sensors.iter().find(|s| s.dof.positive() == pair.theory);
-            let Some(sensor) = sensor else { continue };
+            let observed = sensors.iter().find(|(sensor, _)| *sensor == pair.theory);
+            let Some((_, row)) = observed else { continue };
             let turns = pair.test.axis().is_rotation();
             let weight = if turns { length.unwrap_or(1.0) } else { 1.0 };
-            let row = model.observation_row(values, &sensor.target)?;
             pairs.push(ShapeRow {
                 test: pair.test.clone(),
                 sensor: pair.theory.clone(),
@@ -165,11 +161,11 @@ impl ShapeRows {
                 row: row.iter().map(|part| weight * part).collect(),
             });
         }
-        Ok(Self {
+        Self {
             pairs,
             floor,
             assumed: options.assumed_shape_std,
-        })
+        }
     }
 
     /// Whether it has a sensor of the model.
