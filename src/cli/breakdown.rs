@@ -101,8 +101,8 @@ fn finished(
     };
     if args.merge.is_empty() {
         let observer = TimeLeft::new(output.observer());
-        let tools: (&dyn Observer, &dyn crate::study::Meter) = (&observer, &ProcessMeter);
-        return Ok(compute(plan, part, &*cells, tools).map_err(StudyError::from)?);
+        let computed = compute(plan, part, &*cells, &observer, &ProcessMeter);
+        return Ok(computed.map_err(StudyError::from)?);
     }
     let folder = |path: &PathBuf| Folder {
         path: path.join(CELLS),
@@ -226,7 +226,7 @@ impl CellStore for Folder<'_> {
             .map_err(|error| error.to_string())
     }
 
-    fn keep(&self, name: &str, text: &str) -> Result<(), String> {
+    fn save(&self, name: &str, text: &str) -> Result<(), String> {
         let file = self.file(name);
         let _writing = self.output.map(|output| output.writing([file.as_path()]));
         std::fs::create_dir_all(&self.path)
@@ -245,7 +245,7 @@ impl CellStore for Memory {
         Ok(kept.get(name).cloned())
     }
 
-    fn keep(&self, name: &str, text: &str) -> Result<(), String> {
+    fn save(&self, name: &str, text: &str) -> Result<(), String> {
         let mut kept = self.0.lock().map_err(|error| error.to_string())?;
         kept.insert(name.to_owned(), text.to_owned());
         Ok(())

@@ -22,7 +22,7 @@ pub fn study(
     let (scene, spec) = load(&args.path, reading)?;
     let mut options = spec.speed_accuracy;
     options.draws = args.draws.unwrap_or(options.draws);
-    let result = speed_accuracy(&scene, &options, (&ProcessMeter, output.observer()))?;
+    let result = speed_accuracy(&scene, &options, &ProcessMeter, output.observer())?;
     if let Some(folder) = &args.output {
         for (name, bytes) in files(&result, args.png) {
             output.file(folder.join(name), bytes);

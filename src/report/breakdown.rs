@@ -29,7 +29,7 @@ pub fn breakdown_cells(slices: &[SliceResult]) -> Block {
     columns.extend(
         FAILURE_MODES
             .iter()
-            .map(|symptom| Column::number(symptom.name())),
+            .map(|failure| Column::number(failure.name())),
     );
     let rows = slices.iter().flat_map(cell_rows);
     Block::Table(Table {
@@ -60,7 +60,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
                 number(lower),
                 number(upper),
             ];
-            row.extend(count.symptoms.iter().map(|draws| number(f64::from(*draws))));
+            row.extend(count.failures.iter().map(|draws| number(f64::from(*draws))));
             rows.push(row);
         }
     }
@@ -103,8 +103,8 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
                 .map(|range| Cell::text(success_range_text(range, result))),
         );
         cells.push(Cell::text(format!("{:.0} %", 100.0 * result.area(method))));
-        let symptom = result.common_symptom(method);
-        cells.push(symptom.map_or(Cell::Missing, |(failure, share)| {
+        let failure = result.most_frequent_failure(method);
+        cells.push(failure.map_or(Cell::Missing, |(failure, share)| {
             Cell::text(format!("{} ({:.0} %)", failure.sentence(), 100.0 * share))
         }));
         cells

@@ -151,7 +151,8 @@ impl Basis {
                 let (shape, decay) = (mode.shape[output], -mode.pole.lambda.re);
                 let first = 2 * self.rows * input;
                 let mut put = |column: usize, factor: Complex64, power: usize| {
-                    self.put(&mut block, (first, column), (r, power, factor * weight));
+                    let term = 2 + 4 * r + 2 * (power - 1);
+                    self.put(&mut block, first, column, term, factor * weight);
                 };
                 put(2 * r, participation / decay, 1);
                 if input != fixed {
@@ -167,14 +168,16 @@ impl Basis {
     }
 
     /// Two real columns, by the real and the imaginary part of the parameter that multiplies
-    /// `factor`: `a u + a* v` and `i a u − i a* v`.
+    /// `factor`: `a u + a* v` and `i a u − i a* v` with the columns `u` and `v` of a term and of
+    /// its conjugate.
     fn put(
         &self,
         block: &mut ComplexMatrix,
-        (first, column): (usize, usize),
-        (r, power, factor): (usize, usize, Complex64),
+        first_row: usize,
+        column: usize,
+        term: usize,
+        factor: Complex64,
     ) {
-        let term = 2 + 4 * r + 2 * (power - 1);
         for part in 0..2 {
             let a = if part == 0 {
                 factor
@@ -184,8 +187,8 @@ impl Basis {
             for row in 0..self.rows {
                 let value =
                     a * self.triangle[(row, term)] + a.conj() * self.triangle[(row, term + 1)];
-                block[(first + 2 * row, column + part)] = value.re.into();
-                block[(first + 2 * row + 1, column + part)] = value.im.into();
+                block[(first_row + 2 * row, column + part)] = value.re.into();
+                block[(first_row + 2 * row + 1, column + part)] = value.im.into();
             }
         }
     }

@@ -123,18 +123,19 @@ impl System {
     /// [`StudyError::Set`] when a degree of freedom is there twice.
     pub fn exact(&self) -> Result<FrfSet, StudyError> {
         let mut set = FrfSet::new(self.axis);
-        for pair in self.pairs() {
-            let values = (0..self.axis.len).map(|k| self.value(pair, self.axis.rad_s(k)));
+        for (response, reference) in self.pairs() {
+            let value = |k| self.value(response, reference, self.axis.rad_s(k));
+            let values = (0..self.axis.len).map(value);
             let data = FunctionData {
                 values: values.collect(),
                 ..FunctionData::default()
             };
-            set.push(self.function(pair), data)?;
+            set.push(self.function(response, reference), data)?;
         }
         Ok(set)
     }
 
-    fn function(&self, (response, reference): (usize, usize)) -> Function {
+    fn function(&self, response: usize, reference: usize) -> Function {
         Function {
             response: self.responses[response].clone(),
             reference: self.references[reference].clone(),
@@ -145,7 +146,7 @@ impl System {
         }
     }
 
-    fn value(&self, (response, reference): (usize, usize), omega: f64) -> Complex64 {
+    fn value(&self, response: usize, reference: usize, omega: f64) -> Complex64 {
         let s = Complex64::new(0.0, omega);
         let order = self.kind.derivative_order();
         let terms = self.modes.iter().map(|mode| {
@@ -181,7 +182,7 @@ impl System {
     pub fn noisy(&self, noise: &FrfNoise, random: &mut ChaCha8Rng) -> Result<FrfSet, StudyError> {
         let exact = self.exact()?;
         let variances = self.variances(&exact, noise.snr_db);
-        with_noise(&exact, &variances, (noise.averages, random))
+        with_noise(&exact, &variances, noise.averages, random)
     }
 }
 
@@ -193,7 +194,8 @@ impl System {
 pub fn with_noise(
     exact: &FrfSet,
     variances: &[f64],
-    (averages, random): (Option<u32>, &mut ChaCha8Rng),
+    averages: Option<u32>,
+    random: &mut ChaCha8Rng,
 ) -> Result<FrfSet, StudyError> {
     let freedom = averages.map(|n| 2.0 * (f64::from(n) - 1.0));
     let chi = freedom.map(ChiSquared::new).transpose();
@@ -280,7 +282,7 @@ mod tests {
         let (step, count) = (2e-5, 1_000_000);
         let inner: Complex64 = (1..count).map(|k| after(end_s + step * f64::from(k))).sum();
         let tail = step * (inner + 0.5 * after(end_s));
-        let missing = whole.value((1, 0), omega) - ended.value((1, 0), omega);
+        let missing = whole.value(1, 0, omega) - ended.value(1, 0, omega);
         assert!(
             (missing - tail).norm() < 1e-5 * tail.norm(),
             "{missing} {tail}"
@@ -289,7 +291,7 @@ mod tests {
             record_end_s: Some(100.0),
             ..whole.clone()
         };
-        let values = [&whole, &long].map(|system| system.value((1, 0), omega));
+        let values = [&whole, &long].map(|system| system.value(1, 0, omega));
         assert!((values[0] - values[1]).norm() < 1e-12 * values[0].norm());
     }
 

@@ -62,7 +62,7 @@ fn breakdown() -> BreakdownFile {
         Some(Count {
             draws: 10,
             good,
-            symptoms: vec![0; 10],
+            failures: vec![0; 10],
         })
     };
     let cell = |node: (usize, usize)| Cell {

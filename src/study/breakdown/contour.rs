@@ -24,7 +24,7 @@ impl Field {
         let mut neighbours: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
         for i in 0..columns - 1 {
             for j in 0..rows - 1 {
-                for [a, b] in self.segments((i, j), level) {
+                for [a, b] in self.segments(i, j, level) {
                     neighbours.entry(a).or_default().push(b);
                     neighbours.entry(b).or_default().push(a);
                 }
@@ -38,7 +38,7 @@ impl Field {
     }
 
     /// Pairs of crossed edges of one square.
-    fn segments(&self, (i, j): (usize, usize), level: f64) -> Vec<[Edge; 2]> {
+    fn segments(&self, i: usize, j: usize, level: f64) -> Vec<[Edge; 2]> {
         let above = |i: usize, j: usize| self.values[i][j] >= level;
         let edges = [
             (above(i, j) != above(i + 1, j), (i, j, true)),
@@ -89,9 +89,9 @@ impl Field {
         (1.0 - v) * row(j) + v * row(j + 1)
     }
 
-    /// Stretches along an axis, the other one fixed at a share, in which the field is at or above a
+    /// Intervals of an axis, the other one fixed at a share, in which the field is at or above a
     /// level.
-    pub fn stretches(&self, (along_x, fixed): (bool, f64), level: f64) -> Vec<(f64, f64)> {
+    pub fn intervals_above(&self, along_x: bool, fixed: f64, level: f64) -> Vec<(f64, f64)> {
         let count = if along_x {
             self.values.len()
         } else {
@@ -102,30 +102,30 @@ impl Field {
             true => self.at([position(k), fixed]),
             false => self.at([fixed, position(k)]),
         };
-        let mut stretches = Vec::new();
+        let mut intervals = Vec::new();
         let mut begin = (value(0) >= level).then_some(0.0);
         for k in 1..count {
             let (a, b) = (value(k - 1), value(k));
             if (a >= level) != (b >= level) {
                 let cross = position(k - 1) + (level - a) / (b - a) / (count - 1) as f64;
                 match begin.take() {
-                    Some(from) => stretches.push((from, cross)),
+                    Some(from) => intervals.push((from, cross)),
                     None => begin = Some(cross),
                 }
             }
         }
-        stretches.extend(begin.map(|from| (from, 1.0)));
-        stretches
+        intervals.extend(begin.map(|from| (from, 1.0)));
+        intervals
     }
 
     /// Distance along an axis from a point to the nearest crossing of a level, with its sign;
     /// `None` where the field does not cross there.
-    pub fn distance(&self, point: Point, (along_x, level): (bool, f64)) -> Option<f64> {
+    pub fn distance_to_crossing(&self, point: Point, along_x: bool, level: f64) -> Option<f64> {
         let (position, fixed) = match along_x {
             true => (point[0], point[1]),
             false => (point[1], point[0]),
         };
-        let ends = self.stretches((along_x, fixed), level).into_iter();
+        let ends = self.intervals_above(along_x, fixed, level).into_iter();
         let ends = ends.flat_map(|(a, b)| [a, b]);
         let inner = ends.filter(|end| *end > 0.0 && *end < 1.0);
         inner
@@ -205,15 +205,15 @@ mod tests {
     }
 
     #[test]
-    fn stretches_and_distances_are_those_of_the_crossing() {
+    fn intervals_and_distances_are_those_of_the_crossing() {
         let field = field(11, 5, |x, _| 1.0 - (x - 0.4).abs());
-        let inside = field.stretches((true, 0.3), 0.85);
+        let inside = field.intervals_above(true, 0.3, 0.85);
         assert_eq!(inside.len(), 1);
         assert!((inside[0].0 - 0.25).abs() < 1e-12 && (inside[0].1 - 0.55).abs() < 1e-12);
-        let distance = field.distance([0.9, 0.3], (true, 0.85)).unwrap();
+        let distance = field.distance_to_crossing([0.9, 0.3], true, 0.85).unwrap();
         assert!((distance + 0.35).abs() < 1e-12);
-        assert_eq!(field.distance([0.9, 0.3], (false, 0.85)), None);
-        assert_eq!(field.stretches((false, 0.4), 0.5), [(0.0, 1.0)]);
+        assert_eq!(field.distance_to_crossing([0.9, 0.3], false, 0.85), None);
+        assert_eq!(field.intervals_above(false, 0.4, 0.5), [(0.0, 1.0)]);
         assert!((field.at([0.43, 0.9]) - 0.97).abs() < 1e-12);
     }
 }

@@ -61,7 +61,7 @@ impl Draw {
         let shift_hz = axis.step_hz * random.random_range(0.0..1.0);
         let truth = case.truth(shift_hz, 1.0)?.model;
         Ok(Self {
-            set: noisy(case, (&truth, axis), &mut random),
+            set: noisy(case, &truth, axis, &mut random),
             band,
             truth,
             responses: case.responses(),
@@ -104,7 +104,8 @@ impl Draw {
 
 fn noisy(
     case: &Case,
-    (truth, axis): (&ModalModel, FrequencyAxis),
+    truth: &ModalModel,
+    axis: FrequencyAxis,
     random: &mut ChaCha8Rng,
 ) -> Result<FrfSet, StudyError> {
     let hits = case.hits();
@@ -120,7 +121,7 @@ fn noisy(
         power / axis.len as f64 * 10f64.powf(-0.1 * case.noise_db)
     };
     let variances: Vec<f64> = (0..exact.len()).map(variance).collect();
-    with_noise(&exact, &variances, (None, random))
+    with_noise(&exact, &variances, None, random)
 }
 
 /// Sampling rate over the band's upper edge: the anti-alias filter begins at 0.4 of the rate.
@@ -144,7 +145,7 @@ fn tests(case: &Case, random: &mut ChaCha8Rng) -> Result<Vec<HammerTest>, SynthE
     let responses = case.responses();
     if case.mass_loading == 0.0 {
         let plan = plans(case, &responses);
-        return Ok(vec![test(case, (shift_hz, 1.0), plan, random)?]);
+        return Ok(vec![test(case, shift_hz, 1.0, plan, random)?]);
     }
     let count = responses.len() as f64;
     let drift = |k: usize| {
@@ -153,7 +154,7 @@ fn tests(case: &Case, random: &mut ChaCha8Rng) -> Result<Vec<HammerTest>, SynthE
     };
     let of_position = |(k, response): (usize, &Dof)| {
         let plan = plans(case, std::slice::from_ref(response));
-        test(case, (shift_hz, drift(k)), plan, random)
+        test(case, shift_hz, drift(k), plan, random)
     };
     responses.iter().enumerate().map(of_position).collect()
 }
@@ -164,7 +165,8 @@ fn plans(case: &Case, responses: &[Dof]) -> Vec<HitPlan> {
 
 fn test(
     case: &Case,
-    (shift_hz, factor): (f64, f64),
+    shift_hz: f64,
+    factor: f64,
     hits: Vec<HitPlan>,
     random: &mut ChaCha8Rng,
 ) -> Result<HammerTest, SynthError> {

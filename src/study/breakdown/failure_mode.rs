@@ -36,7 +36,7 @@ impl Default for StatedError {
     }
 }
 
-/// What is wrong with a draw; of several the first in this order.
+/// Error of a method in a draw; of several the first in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureMode {
@@ -62,7 +62,7 @@ pub enum FailureMode {
     ResidueLarge,
 }
 
-/// All symptoms in their order.
+/// All failure modes in their order.
 pub const FAILURE_MODES: [FailureMode; 10] = [
     FailureMode::NoAnswer,
     FailureMode::Merged,
@@ -122,11 +122,12 @@ const MATCH_BANDWIDTHS: f64 = 1.0;
 /// one: within it both form one peak.
 const MERGE_BANDWIDTHS: f64 = 2.0;
 
-/// What is wrong with the modes of a method; `None` when all of the truth is found to the stated
-/// error and nothing else.
-pub fn symptom(
-    (truth, responses): (&ModalModel, &[Dof]),
+/// The first error of the modes of a method, shapes compared at the responses; `None` where all
+/// true modes are found to the stated error and no other.
+pub fn first_failure(
+    truth: &ModalModel,
     found: &ModalModel,
+    responses: &[Dof],
     stated: &StatedError,
 ) -> Option<FailureMode> {
     let partners = partners(&truth.modes, &found.modes);
@@ -140,17 +141,14 @@ pub fn symptom(
         let all = truth.modes.iter().zip(&partners);
         all.filter_map(|(expected, partner)| Some((expected, &found.modes[(*partner)?])))
     };
-    let frequency =
-        pairs().any(|(expected, found_mode)| frequency_off(expected, found_mode, stated));
-    let damping =
-        pairs().find_map(|(expected, found_mode)| damping_off(expected, found_mode, stated));
-    let shape = pairs().any(|(expected, found_mode)| {
-        let mac = shape_mac((expected, found_mode), &found.modes, responses);
+    let frequency = pairs().any(|(expected, mode)| is_frequency_off(expected, mode, stated));
+    let damping = pairs().find_map(|(expected, mode)| damping_failure(expected, mode, stated));
+    let shape = pairs().any(|(expected, mode)| {
+        let mac = shape_mac(expected, mode, &found.modes, responses);
         mac.is_none_or(|mac| mac < stated.mac)
     });
-    let residue = pairs().find_map(|(expected, found_mode)| {
-        residue_off((expected, found_mode), &found.modes, stated)
-    });
+    let residue =
+        pairs().find_map(|(expected, mode)| residue_failure(expected, mode, &found.modes, stated));
     frequency
         .then_some(FailureMode::Frequency)
         .or(damping)
@@ -208,14 +206,14 @@ fn missing(
     }
 }
 
-fn frequency_off(expected: &Mode, found: &Mode, stated: &StatedError) -> bool {
+fn is_frequency_off(expected: &Mode, found: &Mode, stated: &StatedError) -> bool {
     let error = (found.frequency_hz - expected.frequency_hz).abs();
     let percent = stated.frequency_percent.unwrap_or(f64::INFINITY);
     error > stated.frequency_widths * width_hz(expected)
         || error > 0.01 * percent * expected.frequency_hz
 }
 
-fn damping_off(expected: &Mode, found: &Mode, stated: &StatedError) -> Option<FailureMode> {
+fn damping_failure(expected: &Mode, found: &Mode, stated: &StatedError) -> Option<FailureMode> {
     let (truth, found) = (expected.damping_ratio?, found.damping_ratio.unwrap_or(0.0));
     let error = found / truth - 1.0;
     let limit = 0.01 * stated.damping_percent;
@@ -238,7 +236,7 @@ fn group<'a>(found: &'a Mode, all: &'a [Mode]) -> Vec<&'a Mode> {
 }
 
 /// MAC with the found shape, or with the span of the shapes of its repeated root.
-fn shape_mac((expected, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof]) -> Option<f64> {
+fn shape_mac(expected: &Mode, found: &Mode, all: &[Mode], responses: &[Dof]) -> Option<f64> {
     let at = |mode: &Mode| -> Option<Vec<Complex64>> {
         let values = responses.iter().map(|dof| mode.shape.along_positive(dof));
         values.collect()
@@ -253,8 +251,9 @@ fn shape_mac((expected, found): (&Mode, &Mode), all: &[Mode], responses: &[Dof])
 
 /// Compares the root of the sum of squares over the FRFs. Residues of a repeated root belong to all
 /// its modes and are not compared.
-fn residue_off(
-    (expected, found): (&Mode, &Mode),
+fn residue_failure(
+    expected: &Mode,
+    found: &Mode,
     all: &[Mode],
     stated: &StatedError,
 ) -> Option<FailureMode> {
@@ -282,33 +281,33 @@ mod tests {
         Case::default().truth(0.0, 1.0).unwrap().model
     }
 
-    fn symptom_of(change: impl Fn(&mut Vec<Mode>)) -> Option<FailureMode> {
+    fn failure_of(change: impl Fn(&mut Vec<Mode>)) -> Option<FailureMode> {
         let (truth, mut found) = (truth(), truth());
         change(&mut found.modes);
         let responses = Case::default().responses();
-        symptom((&truth, &responses), &found, &StatedError::default())
+        first_failure(&truth, &found, &responses, &StatedError::default())
     }
 
     #[test]
-    fn each_error_of_a_mode_has_its_symptom() {
-        assert_eq!(symptom_of(|_| ()), None);
-        assert_eq!(symptom_of(|m| drop(m.pop())), Some(FailureMode::Missed));
+    fn each_error_of_a_mode_has_its_failure_mode() {
+        assert_eq!(failure_of(|_| ()), None);
+        assert_eq!(failure_of(|m| drop(m.pop())), Some(FailureMode::Missed));
         assert_eq!(
-            symptom_of(|m| m.push(m[0].clone())),
+            failure_of(|m| m.push(m[0].clone())),
             Some(FailureMode::Invented)
         );
         assert_eq!(
-            symptom_of(|m| m[1].frequency_hz += 0.3),
+            failure_of(|m| m[1].frequency_hz += 0.3),
             Some(FailureMode::Frequency)
         );
-        let damped = |factor: f64| symptom_of(|m| m[0].damping_ratio = Some(0.01 * factor));
+        let damped = |factor: f64| failure_of(|m| m[0].damping_ratio = Some(0.01 * factor));
         assert_eq!(damped(1.09), None);
         assert_eq!(damped(1.2), Some(FailureMode::DampingHigh));
         assert_eq!(damped(0.8), Some(FailureMode::DampingLow));
-        let swapped = symptom_of(|m| m[0].shape = m[1].shape.clone());
+        let swapped = failure_of(|m| m[0].shape = m[1].shape.clone());
         assert_eq!(swapped, Some(FailureMode::Shape));
         let sized =
-            |factor: f64| symptom_of(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
+            |factor: f64| failure_of(|m| m[2].residues.values_mut().for_each(|a| *a *= factor));
         assert_eq!(sized(0.85), None);
         assert_eq!(sized(0.7), Some(FailureMode::ResidueSmall));
         assert_eq!(sized(1.5), Some(FailureMode::ResidueLarge));
@@ -321,14 +320,14 @@ mod tests {
         let mut found = truth.clone();
         found.modes.remove(1);
         let responses = close.responses();
-        let merged = symptom((&truth, &responses), &found, &StatedError::default());
+        let merged = first_failure(&truth, &found, &responses, &StatedError::default());
         assert_eq!(merged, Some(FailureMode::Merged));
     }
 
     #[test]
-    fn symptoms_are_in_the_order_of_their_index() {
-        for (index, symptom) in FAILURE_MODES.iter().enumerate() {
-            assert_eq!(symptom.index(), index);
+    fn failure_modes_are_in_the_order_of_their_index() {
+        for (index, failure) in FAILURE_MODES.iter().enumerate() {
+            assert_eq!(failure.index(), index);
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The plan of a breakdown map is checked from `[breakdown]` of `study.toml`.
 
+use std::ops::RangeInclusive;
+
 use serde::Deserialize;
 
 use crate::identify::ESTIMATORS;
@@ -136,12 +138,12 @@ impl BreakdownTable {
         let stated = self.stated.checked()?;
         let base = self.case.applied(&Case::default(), "breakdown.case")?;
         let draws = self.draws.unwrap_or(DEFAULT_DRAWS);
-        check_range("breakdown.draws", f64::from(draws), (1.0, 1e6))?;
+        check_range("breakdown.draws", f64::from(draws), 1.0..=1e6)?;
         let refine = self.refine.unwrap_or(DEFAULT_REFINE);
         check_range(
             "breakdown.refine",
             f64::from(refine),
-            (0.0, f64::from(MAX_REFINE)),
+            0.0..=f64::from(MAX_REFINE),
         )?;
         let defaults = default_slices();
         let tables = if self.slice.is_empty() {
@@ -207,7 +209,7 @@ impl BreakdownTable {
         check_range(
             "breakdown.stability.highest_order",
             highest as f64,
-            (0.0, 100.0),
+            0.0..=100.0,
         )?;
         Ok((highest >= 2).then_some(StabilityPlan {
             highest_order: highest,
@@ -226,13 +228,13 @@ impl StatedTable {
             residue_percent: self.residue_percent.or(base.residue_percent),
         };
         let percent = |name: &str, value: f64| {
-            check_range(&format!("breakdown.stated.{name}"), value, (1e-9, 1e9))
+            check_range(&format!("breakdown.stated.{name}"), value, 1e-9..=1e9)
         };
         percent("frequency_widths", stated.frequency_widths)?;
         percent("damping_percent", stated.damping_percent)?;
         percent("frequency_percent", stated.frequency_percent.unwrap_or(1.0))?;
         percent("residue_percent", stated.residue_percent.unwrap_or(1.0))?;
-        check_range("breakdown.stated.mac", stated.mac, (0.0, 1.0))?;
+        check_range("breakdown.stated.mac", stated.mac, 0.0..=1.0)?;
         Ok(stated)
     }
 }
@@ -248,14 +250,14 @@ impl CaseTable {
         case.gap_hz = self.gap_hz.unwrap_or(case.gap_hz);
         case.responses = self.responses.unwrap_or(case.responses);
         case.lines = self.lines.unwrap_or(case.lines);
-        check_range(&format!("{key}.lowest_hz"), case.lowest_hz, (1e-3, 1e6))?;
-        check_range(&format!("{key}.gap_hz"), case.gap_hz, (1e-6, 1e6))?;
+        check_range(&format!("{key}.lowest_hz"), case.lowest_hz, 1e-3..=1e6)?;
+        check_range(&format!("{key}.gap_hz"), case.gap_hz, 1e-6..=1e6)?;
         check_range(
             &format!("{key}.responses"),
             case.responses as f64,
-            (4.0, 1e3),
+            4.0..=1e3,
         )?;
-        check_range(&format!("{key}.lines"), case.lines as f64, (32.0, 1e5))?;
+        check_range(&format!("{key}.lines"), case.lines as f64, 32.0..=1e5)?;
         Ok(case)
     }
 }
@@ -289,7 +291,7 @@ impl AxisTable {
                 .unwrap_or(DEFAULT_AXIS_VALUES)
                 .min(DEFAULT_AXIS_VALUES),
         );
-        check_range(&format!("{key}.count"), count as f64, (2.0, 200.0))?;
+        check_range(&format!("{key}.count"), count as f64, 2.0..=200.0)?;
         Ok(Axis {
             factor: self.factor,
             lo: self.lo,
@@ -372,18 +374,20 @@ fn check_name(key: &str, name: &str, before: &[Slice]) -> Result<(), BreakdownEr
 }
 
 fn check_value(key: &str, factor: Factor, value: f64) -> Result<(), BreakdownError> {
-    check_range(key, value, factor.limits())?;
+    let (lo, hi) = factor.limits();
+    check_range(key, value, lo..=hi)?;
     if factor.is_whole() && value.fract() != 0.0 {
         return Err(wrong(key, &value.to_string(), "a whole number"));
     }
     Ok(())
 }
 
-fn check_range(key: &str, value: f64, (lo, hi): (f64, f64)) -> Result<(), BreakdownError> {
-    if (lo..=hi).contains(&value) {
+fn check_range(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), BreakdownError> {
+    if range.contains(&value) {
         return Ok(());
     }
-    Err(wrong(key, &value.to_string(), &format!("{lo} to {hi}")))
+    let expected = format!("{} to {}", range.start(), range.end());
+    Err(wrong(key, &value.to_string(), &expected))
 }
 
 fn wrong(key: &str, got: &str, expected: &str) -> BreakdownError {

@@ -11,7 +11,7 @@ use crate::study::Meter;
 use crate::synth::SynthError;
 
 use super::draw::{Draw, draw_random};
-use super::failure_mode::{FAILURE_MODES, symptom};
+use super::failure_mode::{FAILURE_MODES, first_failure};
 use super::{Axis, Case, FailureMode, Field, Grid, Node, StatedError, wilson};
 
 /// Success rate at the contour: share of the draws in which a method meets the stated error.
@@ -52,22 +52,23 @@ pub struct Count {
     pub draws: u32,
     /// Draws in which it met the stated error.
     pub good: u32,
-    /// Draws that show each of [`FAILURE_MODES`].
-    pub symptoms: Vec<u32>,
+    /// Draws with each of [`FAILURE_MODES`].
+    #[serde(rename = "symptoms")]
+    pub failures: Vec<u32>,
 }
 
 impl Count {
-    fn from_symptoms(verdicts: &[Option<FailureMode>]) -> Self {
-        let mut symptoms = vec![0; FAILURE_MODES.len()];
-        for symptom in verdicts.iter().flatten() {
-            symptoms[symptom.index()] += 1;
+    fn new(failures: &[Option<FailureMode>]) -> Self {
+        let mut by_mode = vec![0; FAILURE_MODES.len()];
+        for failure in failures.iter().flatten() {
+            by_mode[failure.index()] += 1;
         }
-        let bad: u32 = symptoms.iter().sum();
-        let draws = verdicts.len() as u32;
+        let failed: u32 = by_mode.iter().sum();
+        let draws = failures.len() as u32;
         Self {
             draws,
-            good: draws - bad,
-            symptoms,
+            good: draws - failed,
+            failures: by_mode,
         }
     }
 
@@ -142,7 +143,7 @@ impl Slice {
         recorded || self.case.window_end.is_some() || self.case.bits.is_some()
     }
 
-    fn case_at(&self, (x, y): (f64, f64)) -> Case {
+    fn case_at(&self, x: f64, y: f64) -> Case {
         let case = self.case.clone();
         case.with(self.x.factor, x).with(self.y.factor, y)
     }
@@ -160,10 +161,10 @@ impl Slice {
         let mut work = Work::new(self, meter);
         let all = vec![true; self.methods.len()];
         let base: Wanted = grid.base().into_iter().map(|n| (n, all.clone())).collect();
-        work.draw(&base, (0, observer))?;
+        work.draw(&base, 0, observer)?;
         for level in 1..=self.refine {
             let wanted = work.wanted(level);
-            work.draw(&wanted, (level, observer))?;
+            work.draw(&wanted, level, observer)?;
         }
         Ok(work.finish())
     }
@@ -217,7 +218,8 @@ impl<'a> Work<'a> {
     fn draw(
         &mut self,
         wanted: &Wanted,
-        (level, observer): (u32, &dyn Observer),
+        level: u32,
+        observer: &dyn Observer,
     ) -> Result<(), SynthError> {
         let what = match level {
             0 => self.slice.name.clone(),
@@ -245,7 +247,7 @@ impl<'a> Work<'a> {
     fn cell(&mut self, node: Node, methods: &[bool]) -> Result<Vec<Option<Count>>, SynthError> {
         let slice = self.slice;
         let (x, y) = self.grid.values(node);
-        let case = slice.case_at((x, y));
+        let case = slice.case_at(x, y);
         let coordinates = [(slice.x.factor, x), (slice.y.factor, y)];
         let needs_test = slice.needs_test();
         let one = |number: u32| {
@@ -259,29 +261,29 @@ impl<'a> Work<'a> {
             (0..slice.draws).into_par_iter().map(one).collect();
         let draws = draws?;
         let of_method = |(index, wanted): (usize, &bool)| {
-            wanted.then(|| self.try_method(index, (&case, &draws)))
+            wanted.then(|| self.try_method(index, case.order, &draws))
         };
         Ok(methods.iter().enumerate().map(of_method).collect())
     }
 
-    fn try_method(&mut self, index: usize, (case, draws): (&Case, &[Draw])) -> Count {
+    fn try_method(&mut self, index: usize, order: Option<usize>, draws: &[Draw]) -> Count {
         let name = &self.slice.methods[index];
         let stated = &self.slice.stated;
-        let mut verdicts: Vec<Option<FailureMode>> = Vec::new();
-        let (first, rest) = draws.split_at(FIRST_DRAWS.min(draws.len()));
+        let mut failures: Vec<Option<FailureMode>> = Vec::new();
+        let (first, later) = draws.split_at(FIRST_DRAWS.min(draws.len()));
         let cost = self.meter.measure(&mut || {
-            let of = |draw: &Draw| verdict(draw, (name, case), stated);
-            verdicts = first.par_iter().map(of).collect();
-            if Count::from_symptoms(&verdicts).share() >= MIN_FIRST_SHARE {
-                verdicts.par_extend(rest.par_iter().map(of));
+            let of = |draw: &Draw| failure(draw, name, order, stated);
+            failures = first.par_iter().map(of).collect();
+            if Count::new(&failures).share() >= MIN_FIRST_SHARE {
+                failures.par_extend(later.par_iter().map(of));
             }
         });
         let time = &mut self.times[index];
-        time.draws += verdicts.len() as u32;
+        time.draws += failures.len() as u32;
         time.cpu_s = cost
             .cpu_s
             .map(|seconds| seconds + time.cpu_s.unwrap_or(0.0));
-        Count::from_symptoms(&verdicts)
+        Count::new(&failures)
     }
 
     fn finish(self) -> (SliceResult, Vec<MethodTime>) {
@@ -298,9 +300,10 @@ impl<'a> Work<'a> {
 }
 
 /// Failure mode of a method in a draw; `None` for a success.
-fn verdict(
+fn failure(
     draw: &Draw,
-    (method, case): (&str, &Case),
+    method: &str,
+    order: Option<usize>,
     stated: &StatedError,
 ) -> Option<FailureMode> {
     let Ok(set) = &draw.set else {
@@ -311,10 +314,10 @@ fn verdict(
         band: Some(draw.band),
         ..IdentifyOptions::default()
     };
-    options.estimator.max_order = case.order;
+    options.estimator.max_order = order;
     match identify(set, &options) {
         Err(_) => Some(FailureMode::NoAnswer),
-        Ok(found) => symptom((&draw.truth, &draw.responses), &found, stated),
+        Ok(found) => first_failure(&draw.truth, &found, &draw.responses, stated),
     }
 }
 
@@ -337,25 +340,25 @@ impl SliceResult {
     /// Most frequent failure mode of a method, and its share of the failed draws. Failures count
     /// just outside the contour, in cells where at least half of the draws succeed; without such
     /// cells, all failures count.
-    pub fn common_symptom(&self, method: usize) -> Option<(FailureMode, f64)> {
+    pub fn most_frequent_failure(&self, method: usize) -> Option<(FailureMode, f64)> {
         let counts = || {
             let cells = self.cells.iter();
             cells.filter_map(|cell| cell.counts[method].as_ref())
         };
         let near = sum(counts().filter(|count| !count.inside() && count.share() >= 0.5));
-        let symptoms = match near.iter().sum::<u32>() {
+        let failures = match near.iter().sum::<u32>() {
             0 => sum(counts()),
             _ => near,
         };
-        let all: u32 = symptoms.iter().sum();
+        let all: u32 = failures.iter().sum();
         // Of equally frequent failure modes the first.
-        let commonest = (0..symptoms.len())
+        let most_frequent = (0..failures.len())
             .rev()
-            .max_by_key(|index| symptoms[*index])?;
+            .max_by_key(|index| failures[*index])?;
         (all > 0).then(|| {
             (
-                FAILURE_MODES[commonest],
-                f64::from(symptoms[commonest]) / f64::from(all),
+                FAILURE_MODES[most_frequent],
+                f64::from(failures[most_frequent]) / f64::from(all),
             )
         })
     }
@@ -373,8 +376,8 @@ impl SliceResult {
 fn sum<'a>(counts: impl Iterator<Item = &'a Count>) -> Vec<u32> {
     let mut total = vec![0; FAILURE_MODES.len()];
     for count in counts {
-        for (all, count_of_symptom) in total.iter_mut().zip(&count.symptoms) {
-            *all += count_of_symptom;
+        for (all, draws) in total.iter_mut().zip(&count.failures) {
+            *all += draws;
         }
     }
     total

@@ -41,7 +41,7 @@ impl CellStore for Memory {
         Ok(self.kept.borrow().get(name).cloned())
     }
 
-    fn keep(&self, name: &str, text: &str) -> Result<(), String> {
+    fn save(&self, name: &str, text: &str) -> Result<(), String> {
         match self.room.get() {
             Some(0) => return Err("no room".to_owned()),
             left => self.room.set(left.map(|room| room - 1)),
@@ -53,7 +53,7 @@ impl CellStore for Memory {
 }
 
 fn run(plan: &Plan, part: Part, store: &Memory) -> Result<Finished, BreakdownError> {
-    compute(plan, part, store, (&(), &()))
+    compute(plan, part, store, &(), &())
 }
 
 fn in_threads(count: usize, work: impl FnOnce() -> Finished + Send) -> Finished {

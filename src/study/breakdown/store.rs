@@ -11,26 +11,26 @@ use super::plan::{Plan, STABILITY};
 use super::slice::{MethodTime, Slice, SliceResult};
 use super::stability::{Stability, StabilityPlan};
 
-/// Keeps finished slices by name. The library touches no file: the caller decides where to keep
-/// them, and keeps a text completely or not at all.
+/// Keeps finished slices by name. The library touches no file: the caller decides where they are
+/// saved, and saves a text completely or not at all.
 pub trait CellStore {
-    /// The text kept under a name, if any.
+    /// The text saved under a name, if any.
     ///
     /// # Errors
     /// What went wrong, as a sentence.
     fn load(&self, name: &str) -> Result<Option<String>, String>;
 
-    /// Keeps a text under a name, in place of an earlier one.
+    /// Saves a text under a name, in place of an earlier one.
     ///
     /// # Errors
     /// What went wrong, as a sentence.
-    fn keep(&self, name: &str, text: &str) -> Result<(), String>;
+    fn save(&self, name: &str, text: &str) -> Result<(), String>;
 }
 
 /// Which slices of a study are computed: part `number`, from 1, of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// From 1.
+    /// Its number, from 1.
     pub number: usize,
     /// Parts in all.
     pub count: usize,
@@ -43,25 +43,25 @@ impl Part {
         count: 1,
     };
 
-    /// Whether a slice, from 0, belongs to it.
-    pub fn holds(&self, index: usize) -> bool {
+    /// Whether a slice, numbered from 0, belongs to it.
+    pub fn contains(&self, index: usize) -> bool {
         index % self.count == self.number - 1
     }
 }
 
-/// A kept result with the hash of its spec.
+/// A saved result with the hash of its spec.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Kept<T> {
+struct Saved<T> {
     schema: String,
     spec_sha256: String,
     result: T,
 }
 
-/// The schema text of a kept slice; a change of the random draws changes its number.
+/// The schema text of a saved slice; a change of the random draws changes its number.
 const SCHEMA: &str = "modalign-breakdown-slice/1";
 const TIMES_SCHEMA: &str = "modalign-breakdown-times/1";
 
-/// The results of a study.
+/// The results of a breakdown study.
 #[derive(Clone, Debug, Default)]
 pub struct Finished {
     /// Slices in the order of the plan.
@@ -76,7 +76,7 @@ pub struct Finished {
     pub outdated: Vec<String>,
 }
 
-/// Computes the unfinished slices of a part of a study, and keeps them.
+/// Computes the unfinished slices of a part of a study, and saves them.
 ///
 /// # Errors
 /// [`BreakdownError`] for a case that cannot be drawn, or of the store.
@@ -84,21 +84,22 @@ pub fn compute(
     plan: &Plan,
     part: Part,
     store: &dyn CellStore,
-    (observer, meter): (&dyn Observer, &dyn Meter),
+    observer: &dyn Observer,
+    meter: &dyn Meter,
 ) -> Result<Finished, BreakdownError> {
     let mut finished = Finished::default();
     for (index, slice) in plan.slices.iter().enumerate() {
-        if part.holds(index) {
-            finished.compute_slice(slice, store, (observer, meter))?;
+        if part.contains(index) {
+            finished.compute_slice(slice, store, observer, meter)?;
         }
     }
-    if let Some(stability) = plan.stability.filter(|_| part.holds(plan.slices.len())) {
+    if let Some(stability) = plan.stability.filter(|_| part.contains(plan.slices.len())) {
         finished.compute_stability(stability, store, observer)?;
     }
     Ok(finished)
 }
 
-/// Puts the slices that the parts of a batch finished into one store.
+/// Copies the slices that the parts of a batch finished into one store.
 ///
 /// # Errors
 /// [`BreakdownError::OtherSpec`] for a slice of another spec, [`BreakdownError::Unfinished`] for
@@ -110,19 +111,19 @@ pub fn merge(
 ) -> Result<Finished, BreakdownError> {
     let mut finished = Finished::default();
     for slice in &plan.slices {
-        let of_spec = (slice.name.as_str(), &*hash(slice));
-        let (result, from) = found::<SliceResult>(of_spec, parts)?;
-        keep(of_spec, &result, store)?;
+        let key = SliceKey::new(&slice.name, slice);
+        let (result, from) = key.find::<SliceResult>(parts)?;
+        key.save(&result, store)?;
         finished.slices.push(result);
-        if let Some(times) = times_of(of_spec, from)? {
-            keep_times(of_spec, times, store)?;
+        if let Some(times) = key.load_times(from)? {
+            key.save_times(times, store)?;
         }
-        finished.add_times(of_spec, store)?;
+        finished.add_times(&key, store)?;
     }
     if let Some(stability) = plan.stability {
-        let of_spec = (STABILITY, &*hash(&stability));
-        let (result, _) = found::<Stability>(of_spec, parts)?;
-        keep(of_spec, &result, store)?;
+        let key = SliceKey::new(STABILITY, &stability);
+        let (result, _) = key.find::<Stability>(parts)?;
+        key.save(&result, store)?;
         finished.stability = Some(result);
     }
     Ok(finished)
@@ -133,10 +134,11 @@ impl Finished {
         &mut self,
         slice: &Slice,
         store: &dyn CellStore,
-        (observer, meter): (&dyn Observer, &dyn Meter),
+        observer: &dyn Observer,
+        meter: &dyn Meter,
     ) -> Result<(), BreakdownError> {
-        let of_spec = (slice.name.as_str(), &*hash(slice));
-        let result = match self.find_reusable(of_spec, store)? {
+        let key = SliceKey::new(&slice.name, slice);
+        let result = match self.find_reusable(&key, store)? {
             Some(result) => result,
             None => {
                 let run = slice.run(observer, meter);
@@ -144,13 +146,13 @@ impl Finished {
                     slice: slice.name.clone(),
                     source: Box::new(source),
                 })?;
-                keep_times(of_spec, times, store)?;
-                keep(of_spec, &result, store)?;
+                key.save_times(times, store)?;
+                key.save(&result, store)?;
                 result
             }
         };
         self.slices.push(result);
-        self.add_times(of_spec, store)
+        self.add_times(&key, store)
     }
 
     fn compute_stability(
@@ -159,13 +161,13 @@ impl Finished {
         store: &dyn CellStore,
         observer: &dyn Observer,
     ) -> Result<(), BreakdownError> {
-        let of_spec = (STABILITY, &*hash(&plan));
-        let result = match self.find_reusable(of_spec, store)? {
+        let key = SliceKey::new(STABILITY, &plan);
+        let result = match self.find_reusable(&key, store)? {
             Some(result) => result,
             None => {
                 observer.step(STABILITY, 1, 1);
                 let result = plan.run();
-                keep(of_spec, &result, store)?;
+                key.save(&result, store)?;
                 result
             }
         };
@@ -173,63 +175,119 @@ impl Finished {
         Ok(())
     }
 
-    /// A slice that the store has from this spec; one from another is noted.
+    /// A slice that the store has from this spec; one from another spec is listed as outdated.
     fn find_reusable<T: for<'a> Deserialize<'a>>(
         &mut self,
-        (name, spec): (&str, &str),
+        key: &SliceKey<'_>,
         store: &dyn CellStore,
     ) -> Result<Option<T>, BreakdownError> {
-        let Some(kept) = loaded::<T>(name, store)? else {
+        let Some(saved) = load::<T>(key.name, store)? else {
             return Ok(None);
         };
-        if kept.spec_sha256 == spec {
-            self.reused.push(name.to_owned());
-            return Ok(Some(kept.result));
+        if saved.spec_sha256 == key.spec_sha256 {
+            self.reused.push(key.name.to_owned());
+            return Ok(Some(saved.result));
         }
-        self.outdated.push(name.to_owned());
+        self.outdated.push(key.name.to_owned());
         Ok(None)
     }
 
     fn add_times(
         &mut self,
-        of_spec: (&str, &str),
+        key: &SliceKey<'_>,
         store: &dyn CellStore,
     ) -> Result<(), BreakdownError> {
-        let times = times_of(of_spec, store)?;
+        let times = key.load_times(store)?;
         self.times
-            .extend(times.map(|time| (of_spec.0.to_owned(), time)));
+            .extend(times.map(|time| (key.name.to_owned(), time)));
         Ok(())
     }
 }
 
-/// A slice of this spec in one of several stores, and where.
-fn found<'a, T: for<'b> Deserialize<'b>>(
-    (name, spec): (&str, &str),
-    parts: &[&'a dyn CellStore],
-) -> Result<(T, &'a dyn CellStore), BreakdownError> {
-    let mut other = None;
-    for part in parts {
-        match loaded::<T>(name, *part)? {
-            Some(kept) if kept.spec_sha256 == spec => return Ok((kept.result, *part)),
-            Some(kept) => other = Some(kept.spec_sha256),
-            None => {}
-        }
-    }
-    let slice = name.to_owned();
-    Err(match other {
-        Some(got) => BreakdownError::OtherSpec {
-            slice,
-            got: got.chars().take(12).collect(),
-            expected: spec.chars().take(12).collect(),
-        },
-        None => BreakdownError::Unfinished { slice },
-    })
+/// Name of a slice and hash of the spec that it is computed from: a saved slice of another spec is
+/// outdated.
+struct SliceKey<'a> {
+    name: &'a str,
+    spec_sha256: String,
 }
 
-fn loaded<T: for<'a> Deserialize<'a>>(
+impl<'a> SliceKey<'a> {
+    fn new(name: &'a str, spec: &impl Spec) -> Self {
+        Self {
+            name,
+            spec_sha256: hash(spec),
+        }
+    }
+
+    /// The slice in the first of several stores that has it from this spec, and that store.
+    fn find<'b, T: for<'c> Deserialize<'c>>(
+        &self,
+        parts: &[&'b dyn CellStore],
+    ) -> Result<(T, &'b dyn CellStore), BreakdownError> {
+        let mut other = None;
+        for part in parts {
+            match load::<T>(self.name, *part)? {
+                Some(saved) if saved.spec_sha256 == self.spec_sha256 => {
+                    return Ok((saved.result, *part));
+                }
+                Some(saved) => other = Some(saved.spec_sha256),
+                None => {}
+            }
+        }
+        let slice = self.name.to_owned();
+        Err(match other {
+            Some(got) => BreakdownError::OtherSpec {
+                slice,
+                got: got.chars().take(12).collect(),
+                expected: self.spec_sha256.chars().take(12).collect(),
+            },
+            None => BreakdownError::Unfinished { slice },
+        })
+    }
+
+    fn save<T: Serialize + Clone>(
+        &self,
+        result: &T,
+        store: &dyn CellStore,
+    ) -> Result<(), BreakdownError> {
+        let saved = Saved {
+            schema: SCHEMA.to_owned(),
+            spec_sha256: self.spec_sha256.clone(),
+            result: result.clone(),
+        };
+        save(self.name, &saved, store)
+    }
+
+    fn save_times(
+        &self,
+        result: Vec<MethodTime>,
+        store: &dyn CellStore,
+    ) -> Result<(), BreakdownError> {
+        let saved = Saved {
+            schema: TIMES_SCHEMA.to_owned(),
+            spec_sha256: self.spec_sha256.clone(),
+            result,
+        };
+        save(&self.times_name(), &saved, store)
+    }
+
+    /// The measured times of the slice, where the store has them from this spec.
+    fn load_times(&self, store: &dyn CellStore) -> Result<Option<Vec<MethodTime>>, BreakdownError> {
+        let saved = load::<Vec<MethodTime>>(&self.times_name(), store)?;
+        Ok(saved
+            .filter(|saved| saved.spec_sha256 == self.spec_sha256)
+            .map(|saved| saved.result))
+    }
+
+    fn times_name(&self) -> String {
+        format!("{}.times", self.name)
+    }
+}
+
+fn load<T: for<'a> Deserialize<'a>>(
     name: &str,
     store: &dyn CellStore,
-) -> Result<Option<Kept<T>>, BreakdownError> {
+) -> Result<Option<Saved<T>>, BreakdownError> {
     let failed = |message: String| BreakdownError::Store {
         slice: name.to_owned(),
         message,
@@ -237,66 +295,26 @@ fn loaded<T: for<'a> Deserialize<'a>>(
     let Some(text) = store.load(name).map_err(failed)? else {
         return Ok(None);
     };
-    let kept = serde_json::from_str(&text);
-    let kept = kept.map_err(|error| failed(format!("kept cells cannot be read: {error}")))?;
-    Ok(Some(kept))
+    let saved = serde_json::from_str(&text);
+    let saved = saved.map_err(|error| failed(format!("kept cells cannot be read: {error}")))?;
+    Ok(Some(saved))
 }
 
-fn keep<T: Serialize + Clone>(
-    (name, spec): (&str, &str),
-    result: &T,
-    store: &dyn CellStore,
-) -> Result<(), BreakdownError> {
-    let kept = Kept {
-        schema: SCHEMA.to_owned(),
-        spec_sha256: spec.to_owned(),
-        result: result.clone(),
-    };
-    put(name, &kept, store)
-}
-
-fn put<T: Serialize>(
+fn save<T: Serialize>(
     name: &str,
-    kept: &Kept<T>,
+    saved: &Saved<T>,
     store: &dyn CellStore,
 ) -> Result<(), BreakdownError> {
-    let text = serde_json::to_string(kept).map_err(|error| error.to_string());
-    let kept = text.and_then(|text| store.keep(name, &(text + "\n")));
-    kept.map_err(|message| BreakdownError::Store {
+    let text = serde_json::to_string(saved).map_err(|error| error.to_string());
+    let result = text.and_then(|text| store.save(name, &(text + "\n")));
+    result.map_err(|message| BreakdownError::Store {
         slice: name.to_owned(),
         message,
     })
 }
 
-fn times_name(name: &str) -> String {
-    format!("{name}.times")
-}
-
-fn keep_times(
-    (name, spec): (&str, &str),
-    result: Vec<MethodTime>,
-    store: &dyn CellStore,
-) -> Result<(), BreakdownError> {
-    let kept = Kept {
-        schema: TIMES_SCHEMA.to_owned(),
-        spec_sha256: spec.to_owned(),
-        result,
-    };
-    put(&times_name(name), &kept, store)
-}
-
-/// The measured times of a slice, where they are known and of this spec.
-fn times_of(
-    (name, spec): (&str, &str),
-    store: &dyn CellStore,
-) -> Result<Option<Vec<MethodTime>>, BreakdownError> {
-    let kept = loaded::<Vec<MethodTime>>(&times_name(name), store)?;
-    Ok(kept
-        .filter(|kept| kept.spec_sha256 == spec)
-        .map(|kept| kept.result))
-}
-
-/// What a slice is computed from, and the way it is drawn.
+/// Input of the computation of a slice; its hash covers the schema too, which numbers the way that
+/// a slice is drawn.
 trait Spec: Serialize {}
 impl Spec for Slice {}
 impl Spec for StabilityPlan {}

@@ -26,8 +26,8 @@ impl SliceResult {
         let fields = [Bound::Counted, Bound::Lower, Bound::Upper].map(|b| self.field(method, b));
         let reach = |share: &f64| {
             let values_of = |k: usize| {
-                let segments = fields[k].stretches((true, *share), LEVEL).into_iter();
-                segments.map(|(a, b)| (x.at(a), x.at(b))).collect()
+                let intervals = fields[k].intervals_above(true, *share, LEVEL).into_iter();
+                intervals.map(|(a, b)| (x.at(a), x.at(b))).collect()
             };
             SuccessRange {
                 held: y.at(*share),

@@ -232,7 +232,7 @@ impl SliceResult {
     fn margins(&self, place: [f64; 2], fields: &[Field]) -> Vec<Margin> {
         let margin = |(method, field): (&String, &Field)| {
             let along = |along_x: bool| {
-                let share = field.distance(place, (along_x, LEVEL))?.abs();
+                let share = field.distance_to_crossing(place, along_x, LEVEL)?.abs();
                 let axis = if along_x { self.slice.x } else { self.slice.y };
                 Some(Distance { share, axis })
             };

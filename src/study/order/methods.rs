@@ -96,11 +96,11 @@ pub(super) fn lowest_orders(refined: &Refined, set: &FrfSet, band: Band) -> Vec<
     let judge = refined.judge();
     let with_order = ESTIMATORS.par_iter().filter(|entry| entry.has_order);
     with_order
-        .map(|entry| lowest_order(entry, &judge, (set, band)))
+        .map(|entry| lowest_order(entry, &judge, set, band))
         .collect()
 }
 
-fn lowest_order(entry: &Entry, judge: &Judge, (set, band): (&FrfSet, Band)) -> LowestOrder {
+fn lowest_order(entry: &Entry, judge: &Judge, set: &FrfSet, band: Band) -> LowestOrder {
     let method = |order| Method {
         name: entry.name,
         order,
@@ -146,9 +146,10 @@ struct Found {
 }
 
 /// Every observable mode of the refined solution by the methods of one mode at a time.
-pub(super) fn single(
+pub(super) fn single_mode_methods(
     refined: &Refined,
-    (set, band): (&FrfSet, Band),
+    set: &FrfSet,
+    band: Band,
     options: &OrderOptions,
 ) -> Vec<ModeNeeds> {
     let judge = refined.judge();

@@ -90,7 +90,7 @@ pub fn order(
     let has_data = |test: &TestPlan| !matches!(test.source, TestSource::Modes(_));
     let tests = match options.tests.is_empty() && !scene.tests.iter().any(has_data) {
         true => Vec::new(),
-        false => chosen_tests(scene, (&options.tests, "[order] tests"))?,
+        false => chosen_tests(scene, &options.tests, "[order] tests")?,
     };
     let steps = tests.len() + 2;
     let (mut needs, mut failed) = (Vec::new(), Vec::new());
@@ -165,7 +165,7 @@ fn test_needs(
         let note = "methods are not compared: no mode was identified in the band";
         (Vec::new(), Vec::new(), vec![note.to_owned()])
     } else {
-        compared((refined_solution.model, set, data.band), options)
+        compare_methods(refined_solution.model, set, data.band, options)
     };
     Ok(TestNeeds {
         name: test.name.clone(),
@@ -182,16 +182,19 @@ fn test_needs(
     })
 }
 
-/// Methods against the refined solution.
-fn compared(
-    (model, set, band): (ModalModel, &FrfSet, Band),
+/// The lowest orders, the single-mode methods on every mode, and a note where the methods cannot be
+/// compared with the modes of the refined solution.
+fn compare_methods(
+    model: ModalModel,
+    set: &FrfSet,
+    band: Band,
     options: &OrderOptions,
 ) -> (Vec<LowestOrder>, Vec<ModeNeeds>, Vec<String>) {
     // Without a residue of every pair the twin, the truth of the comparison, is undefined.
     match Refined::from_modes(model, set, band) {
         Ok(refined) => (
             methods::lowest_orders(&refined, set, band),
-            methods::single(&refined, (set, band), options),
+            methods::single_mode_methods(&refined, set, band, options),
             Vec::new(),
         ),
         Err(error) => {

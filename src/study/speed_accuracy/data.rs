@@ -38,7 +38,7 @@ pub(in crate::study) fn variants_of_test(
     let data = test_data(scene, test)?;
     let truth = data.recording.map(|recording| recording.truth);
     let mut sets = match data.ingested.recording {
-        Some(mut recording) => recorded(scene, test, (recording.as_mut(), options))?,
+        Some(mut recording) => recorded(scene, test, recording.as_mut(), options)?,
         None => stated(test, data.ingested.frfs)?,
     };
     sets.truth = truth;
@@ -78,7 +78,8 @@ fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError
 fn recorded(
     scene: &Scene,
     test: &TestPlan,
-    (recording, options): (&mut dyn Recording, &SpeedAccuracyOptions),
+    recording: &mut dyn Recording,
+    options: &SpeedAccuracyOptions,
 ) -> Result<TestSets, StudyError> {
     let base = test.hammer_options(&scene.hammer);
     let first = hammer(recording, &base)?;

@@ -46,10 +46,11 @@ pub(super) use test_data::Refined;
 pub fn speed_accuracy(
     scene: &Scene,
     options: &SpeedAccuracyOptions,
-    (meter, observer): (&dyn Meter, &dyn Observer),
+    meter: &dyn Meter,
+    observer: &dyn Observer,
 ) -> Result<SpeedAccuracy, StudyError> {
     options.validate()?;
-    let tests = chosen_tests(scene, (&options.tests, "[speed_accuracy] tests"))?;
+    let tests = chosen_tests(scene, &options.tests, "[speed_accuracy] tests")?;
     let study = |(number, test): (usize, &&TestPlan)| {
         let steps = Steps {
             observer,
@@ -57,7 +58,7 @@ pub fn speed_accuracy(
             count: tests.len() * Steps::OF_TEST,
             test: &test.name,
         };
-        test_study(scene, test, (options, meter, &steps))
+        test_study(scene, test, options, meter, &steps)
     };
     let studies = tests.iter().enumerate().map(study);
     Ok(SpeedAccuracy {
@@ -70,7 +71,8 @@ pub fn speed_accuracy(
 /// The tests that are named under a key, or all with data.
 pub(super) fn chosen_tests<'a>(
     scene: &'a Scene,
-    (named, key): (&[String], &str),
+    named: &[String],
+    key: &str,
 ) -> Result<Vec<&'a TestPlan>, StudyError> {
     let has_data = |test: &&TestPlan| !matches!(test.source, TestSource::Modes(_));
     let with_data: Vec<&TestPlan> = scene.tests.iter().filter(has_data).collect();
@@ -115,23 +117,23 @@ impl Steps<'_> {
 fn test_study(
     scene: &Scene,
     test: &TestPlan,
-    (options, meter, steps): (&SpeedAccuracyOptions, &dyn Meter, &Steps),
+    options: &SpeedAccuracyOptions,
+    meter: &dyn Meter,
+    steps: &Steps,
 ) -> Result<TestStudy, StudyError> {
     steps.step("FRFs", 1);
     let mut data = variants_of_test(scene, test, options)?;
     let refined = Refined::new(&data)?;
     steps.step("methods on its data", 2);
-    let rows = test_data::rows(&data, &refined, (options, meter));
+    let rows = test_data::rows(&data, &refined, options, meter);
     steps.step("methods on its twin", 3);
     let set = &data.sets[0].set;
     let of_truth = data.truth.as_ref();
     let model = of_truth.unwrap_or(&refined.model);
     let twin = System::twin(model, set, data.band)?;
-    let seed = (
-        options,
-        scene.tests.iter().position(|plan| plan.name == test.name),
-    );
-    let twin = twins::study(twin, seed, (meter, &mut data.notes))?;
+    let number = scene.tests.iter().position(|plan| plan.name == test.name);
+    let number = number.unwrap_or_default();
+    let twin = twins::study(twin, number, options, meter, &mut data.notes)?;
     Ok(TestStudy {
         name: test.name.clone(),
         inputs: data.inputs,

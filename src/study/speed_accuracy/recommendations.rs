@@ -79,7 +79,8 @@ fn on_data(test: &TestStudy) -> Option<String> {
 fn over_bound(
     test: &TestStudy,
     study: &SpeedAccuracy,
-    (condition, method): (Condition, Method),
+    condition: Condition,
+    method: Method,
 ) -> Vec<(f64, f64)> {
     let level = |snr_db: &f64| {
         let row = test.twin_row(condition, *snr_db, method)?;
@@ -95,13 +96,13 @@ fn ends(values: &[(f64, f64)]) -> Option<(f64, f64)> {
 }
 
 fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
-    let errors = over_bound(test, study, (Condition::White, refined()));
+    let errors = over_bound(test, study, Condition::White, refined());
     let (least, most) = ends(&errors)?;
     let others = Method::all(&[])
         .into_iter()
         .filter(|method| method.name != REFINED);
     let next = others.filter_map(|method| {
-        let errors_of_other = over_bound(test, study, (Condition::White, method));
+        let errors_of_other = over_bound(test, study, Condition::White, method);
         Some((ends(&errors_of_other)?.1, method))
     });
     let next = next.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -118,11 +119,11 @@ fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
 
 /// Error of the refined method over its bound, with modes outside the band or truncated records.
 fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
-    let errors = over_bound(test, study, (condition, refined()));
+    let errors = over_bound(test, study, condition, refined());
     let (least, most) = (errors.first()?, errors.last()?);
     // Who is off by least at the end where the noise hides least.
     let at_end = Method::all(&[]).into_iter().filter_map(|method| {
-        let errors_of_method = over_bound(test, study, (condition, method));
+        let errors_of_method = over_bound(test, study, condition, method);
         Some((
             errors_of_method.last().filter(|error| error.0 >= most.0)?.1,
             method,

@@ -98,7 +98,8 @@ fn mean_variances(system: &System, set: &FrfSet) -> Result<Vec<f64>, StudyError>
 pub(super) fn rows(
     data: &TestSets,
     refined: &Refined,
-    (options, meter): (&SpeedAccuracyOptions, &dyn Meter),
+    options: &SpeedAccuracyOptions,
+    meter: &dyn Meter,
 ) -> Vec<DataRow> {
     let judge = refined.judge();
     let mut rows = Vec::new();

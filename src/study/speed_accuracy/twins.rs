@@ -22,12 +22,15 @@ pub(super) struct TwinStudy {
     pub limits: SpeedLimits,
 }
 
+/// Runs every method on the twin of a test of the scene, whose number seeds the draws.
 pub(super) fn study(
     twin: System,
-    (options, test): (&SpeedAccuracyOptions, Option<usize>),
-    (meter, notes): (&dyn Meter, &mut Vec<String>),
+    test: usize,
+    options: &SpeedAccuracyOptions,
+    meter: &dyn Meter,
+    notes: &mut Vec<String>,
 ) -> Result<TwinStudy, StudyError> {
-    let test = test.unwrap_or_default() as u64;
+    let test = test as u64;
     let methods = Method::all(&[]);
     let mut study = TwinStudy {
         modes: twin.modes.iter().filter(|mode| twin.inside(mode)).count(),
@@ -50,7 +53,7 @@ pub(super) fn study(
             coordinates: [test, number as u64],
             options,
         };
-        study.rows.extend(cell.rows((condition, &methods), notes)?);
+        study.rows.extend(cell.rows(condition, &methods, notes)?);
         if condition == Condition::White {
             let noise = FrfNoise {
                 snr_db: options.middle_snr_db(),
@@ -60,7 +63,7 @@ pub(super) fn study(
             let set = cell.system.noisy(&noise, &mut random)?;
             let band = cell.system.band;
             study.step_hz = set.axis().step_hz;
-            study.costs = costs(&methods, (&set, band), (options, meter));
+            study.costs = costs(&methods, &set, band, options.repeats, meter);
             mark_front(&mut study, noise.snr_db);
             study.limits = limits(&set, band, meter);
         }
@@ -70,14 +73,16 @@ pub(super) fn study(
 
 fn costs(
     methods: &[Method],
-    (set, band): (&FrfSet, Band),
-    (options, meter): (&SpeedAccuracyOptions, &dyn Meter),
+    set: &FrfSet,
+    band: Band,
+    repeats: usize,
+    meter: &dyn Meter,
 ) -> Vec<TwinCost> {
     let cost = |method: &Method| {
         let identify = || method.identify(set, band).ok();
         TwinCost {
             method: *method,
-            timing: timed(identify, options.repeats, meter).1,
+            timing: timed(identify, repeats, meter).1,
             on_front: false,
         }
     };
@@ -113,7 +118,8 @@ impl Cell<'_> {
     /// Every method at every level, over all draws: draws in the pool, added in their order.
     fn rows(
         &self,
-        (condition, methods): (Condition, &[Method]),
+        condition: Condition,
+        methods: &[Method],
         notes: &mut Vec<String>,
     ) -> Result<Vec<TwinRow>, StudyError> {
         let levels = &self.options.snr_db;
@@ -128,7 +134,7 @@ impl Cell<'_> {
         let draws = self.options.draws;
         let one = |number: usize| {
             let (level, draw) = (number / draws, number % draws);
-            self.draw((level, draw), &variances[level], (&judges[level], methods))
+            self.draw(level, draw, &variances[level], &judges[level], methods)
         };
         let all = (0..levels.len() * draws).into_par_iter().map(one);
         let all = all.collect::<Result<Vec<Vec<Judged>>, StudyError>>()?;
@@ -158,14 +164,16 @@ impl Cell<'_> {
     /// Every method on one draw.
     fn draw(
         &self,
-        (level, draw): (usize, usize),
+        level: usize,
+        draw: usize,
         variances: &[f64],
-        (judge, methods): (&Judge, &[Method]),
+        judge: &Judge,
+        methods: &[Method],
     ) -> Result<Vec<Judged>, StudyError> {
         let [test, condition] = self.coordinates;
         let coordinates = [test, condition, level as u64, draw as u64];
         let mut random = cell_random(self.options.seed, &coordinates);
-        let set = with_noise(&self.exact, variances, (None, &mut random))?;
+        let set = with_noise(&self.exact, variances, None, &mut random)?;
         let tally = |method: &Method| {
             let mut tally = DetectionCounts::default();
             let found = method.identify(&set, self.system.band);

@@ -30,7 +30,8 @@ fn lines(modes: &Modes, rounded: Rounded) -> (Vec<Complex64>, Vec<Complex64>) {
 /// Normal equations of numerator columns and `−H` times denominator columns, the last of which goes
 /// to the right-hand side.
 fn equations(
-    (numerator, denominator): (&[Vec<Complex64>], &[Vec<Complex64>]),
+    numerator: &[Vec<Complex64>],
+    denominator: &[Vec<Complex64>],
     values: &[Complex64],
 ) -> (ComplexMatrix, Vec<Complex64>) {
     let order = denominator.len() - 1;
@@ -61,7 +62,7 @@ pub fn powers(modes: &Modes, rounded: Rounded) -> Problem {
     let (x, values) = lines(modes, rounded);
     let column = |j: usize| x.iter().map(|x| x.powu(j as u32)).collect();
     let columns: Vec<Vec<Complex64>> = (0..=order).map(column).collect();
-    let (matrix, right) = equations((&columns[..order], &columns), &values);
+    let (matrix, right) = equations(&columns[..order], &columns, &values);
     let poles = move |solution: &[Complex64]| {
         let mut coefficients = solution[order..].to_vec();
         coefficients.push(Complex64::ONE);
@@ -84,7 +85,7 @@ pub fn orthogonal(modes: &Modes, rounded: Rounded) -> Problem {
         .iter()
         .map(|c| unweighted(c, &weight))
         .collect();
-    let (matrix, right) = equations((&plain.columns, &unweighted_columns), &values);
+    let (matrix, right) = equations(&plain.columns, &unweighted_columns, &values);
     let poles = move |solution: &[Complex64]| {
         let mut coefficients = solution[order..].to_vec();
         coefficients.push(Complex64::ONE);
