@@ -15,7 +15,7 @@ use crate::report::{
 };
 use crate::scene::{ModesOptions, Observer, load_modes, lost_parts, read_text, run_observed};
 use crate::study::breakdown::{
-    BreakdownTable, CellStore, Finished, Part, Plan, SliceResult, UserMode, compute, merge,
+    BreakdownResults, BreakdownTable, CellStore, Part, Plan, SliceResult, UserMode, compute, merge,
     user_modes,
 };
 use crate::study::{StudyError, parse_study};
@@ -91,7 +91,7 @@ fn finished(
     args: &BreakdownArgs,
     (plan, part): (&Plan, Part),
     output: &Output,
-) -> Result<Finished, Error> {
+) -> Result<BreakdownResults, Error> {
     let cells: Box<dyn CellStore + '_> = match &args.output {
         Some(folder) => Box::new(Folder {
             path: folder.join(CELLS),
@@ -308,7 +308,7 @@ fn files(file: &BreakdownFile, times: Option<Block>, png: bool) -> Vec<(String, 
         files.push(("own-modes.csv".to_owned(), csv(modes)));
     }
     let figure = |slice: &SliceResult| {
-        let svg = breakdown_svg(slice, &slice.points(&file.user_modes));
+        let svg = breakdown_svg(slice, &slice.locate_modes(&file.user_modes));
         (slice.slice.name.clone(), svg)
     };
     let mut figures: Vec<(String, String)> = file.slices.iter().map(figure).collect();

@@ -2,8 +2,8 @@
 //! times.
 
 use crate::study::breakdown::{
-    FAILURE_MODES, Factor, Finished, MethodTime, SliceResult, Stability, SuccessRange, UserMode,
-    UserModePosition, segments_text, short, wilson,
+    BreakdownResults, FAILURE_MODES, Factor, MethodTime, SliceResult, Stability, SuccessRange,
+    UserMode, UserModePosition, ranges_text, short_number, wilson_interval,
 };
 
 use super::json::BreakdownFile;
@@ -45,8 +45,8 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
     let mut rows = Vec::new();
     for cell in &result.cells {
         let counted = slice.methods.iter().zip(&cell.counts);
-        for (method, count) in counted.filter_map(|(name, tally)| Some((name, tally.as_ref()?))) {
-            let (lower, upper) = wilson(count.good, count.draws);
+        for (method, count) in counted.filter_map(|(name, count)| Some((name, count.as_ref()?))) {
+            let (lower, upper) = wilson_interval(count.good, count.draws);
             let mut row = vec![
                 Cell::text(&slice.name),
                 Cell::text(slice.x.factor.name()),
@@ -56,7 +56,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
                 Cell::text(method),
                 number(f64::from(count.draws)),
                 number(f64::from(count.good)),
-                number(count.share()),
+                number(count.success_rate()),
                 number(lower),
                 number(upper),
             ];
@@ -81,7 +81,7 @@ pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
 fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
     let slice = &result.slice;
     let ranges: Vec<Vec<SuccessRange>> = (0..slice.methods.len())
-        .map(|method| result.reaches(method))
+        .map(|method| result.success_ranges(method))
         .collect();
     let words = |factor: Factor| factor.name().replace('_', " ");
     let (x, y) = (words(slice.x.factor), words(slice.y.factor));
@@ -91,7 +91,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
             "dB" => " dB",
             _ => "",
         };
-        Column::text(format!("{x} at {y} {}{unit}", short(range.held)))
+        Column::text(format!("{x} at {y} {}{unit}", short_number(range.at_y)))
     }));
     columns.push(Column::number("share of the slice"));
     columns.push(Column::text("failure mode beyond"));
@@ -115,7 +115,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
         slice.draws,
         stated_text(result)
     )];
-    footnotes.extend(user_mode_sentences(&result.points(user_modes)));
+    footnotes.extend(user_mode_sentences(&result.locate_modes(user_modes)));
     Block::Table(Table {
         caption: format!("Where methods fail: {}", slice.name),
         columns,
@@ -130,7 +130,7 @@ const MAX_MODE_SENTENCES: usize = 6;
 /// A sentence for each of the user's modes nearest to a contour, and the number of the other modes.
 fn user_mode_sentences(points: &[UserModePosition]) -> Vec<String> {
     let (inside, outside): (Vec<&UserModePosition>, Vec<&UserModePosition>) =
-        points.iter().partition(|point| point.inside());
+        points.iter().partition(|point| point.is_inside());
     let mut sentences: Vec<String> = inside
         .iter()
         .take(MAX_MODE_SENTENCES)
@@ -164,7 +164,7 @@ pub fn breakdown_user_modes(slices: &[SliceResult], user_modes: &[UserMode]) -> 
     let mut rows = Vec::new();
     for (slice, point) in slices.iter().flat_map(|slice| {
         slice
-            .points(user_modes)
+            .locate_modes(user_modes)
             .into_iter()
             .map(move |point| (slice, point))
     }) {
@@ -206,7 +206,7 @@ fn stated_text(result: &SliceResult) -> String {
 /// `from 2.6 (2.2 to 3.3)`: the interval where there is one inner end.
 fn success_range_text(range: &SuccessRange, result: &SliceResult) -> String {
     let axis = &result.slice.x;
-    let text = segments_text(&range.inside, axis);
+    let text = ranges_text(&range.inside, axis);
     let inner = |stretches: &[(f64, f64)]| match stretches {
         [(a, b)] if *a > axis.lo && *b >= axis.hi => Some(*a),
         [(a, b)] if *a <= axis.lo && *b < axis.hi => Some(*b),
@@ -217,8 +217,8 @@ fn success_range_text(range: &SuccessRange, result: &SliceResult) -> String {
     };
     // The outer end bounds where the method certainly fails, the inner end where it certainly meets
     // the stated error; with too few draws an end stays undetermined.
-    let ends = [inner(&range.not_outside), inner(&range.known_inside)];
-    let end = |value: Option<f64>| value.map_or("?".to_owned(), short);
+    let ends = [inner(&range.possibly_inside), inner(&range.surely_inside)];
+    let end = |value: Option<f64>| value.map_or("?".to_owned(), short_number);
     let rising = range.inside.first().is_some_and(|(a, _)| *a >= at);
     match (ends, rising) {
         ([None, None], _) => text,
@@ -228,7 +228,7 @@ fn success_range_text(range: &SuccessRange, result: &SliceResult) -> String {
 }
 
 /// Draws per second of processor time, by method over all measured slices.
-pub fn breakdown_rates(finished: &Finished) -> Option<Block> {
+pub fn breakdown_rates(finished: &BreakdownResults) -> Option<Block> {
     let mut total: Vec<MethodTime> = Vec::new();
     for time in finished.times.iter().flat_map(|(_, times)| times) {
         let Some(seconds) = time.cpu_s else { continue };
@@ -297,7 +297,7 @@ pub fn stability_cells(stability: &Stability) -> Block {
         "pole_error_widths_f32_data",
         "pole_error_widths_f32_data_and_equations",
     ];
-    let rows = stability.courses.iter().flat_map(|course| {
+    let rows = stability.curves.iter().flat_map(|course| {
         course.points.iter().map(move |point| {
             vec![
                 Cell::text(&course.method),
@@ -322,7 +322,7 @@ const MAX_POLE_ERROR_BANDWIDTHS: f64 = 0.1;
 
 /// The highest order up to which each method keeps all poles, in f64 and in f32.
 fn stability_block(stability: &Stability) -> Block {
-    let row = |course: &crate::study::breakdown::StabilityCourse| {
+    let row = |course: &crate::study::breakdown::StabilityCurve| {
         let upto = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
             let good = course.points.iter();
             let good = good.take_while(|point| {
@@ -356,7 +356,7 @@ fn stability_block(stability: &Stability) -> Block {
             Column::number("data in f32"),
             Column::number("data and equations in f32"),
         ],
-        rows: stability.courses.iter().map(row).collect(),
+        rows: stability.curves.iter().map(row).collect(),
         footnotes: vec![
             "Data without noise of half as many modes as the order, 1 % damping, spread evenly over the band. Digits: log₁₀ of the condition number of the \
              equations, as each method is published; modalign's rfp never forms them, its lscf and lsce do. f32: the data, or the data and the matrix, are \

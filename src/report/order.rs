@@ -3,7 +3,7 @@
 
 use crate::identify::OrderStep;
 use crate::study::{
-    LowestOrder, ModeNeeds, OrderTried, SceneNeeds, SingleMode, TestNeeds, answers,
+    LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, summarise_needs,
 };
 
 use super::{Block, Cell, Column, Table};
@@ -12,7 +12,7 @@ use super::{Block, Cell, Column, Table};
 pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
     let heading = format!("{}: model orders and methods that it needs", needs.title);
     let mut blocks = vec![Block::Heading(heading)];
-    blocks.extend(answers(needs).into_iter().map(Block::Text));
+    blocks.extend(summarise_needs(needs).into_iter().map(Block::Text));
     for test in &needs.tests {
         blocks.push(roots_block(test));
         blocks.extend((!test.orders.is_empty()).then(|| orders_block(test)));
@@ -124,7 +124,7 @@ fn roots_block(test: &TestNeeds) -> Block {
 
 fn orders_block(test: &TestNeeds) -> Block {
     let row = |method: &LowestOrder| {
-        let tried = |tried: &OrderTried| match tried.right() {
+        let tried = |tried: &TriedOrder| match tried.is_correct() {
             true => format!("{}: right", tried.order),
             false => format!("{}: −{} +{}", tried.order, tried.missed, tried.spurious),
         };
@@ -132,12 +132,14 @@ fn orders_block(test: &TestNeeds) -> Block {
         vec![
             Cell::text(method.method),
             method.lowest().map_or(Cell::Missing, count),
-            method.own.map_or(Cell::Missing, |tried| count(tried.order)),
             method
-                .own
+                .chosen
+                .map_or(Cell::Missing, |tried| count(tried.order)),
+            method
+                .chosen
                 .map_or(Cell::Missing, |tried| count(tried.missed)),
             method
-                .own
+                .chosen
                 .map_or(Cell::Missing, |tried| count(tried.spurious)),
             Cell::text(all.join(", ")),
         ]

@@ -1,6 +1,6 @@
 //! The tables of the speed and accuracy study list CPU time and errors of every method.
 
-use crate::study::{DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, lessons};
+use crate::study::{DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, recommendations};
 
 use super::{Block, Cell, Column, Table};
 
@@ -11,7 +11,7 @@ pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
         study.title
     ))];
     blocks.extend(study.tests.iter().map(|test| front_block(study, test)));
-    blocks.extend(lessons(study).into_iter().map(Block::Text));
+    blocks.extend(recommendations(study).into_iter().map(Block::Text));
     blocks
 }
 
@@ -19,7 +19,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
     let on_front = test.data.iter().filter(|row| row.on_front);
     let data = on_front.map(|row| {
         let frfs = (row.estimator.unwrap_or("as given"), row.step_hz);
-        front_row(("data", frfs), (row.method, &row.tally, &row.timing))
+        front_row(("data", frfs), (row.method, &row.counts, &row.timing))
     });
     let snr_db = study.options.middle_snr_db();
     let twin = test.twin_costs.iter().filter(|cost| cost.on_front);
@@ -28,7 +28,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
         let frfs = ("exact", test.twin_step_hz);
         Some(front_row(
             ("twin", frfs),
-            (cost.method, &row.tally, &cost.timing),
+            (cost.method, &row.counts, &cost.timing),
         ))
     });
     let heads = [
@@ -80,7 +80,7 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
 
 fn front_row(
     (data, (estimator, step_hz)): (&str, (&str, f64)),
-    (method, tally, timing): (Method, &DetectionCounts, &Timing),
+    (method, counts, timing): (Method, &DetectionCounts, &Timing),
 ) -> Vec<Cell> {
     let percent = |value: Option<f64>, decimals| Cell::number(value.map(|v| 100.0 * v), decimals);
     vec![
@@ -90,12 +90,12 @@ fn front_row(
         Cell::number(timing.median_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.spread_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.peak_bytes.map(|bytes| bytes as f64 / 1_048_576.0), 2),
-        Cell::deviation(tally.frequency().map(|v| 100.0 * v), 6),
-        percent(tally.damping(), 4),
-        percent(tally.shape(), 4),
-        count(tally.found),
-        count(tally.observable),
-        count(tally.spurious),
+        Cell::deviation(counts.frequency().map(|v| 100.0 * v), 6),
+        percent(counts.damping(), 4),
+        percent(counts.shape(), 4),
+        count(counts.found),
+        count(counts.observable),
+        count(counts.spurious),
     ]
 }
 
@@ -115,7 +115,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::number(Some(row.step_hz), 6),
                 Cell::Missing,
             ];
-            let mut cells = whole_row(keys, row.method, &row.tally);
+            let mut cells = whole_row(keys, row.method, &row.counts);
             cells.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
             cells
         }));
@@ -127,7 +127,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::Missing,
                 Cell::number(Some(row.snr_db), 1),
             ];
-            let mut cells = whole_row(keys, row.method, &row.tally);
+            let mut cells = whole_row(keys, row.method, &row.counts);
             cells.push(Cell::Missing);
             cells
         }));
@@ -160,26 +160,26 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn whole_row(keys: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
+fn whole_row(keys: [Cell; 5], method: Method, counts: &DetectionCounts) -> Vec<Cell> {
     let mut row: Vec<Cell> = keys.into();
     row.push(Cell::text(method.name));
     row.push(Cell::number(method.order.map(|order| order as f64), 0));
-    let counts = [
-        tally.runs,
-        tally.refused,
-        tally.observable,
-        tally.found,
-        tally.spurious,
+    let numbers = [
+        counts.runs,
+        counts.refused,
+        counts.observable,
+        counts.found,
+        counts.spurious,
     ];
-    row.extend(counts.map(count));
+    row.extend(numbers.map(count));
     let errors = [
-        tally.frequency(),
-        tally.damping(),
-        tally.shape(),
-        tally.frequency_over_bound(),
-        tally.damping_over_bound(),
-        tally.frequency_bound(),
-        tally.damping_bound(),
+        counts.frequency(),
+        counts.damping(),
+        counts.shape(),
+        counts.frequency_over_bound(),
+        counts.damping_over_bound(),
+        counts.frequency_bound(),
+        counts.damping_bound(),
     ];
     row.extend(errors.map(|error| Cell::number(error, 9)));
     row

@@ -35,7 +35,7 @@ pub struct NoisyLines<'a> {
 
 /// Minimum standard deviations of an unbiased estimate of a pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deviation {
+pub struct PoleBound {
     /// Of the natural frequency, Hz.
     pub frequency_hz: f64,
     /// Of the damping ratio.
@@ -43,14 +43,14 @@ pub struct Deviation {
 }
 
 /// Bound of a pole that the data do not determine.
-const UNBOUNDED: Deviation = Deviation {
+const UNBOUNDED: PoleBound = PoleBound {
     frequency_hz: f64::INFINITY,
     damping: f64::INFINITY,
 };
 
 /// The bound of every mode, all of them estimated together; infinite where the FRFs do not
 /// determine the pole.
-pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
+pub fn pole_bounds(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<PoleBound> {
     let Some(first) = modes.first() else {
         return Vec::new();
     };
@@ -84,7 +84,7 @@ pub fn deviations(modes: &[&TrueMode], lines: &NoisyLines) -> Vec<Deviation> {
 }
 
 /// Deviations of `|λ|/2π` and `−Re λ/|λ|` from the covariance (xx, xy, yy) of the parts of `λ`.
-fn propagated(lambda: Complex64, [xx, xy, yy]: [f64; 3]) -> Deviation {
+fn propagated(lambda: Complex64, [xx, xy, yy]: [f64; 3]) -> PoleBound {
     let (x, y, size) = (lambda.re, lambda.im, lambda.norm());
     let deviation = |dx: f64, dy: f64| {
         let variance = dx * dx * xx + 2.0 * dx * dy * xy + dy * dy * yy;
@@ -94,7 +94,7 @@ fn propagated(lambda: Complex64, [xx, xy, yy]: [f64; 3]) -> Deviation {
             f64::INFINITY
         }
     };
-    Deviation {
+    PoleBound {
         frequency_hz: deviation(x / size, y / size) / TAU,
         damping: deviation(-y * y / size.powi(3), x * y / size.powi(3)),
     }
@@ -247,7 +247,7 @@ mod tests {
         let power = power.map(|(&(o, i), v)| mode.residue(o, i).norm_sqr() / v);
         let over: f64 = power.sum();
         let expected = (2.0 * step / (std::f64::consts::PI * over)).sqrt();
-        let bound = deviations(&[&mode], &lines)[0];
+        let bound = pole_bounds(&[&mode], &lines)[0];
         // The residuals and the missing lines beyond the band cost a little: twice the ratio of the
         // half-power width to their range.
         let frequency = bound.frequency_hz * TAU / expected;

@@ -79,7 +79,7 @@ impl DetectionCounts {
     }
 
     /// Adds the counts of other identifications.
-    pub fn join(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         self.runs += other.runs;
         self.refused += other.refused;
         self.observable += other.observable;
@@ -196,26 +196,29 @@ mod tests {
             modes: vec![found(30.03, [2.0, 0.0]), found(65.0, [1.0, 1.0])],
             ..ModalModel::default()
         };
-        let mut tally = DetectionCounts::default();
-        tally.add(&judge, Some(&model));
+        let mut counts = DetectionCounts::default();
+        counts.add(&judge, Some(&model));
         // The mode at 90 Hz lies outside the band.
-        assert_eq!((tally.observable, tally.found, tally.spurious), (2, 1, 1));
-        assert_eq!(tally.mistakes(), 2);
-        assert!((tally.frequency().unwrap() - 1e-3).abs() < 1e-12);
-        assert!((tally.damping().unwrap() - 0.1).abs() < 1e-12);
-        assert!(tally.shape().unwrap() < 1e-7);
+        assert_eq!(
+            (counts.observable, counts.found, counts.spurious),
+            (2, 1, 1)
+        );
+        assert_eq!(counts.mistakes(), 2);
+        assert!((counts.frequency().unwrap() - 1e-3).abs() < 1e-12);
+        assert!((counts.damping().unwrap() - 0.1).abs() < 1e-12);
+        assert!(counts.shape().unwrap() < 1e-7);
         let bound = judge.detectability()[0].bound.unwrap();
-        let over = tally.frequency_over_bound().unwrap();
+        let over = counts.frequency_over_bound().unwrap();
         assert!((over * bound.frequency_hz - 0.03).abs() < 1e-12);
-        let mut both = tally;
+        let mut both = counts;
         let mut refused = DetectionCounts::default();
         refused.add(&judge, None);
-        both.join(&refused);
+        both.merge(&refused);
         assert_eq!(
             (both.runs, both.refused, both.observable, both.found),
             (2, 1, 4, 1)
         );
-        assert_eq!(both.frequency(), tally.frequency());
+        assert_eq!(both.frequency(), counts.frequency());
         assert_eq!(refused.frequency(), None);
     }
 }

@@ -8,9 +8,6 @@ use crate::frf::FrfSet;
 use crate::identify::{ESTIMATORS, IdentifyError, IdentifyOptions, identify};
 use crate::modal::ModalModel;
 
-/// The reference for other methods: maximum likelihood.
-pub const REFINED: &str = "ml";
-
 /// An estimator with its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Method {
@@ -21,6 +18,12 @@ pub struct Method {
 }
 
 impl Method {
+    /// Maximum likelihood, whose solution is the reference for other methods.
+    pub const REFINED: Self = Self {
+        name: "ml",
+        order: None,
+    };
+
     /// Every estimator; an estimator with an order once at the order that it chooses and once at
     /// each of these.
     pub fn all(orders: &[usize]) -> Vec<Self> {

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `breakdown` | where every method fails, over two factors |
 //! | `system` | [`System`]: a linear system known by its modes, with its FRFs, their noise and ends of records |
-//! | `bound` | [`deviations`]: the Cramér-Rao bound of poles |
+//! | `bound` | [`pole_bounds`]: the Cramér-Rao bound of poles |
 //! | `score` | [`Judge`]: which modes of a truth are observable, found, missed, and which are spurious |
 //! | `method` | [`Method`]: every estimator, with orders |
 //! | `order` | [`order()`]: as few modes, as low an order, as simple a method, theory and parameter set as a scene bears |
@@ -33,20 +33,20 @@ mod speed_accuracy;
 mod system;
 mod twin;
 
-pub use bound::{Deviation, NoisyLines, deviations};
+pub use bound::{NoisyLines, PoleBound, pole_bounds};
 pub use detection_counts::DetectionCounts;
 pub use error::StudyError;
 pub use meter::{Cost, Meter};
-pub use method::{Method, REFINED};
+pub use method::Method;
 pub use order::{
-    LowestOrder, ModeNeeds, OrderOptions, OrderTried, ParameterNeeds, SceneNeeds, SingleMode,
-    TestNeeds, TheoryNeeds, answers, order,
+    LowestOrder, ModeNeeds, OrderOptions, ParameterNeeds, SceneNeeds, SingleMode, TestNeeds,
+    TheoryNeeds, TriedOrder, order, summarise_needs,
 };
-pub use score::{DetectabilityBound, DetectionVerdict, Judge, bounds, components, detectability};
+pub use score::{Detectability, DetectionVerdict, Judge, bounds, components, detectability};
 pub use seed::cell_random;
 pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};
 pub use speed_accuracy::{
-    Condition, DataRow, SpeedAccuracy, SpeedAccuracyOptions, SpeedLimits, TestStudy, Timing,
-    TwinCost, TwinRow, front, lessons, speed_accuracy,
+    Condition, DataRow, FrontPoint, SpeedAccuracy, SpeedAccuracyOptions, SpeedLimits, TestStudy,
+    Timing, TwinCost, TwinRow, pareto_front, recommendations, speed_accuracy,
 };
 pub use system::{FrfNoise, System, TrueMode, with_noise};

@@ -18,7 +18,7 @@ use num_complex::Complex64;
 use crate::correlate::subspace_mac;
 use crate::modal::{ModalModel, Mode};
 
-use super::bound::{Deviation, NoisyLines, deviations};
+use super::bound::{NoisyLines, PoleBound, pole_bounds};
 use super::system::{System, TrueMode};
 
 /// Peak over noise, as a power: 10 dB.
@@ -33,9 +33,9 @@ const MIN_MAC_FRACTION: f64 = 0.9;
 
 /// Detectability of a true mode under the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DetectabilityBound {
+pub struct Detectability {
     /// `None` for a mode far outside the band.
-    pub bound: Option<Deviation>,
+    pub bound: Option<PoleBound>,
     /// Its peak over the noise in the best function, dB.
     pub peak_db: f64,
     /// Distance to the next mode, Hz.
@@ -48,9 +48,9 @@ pub struct DetectabilityBound {
 }
 
 /// Detectability of every mode of a system in noise of these variances ([`System::variances`]).
-pub fn detectability(system: &System, variances: &[f64]) -> Vec<DetectabilityBound> {
+pub fn detectability(system: &System, variances: &[f64]) -> Vec<Detectability> {
     let bounds = bounds(system, variances);
-    let of_mode = |(r, bound): (usize, Option<Deviation>)| {
+    let of_mode = |(r, bound): (usize, Option<PoleBound>)| {
         let mode = &system.modes[r];
         let others = system.modes.iter().enumerate().filter(|(o, _)| *o != r);
         let distance = |(_, other): (usize, &TrueMode)| (other.hz() - mode.hz()).abs();
@@ -58,7 +58,7 @@ pub fn detectability(system: &System, variances: &[f64]) -> Vec<DetectabilityBou
         let peak_db = 10.0 * peak(system, mode, variances).log10();
         let separable = bound.is_some_and(|b| b.frequency_hz < MAX_STD_OVER_SPACING * spacing_hz);
         let above = peak_db >= 10.0 * MIN_PEAK_POWER_RATIO.log10();
-        DetectabilityBound {
+        Detectability {
             bound,
             peak_db,
             spacing_hz,
@@ -70,7 +70,7 @@ pub fn detectability(system: &System, variances: &[f64]) -> Vec<DetectabilityBou
 }
 
 /// The bound of every mode in the band and near it.
-pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
+pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<PoleBound>> {
     let near = |mode: &TrueMode| {
         let margin_hz = BOUND_MARGIN_BANDWIDTHS * mode.width_hz();
         mode.hz() > system.band.lo_hz - margin_hz && mode.hz() < system.band.hi_hz + margin_hz
@@ -85,7 +85,7 @@ pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<Deviation>> {
         order: system.kind.derivative_order(),
         variances,
     };
-    for (r, bound) in chosen.iter().zip(deviations(&modes, &lines)) {
+    for (r, bound) in chosen.iter().zip(pole_bounds(&modes, &lines)) {
         bounds[*r] = Some(bound);
     }
     bounds
@@ -137,7 +137,7 @@ pub struct DetectionVerdict {
 
 impl DetectionVerdict {
     /// Whether every observable mode is found and no other.
-    pub fn wholly_right(&self) -> bool {
+    pub fn is_correct(&self) -> bool {
         self.missed.is_empty() && self.spurious.is_empty()
     }
 }
@@ -158,7 +158,7 @@ impl fmt::Display for DetectionVerdict {
 #[derive(Clone, Debug)]
 pub struct Judge<'a> {
     system: &'a System,
-    detectability: Vec<DetectabilityBound>,
+    detectability: Vec<Detectability>,
 }
 
 impl<'a> Judge<'a> {
@@ -176,7 +176,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Detectability of every mode.
-    pub fn detectability(&self) -> &[DetectabilityBound] {
+    pub fn detectability(&self) -> &[Detectability] {
         &self.detectability
     }
 
@@ -223,7 +223,7 @@ pub fn components(system: &System, mode: &Mode) -> Vec<Complex64> {
 
 struct Comparison<'a> {
     system: &'a System,
-    detectability: &'a [DetectabilityBound],
+    detectability: &'a [Detectability],
     found: &'a [Mode],
     shapes: Vec<Vec<Complex64>>,
 }

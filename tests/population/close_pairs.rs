@@ -4,7 +4,7 @@ use modalign::axis::{Band, FrequencyAxis};
 use modalign::correlate::principal_angles_deg;
 use modalign::modal::Pole;
 use modalign::quantity::FrfKind;
-use modalign::study::{DetectabilityBound, FrfNoise, System, components};
+use modalign::study::{Detectability, FrfNoise, System, components};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -143,7 +143,7 @@ fn outcome(setup: &Setup, number: u64) -> Outcome {
     let angles = (near.len() == 2).then(|| principal_angles_deg(&shapes, &truth).unwrap());
     let judge = drawn.judge();
     let detectability = judge.detectability();
-    let apart = |k: &DetectabilityBound| k.spacing_hz / k.bound.unwrap().frequency_hz;
+    let apart = |k: &Detectability| k.spacing_hz / k.bound.unwrap().frequency_hz;
     Outcome {
         allowed: detectability[1].observable && detectability[2].observable,
         deviations: detectability[1..3]

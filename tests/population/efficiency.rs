@@ -7,7 +7,7 @@
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::modal::{Mode, Pole};
 use modalign::quantity::FrfKind;
-use modalign::study::{Deviation, FrfNoise, System, TrueMode, bounds};
+use modalign::study::{FrfNoise, PoleBound, System, TrueMode, bounds};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ struct Sample {
 }
 
 /// Samples of both quantities of one mode.
-fn samples(truth: &TrueMode, bound: Deviation, found: &Mode) -> [Sample; 2] {
+fn samples(truth: &TrueMode, bound: PoleBound, found: &Mode) -> [Sample; 2] {
     let frequency = Sample {
         error: found.frequency_hz - truth.hz(),
         stated: found.frequency_std_hz.unwrap(),
@@ -130,7 +130,7 @@ fn samples_of(drawn: &Drawn, first: usize) -> Samples {
         };
         let samples_of_modes: Vec<_> = inside.iter().map(of_mode).collect();
         let why = || judge.reasons(&model, &verdict).join("; ");
-        let wrong = (!verdict.wholly_right()).then(|| format!("draw {draw}: {verdict}: {}", why()));
+        let wrong = (!verdict.is_correct()).then(|| format!("draw {draw}: {verdict}: {}", why()));
         (samples_of_modes, wrong)
     };
     let (draws, wrong): (Vec<_>, Vec<_>) = (0..DRAWS).into_par_iter().map(one).unzip();

@@ -50,7 +50,7 @@ pub struct Score {
 impl Score {
     pub fn add(&mut self, (drawn, model, verdict): &(Drawn, ModalModel, DetectionVerdict)) {
         self.systems += 1;
-        self.right += usize::from(verdict.wholly_right());
+        self.right += usize::from(verdict.is_correct());
         let system = &drawn.system;
         self.modes += system.modes.iter().filter(|m| system.inside(m)).count();
         self.observable += verdict.observable;
@@ -81,7 +81,7 @@ fn every_observable_mode_is_found_and_none_is_invented() {
     let mut score = Score::default();
     for draw in &judged {
         score.add(draw);
-        if !draw.2.wholly_right() {
+        if !draw.2.is_correct() {
             println!("{}: {}", draw.0, draw.2);
             for reason in draw.0.judge().reasons(&draw.1, &draw.2) {
                 println!("    {reason}");

@@ -9,8 +9,8 @@ use super::summary::text_with_code;
 use super::words::word;
 use super::{Beside, escape, fragment};
 use crate::study::breakdown::{
-    Axis, Bound, Distance, Field, LEVEL, Scale, SliceResult, Stability, StabilityPoint, UserMode,
-    UserModePosition, short,
+    Axis, Distance, Field, MIN_SUCCESS_RATE, Scale, SliceResult, Stability, StabilityPoint,
+    SuccessRate, UserMode, UserModePosition, short_number,
 };
 
 const SPEED: &str = "Speed against accuracy";
@@ -210,7 +210,9 @@ fn breakdown_data(study: &BreakdownFile, language: Language) -> Value {
 fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language) -> Value {
     let slice = &result.slice;
     let methods = 0..slice.methods.len();
-    let fields: Vec<Field> = methods.map(|m| result.field(m, Bound::Counted)).collect();
+    let fields: Vec<Field> = methods
+        .map(|m| result.field(m, SuccessRate::Counted))
+        .collect();
     let percent = |share: &f64| (100.0 * share).round() as u8;
     let shares = |field: &Field| -> Vec<Vec<u8>> {
         let columns = field.values.iter();
@@ -219,7 +221,7 @@ fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language)
             .collect()
     };
     let contours = |field: &Field| -> Vec<Vec<[f64; 2]>> {
-        let lines = field.contour(LEVEL).into_iter();
+        let lines = field.contour(MIN_SUCCESS_RATE).into_iter();
         lines
             .map(|line| line.into_iter().map(round_location).collect())
             .collect()
@@ -233,8 +235,8 @@ fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language)
             "whole": axis.factor.is_whole(),
         })
     };
-    let points = result.points(user_modes);
-    let inside = points.iter().filter(|point| point.inside());
+    let points = result.locate_modes(user_modes);
+    let inside = points.iter().filter(|point| point.is_inside());
     let inside: Vec<Value> = inside
         .map(|point| point_data(point, result, language))
         .collect();
@@ -278,7 +280,7 @@ fn point_data(position: &UserModePosition, result: &SliceResult, language: Langu
 
 /// `0.3 decades of damping`.
 fn distance_text(distance: Distance, language: Language) -> String {
-    let value = short(distance.value());
+    let value = short_number(distance.value());
     let factor = distance.axis.factor;
     match language {
         Language::English => format!("{value} {}", distance.unit()),
@@ -294,7 +296,7 @@ fn distance_text(distance: Distance, language: Language) -> String {
 }
 
 fn stability_data(stability: &Stability) -> Value {
-    let course_data = |result: &crate::study::breakdown::StabilityCourse| {
+    let course_data = |result: &crate::study::breakdown::StabilityCurve| {
         let column = |value: fn(&StabilityPoint) -> Option<f64>| -> Vec<Option<f64>> {
             let points = result.points.iter();
             points
@@ -312,5 +314,5 @@ fn stability_data(stability: &Stability) -> Value {
             ],
         })
     };
-    stability.courses.iter().map(course_data).collect()
+    stability.curves.iter().map(course_data).collect()
 }

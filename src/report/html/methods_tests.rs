@@ -11,7 +11,7 @@ use crate::report::Language;
 use crate::report::json::{BREAKDOWN_SCHEMA, BreakdownFile, REPORT_SCHEMA, RunReport};
 use crate::scene::{Figures, ModeMark, Provenance, TestFigures};
 use crate::study::breakdown::{
-    Axis, Case, Cell, Count, Factor, Scale, Slice, SliceResult, StatedError, UserMode,
+    Axis, Case, Cell, Factor, Scale, Slice, SliceResult, StatedError, SuccessCount, UserMode,
 };
 
 /// A run with one test of one mode.
@@ -59,7 +59,7 @@ fn breakdown() -> BreakdownFile {
         axis(Factor::Noise, 10.0, 70.0, Scale::Linear),
     );
     let count = |good| {
-        Some(Count {
+        Some(SuccessCount {
             draws: 10,
             good,
             failures: vec![0; 10],

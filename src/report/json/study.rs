@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use crate::io::IoError;
 use crate::study::breakdown::{SliceResult, Stability, UserMode};
 use crate::study::{
-    LowestOrder, ModeNeeds, OrderTried, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds,
-    TestStudy, TheoryNeeds, answers, lessons,
+    LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
+    TheoryNeeds, TriedOrder, recommendations, summarise_needs,
 };
 
 use super::super::{
@@ -44,7 +44,7 @@ pub fn order_to_json(needs: &SceneNeeds) -> String {
         "theory": needs.theory.as_ref().map_or_else(|reason| json!({"reason": reason}), theory_needs),
         "parameters": needs.parameters.as_ref().map_or_else(|reason| json!({"reason": reason}), parameter_needs),
         "rows": rows(&table),
-        "answers": answers(needs),
+        "answers": summarise_needs(needs),
         "tables": Section::new("order", printed).blocks,
     });
     format!("{value:#}\n")
@@ -53,12 +53,12 @@ pub fn order_to_json(needs: &SceneNeeds) -> String {
 fn test_needs(test_needs: &TestNeeds) -> Value {
     let inputs = test_needs.inputs.iter();
     let inputs = inputs.map(|file| json!({"path": file.path, "sha256": file.sha256}));
-    let tried = |tried: &OrderTried| json!({"order": tried.order, "missed": tried.missed, "spurious": tried.spurious});
+    let tried = |tried: &TriedOrder| json!({"order": tried.order, "missed": tried.missed, "spurious": tried.spurious});
     let order = |method: &LowestOrder| {
         json!({
             "method": method.method,
             "lowest": method.lowest(),
-            "own": method.own.as_ref().map(tried),
+            "own": method.chosen.as_ref().map(tried),
             "tried": method.tried.iter().map(tried).collect::<Vec<_>>(),
         })
     };
@@ -68,7 +68,7 @@ fn test_needs(test_needs: &TestNeeds) -> Value {
                 "method": single.method,
                 "frequency_error": single.errors.map(|errors| errors[0]),
                 "damping_error": single.errors.map(|errors| errors[1]),
-                "enough": single.enough,
+                "enough": single.is_sufficient,
             })
         });
         json!({
@@ -157,7 +157,7 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
         "tests": study.tests.iter().map(test).collect::<Vec<_>>(),
         "rows": rows(speed_accuracy_table(study)),
         "times": rows(times_table(study)),
-        "lessons": lessons(study),
+        "lessons": recommendations(study),
         "tables": Section::new("methods", printed).blocks,
     });
     format!("{value:#}\n")

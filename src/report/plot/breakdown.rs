@@ -5,7 +5,8 @@
 //! readers with a colour vision deficiency.
 
 use crate::study::breakdown::{
-    Bound, Field, LEVEL, Scale, SliceResult, Stability, StabilityPoint, UserModePosition,
+    Field, MIN_SUCCESS_RATE, Scale, SliceResult, Stability, StabilityPoint, SuccessRate,
+    UserModePosition,
 };
 
 use super::axis::{Axis, frame};
@@ -34,7 +35,7 @@ pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> Strin
     canvas.text([LEFT, 20.0], &title, (Anchor::Start, INK));
     let (x, y) = (axis(&slice.x, (LEFT, RIGHT)), axis(&slice.y, (BOTTOM, TOP)));
     let fields: Vec<Field> = (0..slice.methods.len())
-        .map(|method| result.field(method, Bound::Counted))
+        .map(|method| result.field(method, SuccessRate::Counted))
         .collect();
     shades(&mut canvas, &fields);
     let in_test = slice.needs_test();
@@ -42,7 +43,7 @@ pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> Strin
     frame(&mut canvas, (&x, &y), labels);
     canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
     for (method, field) in fields.iter().enumerate() {
-        for line in field.contour(LEVEL) {
+        for line in field.contour(MIN_SUCCESS_RATE) {
             contour(&mut canvas, method, &line);
         }
     }
@@ -77,7 +78,7 @@ fn shades(canvas: &mut Canvas, fields: &[Field]) {
         ];
         fields
             .iter()
-            .filter(|field| field.at(middle) < LEVEL)
+            .filter(|field| field.at(middle) < MIN_SUCCESS_RATE)
             .count()
     };
     let corner = |i: usize, j: usize| {
@@ -141,7 +142,7 @@ const MAX_LABELS: usize = 6;
 /// to a failure boundary are labelled, as far as there is room.
 fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     let mut groups: Vec<([f64; 2], Vec<&UserModePosition>)> = Vec::new();
-    for point in points.iter().filter(|point| point.inside()) {
+    for point in points.iter().filter(|point| point.is_inside()) {
         let at = place(point.place);
         let near = |group: &&mut ([f64; 2], Vec<&UserModePosition>)| {
             (group.0[0] - at[0]).hypot(group.0[1] - at[1]) < 8.0
@@ -229,9 +230,9 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
         canvas.curve("legend", &stroke, style);
         mark(canvas, [x + 20.0, y - 4.0], (method, color(method)));
         let values = || fields[method].values.iter().flatten();
-        let note = match values().any(|v| *v >= LEVEL) {
+        let note = match values().any(|v| *v >= MIN_SUCCESS_RATE) {
             false => " (nowhere here)",
-            true if values().all(|v| *v >= LEVEL) => " (everywhere here)",
+            true if values().all(|v| *v >= MIN_SUCCESS_RATE) => " (everywhere here)",
             true => "",
         };
         canvas.text(
@@ -260,7 +261,7 @@ const PANEL_HEIGHT_PX: f64 = 300.0;
 /// Condition number, and error of the poles in f64 and f32, over the order.
 pub fn stability_svg(stability: &Stability) -> String {
     let mut canvas = Canvas::new(WIDTH, 2.0 * PANEL_HEIGHT_PX + 60.0);
-    let orders = stability.courses.iter().flat_map(|course| &course.points);
+    let orders = stability.curves.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
     canvas.text([LEFT, 20.0], title, (Anchor::Start, INK));
@@ -278,7 +279,7 @@ pub fn stability_svg(stability: &Stability) -> String {
         let y = Axis::linear(range, (bottom, top)).stepped(2.0);
         frame(&mut canvas, (&x, &y), ("Order", label));
         canvas.clip([LEFT, top], [RIGHT, bottom]);
-        for (index, course) in stability.courses.iter().enumerate() {
+        for (index, course) in stability.curves.iter().enumerate() {
             let courses: &[(Value, &str)] = match shift > 0.0 {
                 true => &ERRORS,
                 false => &CONDITION,
@@ -314,7 +315,7 @@ const ERRORS: [(Value, &str); 3] = [
 
 fn stability_legend(canvas: &mut Canvas, stability: &Stability) {
     let x = RIGHT + 18.0;
-    for (index, course) in stability.courses.iter().enumerate() {
+    for (index, course) in stability.curves.iter().enumerate() {
         let y = TOP + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, (color(index), 1.8, ""));

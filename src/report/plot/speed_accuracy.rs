@@ -57,8 +57,8 @@ fn method_index(method: Method) -> usize {
         .unwrap_or(0)
 }
 
-fn errors(tally: &DetectionCounts) -> [Option<f64>; 2] {
-    [tally.frequency(), tally.damping()]
+fn errors(counts: &DetectionCounts) -> [Option<f64>; 2] {
+    [counts.frequency(), counts.damping()]
 }
 
 fn data_chart(test: &TestStudy) -> Chart {
@@ -80,8 +80,8 @@ fn data_chart(test: &TestStudy) -> Chart {
             method: method_index(row.method),
             label: format!("{}{estimator}{shorter}", row.method),
             time_s: row.timing.median_s,
-            error: errors(&row.tally),
-            right: row.tally.mistakes() == 0,
+            error: errors(&row.counts),
+            right: row.counts.mistakes() == 0,
             on_front: row.on_front,
         }
     });
@@ -104,13 +104,13 @@ fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
     let snr_db = study.options.middle_snr_db();
     let row = |method| test.twin_row(Condition::White, snr_db, method);
     let points = test.twin_costs.iter().filter_map(|cost| {
-        let tally = &row(cost.method)?.tally;
+        let counts = &row(cost.method)?.counts;
         Some(Point {
             method: method_index(cost.method),
             label: cost.method.to_string(),
             time_s: cost.timing.median_s,
-            error: errors(tally),
-            right: tally.mistakes() == 0,
+            error: errors(counts),
+            right: counts.mistakes() == 0,
             on_front: cost.on_front,
         })
     });
@@ -122,7 +122,7 @@ fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
     let highest = |value: &dyn Fn(&DetectionCounts) -> Option<f64>| {
         bounds
             .clone()
-            .filter_map(|row| value(&row.tally))
+            .filter_map(|row| value(&row.counts))
             .reduce(f64::max)
     };
     Chart {
@@ -302,7 +302,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
         let all = test
             .twin
             .iter()
-            .filter_map(|row| value(&row.tally, quantity));
+            .filter_map(|row| value(&row.counts, quantity));
         let (_, hi) = range(all.filter(|ratio| *ratio > 0.0))?;
         for (column, condition) in conditions.iter().enumerate() {
             let left = 75.0 + (COLUMN + GAP) * column as f64;
@@ -341,8 +341,8 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                     .map(|level| test.twin_row(*condition, *level, method));
                 let points = rows.map(|row| {
                     let row = row?;
-                    let at = [x.place(row.snr_db), y.shown(value(&row.tally, quantity)?)?];
-                    Some((at, row.tally.mistakes() == 0))
+                    let at = [x.place(row.snr_db), y.shown(value(&row.counts, quantity)?)?];
+                    Some((at, row.counts.mistakes() == 0))
                 });
                 let points: Vec<Option<([f64; 2], bool)>> = points.collect();
                 let curve: Vec<Option<[f64; 2]>> =

@@ -8,7 +8,7 @@
 //! | `case` | [`Case`]: three modes on a line of sensors |
 //! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer()`], from the seed of a cell's coordinates |
 //! | `failure_mode` | [`StatedError`], and the [`FailureMode`] of a draw that does not meet it |
-//! | `wilson` | [`wilson`]: the interval of a counted share |
+//! | `wilson` | [`wilson_interval`]: the interval of a counted share |
 //! | `grid` | [`Grid`]: cells halved near a contour |
 //! | `slice` | [`Slice`]: draws of all cells; [`SliceResult`]: counted successes |
 //! | `contour` | lines and places where a share crosses 95 % |
@@ -46,9 +46,11 @@ pub use grid::{Field, Grid, Node};
 pub use plan::{
     AxisTable, BreakdownTable, CaseTable, Plan, SliceTable, StabilityTable, StatedTable,
 };
-pub use slice::{Bound, Cell, Count, LEVEL, MethodTime, Slice, SliceResult};
-pub use stability::{Stability, StabilityCourse, StabilityPlan, StabilityPoint};
-pub use store::{CellStore, Finished, Part, compute, merge};
-pub use summary::{SuccessRange, segments_text, short};
+pub use slice::{
+    Cell, MIN_SUCCESS_RATE, MethodTime, Slice, SliceResult, SuccessCount, SuccessRate,
+};
+pub use stability::{Stability, StabilityCurve, StabilityPlan, StabilityPoint};
+pub use store::{BreakdownResults, CellStore, Part, compute, merge};
+pub use summary::{SuccessRange, ranges_text, short_number};
 pub use user_modes::{Distance, Margin, UserMode, UserModePosition, user_modes};
-pub use wilson::wilson;
+pub use wilson::wilson_interval;

@@ -12,14 +12,15 @@ use crate::synth::SynthError;
 
 use super::draw::{Draw, draw_random};
 use super::failure_mode::{FAILURE_MODES, first_failure};
-use super::{Axis, Case, FailureMode, Field, Grid, Node, StatedError, wilson};
+use super::{Axis, Case, FailureMode, Field, Grid, Node, StatedError, wilson_interval};
 
-/// Success rate at the contour: share of the draws in which a method meets the stated error.
-pub const LEVEL: f64 = 0.95;
+/// Smallest success rate inside a contour: fraction of the draws in which a method meets the stated
+/// error.
+pub const MIN_SUCCESS_RATE: f64 = 0.95;
 
-/// A method below this share of success in its first draws runs no further draws of a cell: a
-/// method at 95 % falls below it once in 10⁹ cells.
-const MIN_FIRST_SHARE: f64 = 0.5;
+/// A method with a lower success rate in its first draws runs no further draws of a cell: a method
+/// at 95 % falls below it once in 10⁹ cells.
+const MIN_FIRST_SUCCESS_RATE: f64 = 0.5;
 const FIRST_DRAWS: usize = 16;
 
 /// A checked slice.
@@ -47,17 +48,17 @@ pub struct Slice {
 
 /// Successes and failures of a method in a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Count {
+pub struct SuccessCount {
     /// Draws.
     pub draws: u32,
-    /// Draws in which it met the stated error.
+    /// Draws in which the method met the stated error.
     pub good: u32,
     /// Draws with each of [`FAILURE_MODES`].
     #[serde(rename = "symptoms")]
     pub failures: Vec<u32>,
 }
 
-impl Count {
+impl SuccessCount {
     fn new(failures: &[Option<FailureMode>]) -> Self {
         let mut by_mode = vec![0; FAILURE_MODES.len()];
         for failure in failures.iter().flatten() {
@@ -72,14 +73,14 @@ impl Count {
         }
     }
 
-    /// Share of the draws in which the stated error is met.
-    pub fn share(&self) -> f64 {
+    /// Fraction of the draws in which the method meets the stated error.
+    pub fn success_rate(&self) -> f64 {
         f64::from(self.good) / f64::from(self.draws.max(1))
     }
 
-    /// Whether that is 95 % or more.
-    pub fn inside(&self) -> bool {
-        self.share() >= LEVEL
+    /// Whether the success rate is [`MIN_SUCCESS_RATE`] or more.
+    pub fn is_inside(&self) -> bool {
+        self.success_rate() >= MIN_SUCCESS_RATE
     }
 }
 
@@ -92,8 +93,8 @@ pub struct Cell {
     pub x: f64,
     /// Value of the second axis.
     pub y: f64,
-    /// By method; `None` where it was not refined for this one.
-    pub counts: Vec<Option<Count>>,
+    /// By method; `None` for a method for which the cell was not added.
+    pub counts: Vec<Option<SuccessCount>>,
 }
 
 /// A finished slice.
@@ -116,10 +117,10 @@ pub struct MethodTime {
     pub cpu_s: Option<f64>,
 }
 
-/// Success rate or end of its confidence interval that a field shows.
+/// Success rate that a field shows: as counted, or an end of its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bound {
-    /// The share itself.
+pub enum SuccessRate {
+    /// Successes over draws.
     Counted,
     /// Lower end of its interval: inside its contour the method succeeds with 97.5 % confidence.
     Lower,
@@ -158,15 +159,15 @@ impl Slice {
         meter: &dyn Meter,
     ) -> Result<(SliceResult, Vec<MethodTime>), SynthError> {
         let grid = self.grid();
-        let mut work = Work::new(self, meter);
+        let mut run = SliceRun::new(self, meter);
         let all = vec![true; self.methods.len()];
         let base: Wanted = grid.base().into_iter().map(|n| (n, all.clone())).collect();
-        work.draw(&base, 0, observer)?;
+        run.draw(&base, 0, observer)?;
         for level in 1..=self.refine {
-            let wanted = work.wanted(level);
-            work.draw(&wanted, level, observer)?;
+            let wanted = run.wanted(level);
+            run.draw(&wanted, level, observer)?;
         }
-        Ok(work.finish())
+        Ok(run.finish())
     }
 }
 
@@ -174,15 +175,15 @@ impl Slice {
 type Wanted = BTreeMap<Node, Vec<bool>>;
 
 /// The state of a running slice.
-struct Work<'a> {
+struct SliceRun<'a> {
     slice: &'a Slice,
     grid: Grid,
     meter: &'a dyn Meter,
-    counts: BTreeMap<Node, Vec<Option<Count>>>,
+    counts: BTreeMap<Node, Vec<Option<SuccessCount>>>,
     times: Vec<MethodTime>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> SliceRun<'a> {
     fn new(slice: &'a Slice, meter: &'a dyn Meter) -> Self {
         let time = |method: &String| MethodTime {
             method: method.clone(),
@@ -205,7 +206,7 @@ impl<'a> Work<'a> {
             let cells = self.counts.iter();
             let inside = cells.filter_map(|(node, counts)| {
                 let count = counts[method].as_ref()?;
-                Some((*node, count.inside()))
+                Some((*node, count.is_inside()))
             });
             let nodes: BTreeSet<Node> = self.grid.halved(level, &inside.collect());
             for node in nodes {
@@ -244,7 +245,11 @@ impl<'a> Work<'a> {
 
     /// All draws of a cell, then all draws with one method after another: the time of a method
     /// contains no work of another.
-    fn cell(&mut self, node: Node, methods: &[bool]) -> Result<Vec<Option<Count>>, SynthError> {
+    fn cell(
+        &mut self,
+        node: Node,
+        methods: &[bool],
+    ) -> Result<Vec<Option<SuccessCount>>, SynthError> {
         let slice = self.slice;
         let (x, y) = self.grid.values(node);
         let case = slice.case_at(x, y);
@@ -261,12 +266,17 @@ impl<'a> Work<'a> {
             (0..slice.draws).into_par_iter().map(one).collect();
         let draws = draws?;
         let of_method = |(index, wanted): (usize, &bool)| {
-            wanted.then(|| self.try_method(index, case.order, &draws))
+            wanted.then(|| self.count_successes(index, case.order, &draws))
         };
         Ok(methods.iter().enumerate().map(of_method).collect())
     }
 
-    fn try_method(&mut self, index: usize, order: Option<usize>, draws: &[Draw]) -> Count {
+    fn count_successes(
+        &mut self,
+        index: usize,
+        order: Option<usize>,
+        draws: &[Draw],
+    ) -> SuccessCount {
         let name = &self.slice.methods[index];
         let stated = &self.slice.stated;
         let mut failures: Vec<Option<FailureMode>> = Vec::new();
@@ -274,7 +284,7 @@ impl<'a> Work<'a> {
         let cost = self.meter.measure(&mut || {
             let of = |draw: &Draw| failure(draw, name, order, stated);
             failures = first.par_iter().map(of).collect();
-            if Count::new(&failures).share() >= MIN_FIRST_SHARE {
+            if SuccessCount::new(&failures).success_rate() >= MIN_FIRST_SUCCESS_RATE {
                 failures.par_extend(later.par_iter().map(of));
             }
         });
@@ -283,11 +293,11 @@ impl<'a> Work<'a> {
         time.cpu_s = cost
             .cpu_s
             .map(|seconds| seconds + time.cpu_s.unwrap_or(0.0));
-        Count::new(&failures)
+        SuccessCount::new(&failures)
     }
 
     fn finish(self) -> (SliceResult, Vec<MethodTime>) {
-        let cell = |(node, counts): (Node, Vec<Option<Count>>)| {
+        let cell = |(node, counts): (Node, Vec<Option<SuccessCount>>)| {
             let (x, y) = self.grid.values(node);
             Cell { node, x, y, counts }
         };
@@ -322,12 +332,12 @@ fn failure(
 }
 
 impl SliceResult {
-    /// The share of a method, or an end of its interval, on the finest grid.
-    pub fn field(&self, method: usize, bound: Bound) -> Field {
-        let value = |count: &Count| match bound {
-            Bound::Counted => count.share(),
-            Bound::Lower => wilson(count.good, count.draws).0,
-            Bound::Upper => wilson(count.good, count.draws).1,
+    /// Success rate of a method on the finest grid.
+    pub fn field(&self, method: usize, rate: SuccessRate) -> Field {
+        let value = |count: &SuccessCount| match rate {
+            SuccessRate::Counted => count.success_rate(),
+            SuccessRate::Lower => wilson_interval(count.good, count.draws).0,
+            SuccessRate::Upper => wilson_interval(count.good, count.draws).1,
         };
         let cells = self.cells.iter();
         let values = cells.filter_map(|cell| {
@@ -345,7 +355,7 @@ impl SliceResult {
             let cells = self.cells.iter();
             cells.filter_map(|cell| cell.counts[method].as_ref())
         };
-        let near = sum(counts().filter(|count| !count.inside() && count.share() >= 0.5));
+        let near = sum(counts().filter(|count| !count.is_inside() && count.success_rate() >= 0.5));
         let failures = match near.iter().sum::<u32>() {
             0 => sum(counts()),
             _ => near,
@@ -373,7 +383,7 @@ impl SliceResult {
     }
 }
 
-fn sum<'a>(counts: impl Iterator<Item = &'a Count>) -> Vec<u32> {
+fn sum<'a>(counts: impl Iterator<Item = &'a SuccessCount>) -> Vec<u32> {
     let mut total = vec![0; FAILURE_MODES.len()];
     for count in counts {
         for (all, draws) in total.iter_mut().zip(&count.failures) {

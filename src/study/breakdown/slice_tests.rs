@@ -52,17 +52,17 @@ impl CellStore for Memory {
     }
 }
 
-fn run(plan: &Plan, part: Part, store: &Memory) -> Result<Finished, BreakdownError> {
+fn run(plan: &Plan, part: Part, store: &Memory) -> Result<BreakdownResults, BreakdownError> {
     compute(plan, part, store, &(), &())
 }
 
-fn in_threads(count: usize, work: impl FnOnce() -> Finished + Send) -> Finished {
+fn in_threads(count: usize, work: impl FnOnce() -> BreakdownResults + Send) -> BreakdownResults {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
     pool.unwrap().install(work)
 }
 
 /// What a study came to, as text.
-fn bytes(finished: &Finished) -> String {
+fn bytes(finished: &BreakdownResults) -> String {
     serde_json::to_string(&(&finished.slices, &finished.stability)).unwrap()
 }
 
@@ -147,7 +147,7 @@ fn ends(factor: &str, (lo, hi): (f64, f64), method: &str, case: &str) -> [f64; 2
         values.0, values.1
     );
     let finished = run(&plan(&text), Part::WHOLE, &Memory::default()).unwrap();
-    let field = finished.slices[0].field(0, Bound::Counted);
+    let field = finished.slices[0].field(0, SuccessRate::Counted);
     [field.values[0][0], field.values[1][0]]
 }
 
@@ -188,8 +188,8 @@ fn user_modes_have_positions_and_margins_in_a_slice() {
         values: [(Factor::Separation, 7.0), (Factor::Noise, noise)].into(),
     };
     let slice = &finished.slices[0];
-    let points = slice.points(&[mode(90.0), mode(59.0)]);
-    assert!(points[0].inside() && !points[1].inside());
+    let points = slice.locate_modes(&[mode(90.0), mode(59.0)]);
+    assert!(points[0].is_inside() && !points[1].is_inside());
     assert_eq!(
         points[1].sentence(),
         "mode 4 (412.3 Hz) lies outside this slice."

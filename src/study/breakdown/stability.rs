@@ -56,7 +56,7 @@ pub struct StabilityPoint {
 
 /// One method over its orders.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StabilityCourse {
+pub struct StabilityCurve {
     /// Its name in the table above.
     pub method: String,
     /// In rising order.
@@ -67,7 +67,8 @@ pub struct StabilityCourse {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
     /// As in the table above.
-    pub courses: Vec<StabilityCourse>,
+    #[serde(rename = "courses")]
+    pub curves: Vec<StabilityCurve>,
 }
 
 /// A method by its name.
@@ -83,15 +84,15 @@ const METHODS: [Method; 4] = [
 impl StabilityPlan {
     /// All methods at all orders.
     pub fn run(&self) -> Stability {
-        let course = |(name, method): &Method| {
+        let curve = |(name, method): &Method| {
             let orders = (2..=self.highest_order).step_by(2);
-            StabilityCourse {
+            StabilityCurve {
                 method: (*name).to_owned(),
                 points: orders.map(|order| point(order, *method)).collect(),
             }
         };
         Stability {
-            courses: METHODS.iter().map(course).collect(),
+            curves: METHODS.iter().map(curve).collect(),
         }
     }
 }
@@ -125,13 +126,13 @@ mod tests {
 
     #[test]
     fn every_method_has_the_poles_of_a_low_order() {
-        for course in (StabilityPlan { highest_order: 4 }).run().courses {
-            let first = course.points[0];
+        for curve in (StabilityPlan { highest_order: 4 }).run().curves {
+            let first = curve.points[0];
             let error = first.error.unwrap();
-            assert!(error < 1e-6, "{}: {error:e}", course.method);
+            assert!(error < 1e-6, "{}: {error:e}", curve.method);
             assert!(first.condition >= 1.0);
             let single = first.error_f32_matrix.unwrap();
-            assert!(single > error, "{}: {single:e}", course.method);
+            assert!(single > error, "{}: {single:e}", curve.method);
         }
     }
 
@@ -140,12 +141,12 @@ mod tests {
     fn power_polynomials_lose_the_poles_that_orthogonal_ones_keep() {
         let all = StabilityPlan { highest_order: 20 }.run();
         let last = |name: &str| {
-            let course = all
-                .courses
+            let curve = all
+                .curves
                 .iter()
-                .find(|course| course.method == name)
+                .find(|curve| curve.method == name)
                 .unwrap();
-            course.points[course.points.len() - 1]
+            curve.points[curve.points.len() - 1]
         };
         let (powers, orthogonal) = (last("rfp, powers"), last("rfp, orthogonal"));
         assert!(

@@ -63,7 +63,7 @@ const TIMES_SCHEMA: &str = "modalign-breakdown-times/1";
 
 /// The results of a breakdown study.
 #[derive(Clone, Debug, Default)]
-pub struct Finished {
+pub struct BreakdownResults {
     /// Slices in the order of the plan.
     pub slices: Vec<SliceResult>,
     /// Numerical stability, where it was requested.
@@ -86,8 +86,8 @@ pub fn compute(
     store: &dyn CellStore,
     observer: &dyn Observer,
     meter: &dyn Meter,
-) -> Result<Finished, BreakdownError> {
-    let mut finished = Finished::default();
+) -> Result<BreakdownResults, BreakdownError> {
+    let mut finished = BreakdownResults::default();
     for (index, slice) in plan.slices.iter().enumerate() {
         if part.contains(index) {
             finished.compute_slice(slice, store, observer, meter)?;
@@ -108,8 +108,8 @@ pub fn merge(
     plan: &Plan,
     parts: &[&dyn CellStore],
     store: &dyn CellStore,
-) -> Result<Finished, BreakdownError> {
-    let mut finished = Finished::default();
+) -> Result<BreakdownResults, BreakdownError> {
+    let mut finished = BreakdownResults::default();
     for slice in &plan.slices {
         let key = SliceKey::new(&slice.name, slice);
         let (result, from) = key.find::<SliceResult>(parts)?;
@@ -129,7 +129,7 @@ pub fn merge(
     Ok(finished)
 }
 
-impl Finished {
+impl BreakdownResults {
     fn compute_slice(
         &mut self,
         slice: &Slice,

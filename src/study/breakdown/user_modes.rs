@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
 
-use super::slice::{Bound, LEVEL, SliceResult};
+use super::slice::{MIN_SUCCESS_RATE, SliceResult, SuccessRate};
 use super::{Axis, Factor, Field, Scale};
 
 /// A mode with the values of the factors that its test determines.
@@ -113,15 +113,15 @@ pub struct UserModePosition {
     pub margins: Vec<Margin>,
 }
 
-/// How far a mode is from where a method fails.
+/// Distance of a mode from where a method fails.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
     /// The method.
     pub method: String,
-    /// Whether it meets the stated error where the mode is.
+    /// Whether the method meets the stated error where the mode is.
     pub inside: bool,
-    /// To its contour, along the axis on which that is nearer; `None` where it has none in the row
-    /// and column of the mode.
+    /// Distance to the contour of the method, along the axis on which it is nearer; `None` without
+    /// a contour in the row and column of the mode.
     pub distance: Option<Distance>,
 }
 
@@ -157,12 +157,12 @@ impl Distance {
 }
 
 impl UserModePosition {
-    /// Whether the slice reaches it.
-    pub fn inside(&self) -> bool {
+    /// Whether the mode lies in the slice.
+    pub fn is_inside(&self) -> bool {
         self.place.iter().all(|share| (0.0..=1.0).contains(share))
     }
 
-    /// The method that does where the mode is and fails nearest to it.
+    /// The method that succeeds where the mode is and fails nearest to it, with that distance.
     pub fn nearest(&self) -> Option<(&str, Distance)> {
         let holding = self.margins.iter().filter(|margin| margin.inside);
         let measured =
@@ -174,7 +174,7 @@ impl UserModePosition {
     /// already.`
     pub fn sentence(&self) -> String {
         let name = self.mode.name();
-        if !self.inside() {
+        if !self.is_inside() {
             return format!("{name} lies outside this slice.");
         }
         let failing = self.margins.iter().filter(|margin| !margin.inside);
@@ -197,16 +197,19 @@ impl UserModePosition {
 }
 
 impl SliceResult {
-    /// The modes with both factors, those nearest to a contour first. No mode lies in a slice of
-    /// hammer tests over noise: the noise of its responses is not comparable with that of FRFs.
-    pub fn points(&self, modes: &[UserMode]) -> Vec<UserModePosition> {
+    /// Positions of the modes with both factors, those nearest to a contour first. A slice of
+    /// hammer tests over noise has none: the noise of its responses is not comparable with that of
+    /// FRFs.
+    pub fn locate_modes(&self, modes: &[UserMode]) -> Vec<UserModePosition> {
         let (x, y) = (self.slice.x, self.slice.y);
         let noise = [x.factor, y.factor].contains(&Factor::Noise);
         if noise && self.slice.needs_test() {
             return Vec::new();
         }
         let methods = 0..self.slice.methods.len();
-        let fields: Vec<Field> = methods.map(|m| self.field(m, Bound::Counted)).collect();
+        let fields: Vec<Field> = methods
+            .map(|m| self.field(m, SuccessRate::Counted))
+            .collect();
         let point = |mode: &UserMode| {
             let share = |axis: &Axis| axis.share(*mode.values.get(&axis.factor)?);
             let mut point = UserModePosition {
@@ -214,7 +217,7 @@ impl SliceResult {
                 mode: mode.clone(),
                 margins: Vec::new(),
             };
-            if point.inside() {
+            if point.is_inside() {
                 point.margins = self.margins(point.place, &fields);
             }
             Some(point)
@@ -232,14 +235,16 @@ impl SliceResult {
     fn margins(&self, place: [f64; 2], fields: &[Field]) -> Vec<Margin> {
         let margin = |(method, field): (&String, &Field)| {
             let along = |along_x: bool| {
-                let share = field.distance_to_crossing(place, along_x, LEVEL)?.abs();
+                let share = field
+                    .distance_to_crossing(place, along_x, MIN_SUCCESS_RATE)?
+                    .abs();
                 let axis = if along_x { self.slice.x } else { self.slice.y };
                 Some(Distance { share, axis })
             };
             let both = [along(true), along(false)].into_iter().flatten();
             Margin {
                 method: method.clone(),
-                inside: field.at(place) >= LEVEL,
+                inside: field.at(place) >= MIN_SUCCESS_RATE,
                 distance: both.min_by(|a, b| a.share.total_cmp(&b.share)),
             }
         };

@@ -9,7 +9,7 @@ const QUANTILE: f64 = 1.959_963_984_540_054;
 /// # Reference
 /// Wilson (1927), Probable inference, the law of succession, and statistical inference, JASA
 /// 22(158), eq. 5.
-pub fn wilson(good: u32, draws: u32) -> (f64, f64) {
+pub fn wilson_interval(good: u32, draws: u32) -> (f64, f64) {
     if draws == 0 {
         return (0.0, 1.0);
     }
@@ -38,13 +38,13 @@ mod tests {
             (0, 20, 0.0, 0.1611),
             (1, 29, 0.0061, 0.1718),
         ] {
-            let ends = wilson(good, draws);
+            let ends = wilson_interval(good, draws);
             assert!((ends.0 - lower).abs() < 5.1e-5, "{ends:?}");
             assert!((ends.1 - upper).abs() < 5.1e-5, "{ends:?}");
         }
-        assert_eq!(wilson(0, 0), (0.0, 1.0));
-        assert!((wilson(80, 80).1 - 1.0).abs() < 1e-15);
+        assert_eq!(wilson_interval(0, 0), (0.0, 1.0));
+        assert!((wilson_interval(80, 80).1 - 1.0).abs() < 1e-15);
         // 73 draws without a failure are the minimum that proves a share of 95 %.
-        assert!(wilson(73, 73).0 > 0.95 && wilson(72, 72).0 < 0.95);
+        assert!(wilson_interval(73, 73).0 > 0.95 && wilson_interval(72, 72).0 < 0.95);
     }
 }

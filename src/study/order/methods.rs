@@ -8,7 +8,7 @@ use crate::frf::FrfSet;
 use crate::identify::{ESTIMATORS, Entry, identification};
 use crate::modal::{ModalModel, Mode};
 
-use super::super::speed_accuracy::Refined;
+use super::super::speed_accuracy::RefinedSolution;
 use super::super::{Judge, Method};
 use super::OrderOptions;
 
@@ -24,7 +24,7 @@ const MAX_ERROR_STDS: f64 = 2.0;
 
 /// Missed and spurious modes of a method at a highest order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OrderTried {
+pub struct TriedOrder {
     /// Highest order.
     pub order: usize,
     /// Observable modes of the refined solution that the method missed.
@@ -33,9 +33,9 @@ pub struct OrderTried {
     pub spurious: usize,
 }
 
-impl OrderTried {
-    /// Whether it found all and no other.
-    pub fn right(&self) -> bool {
+impl TriedOrder {
+    /// Whether the method found all modes and no other.
+    pub fn is_correct(&self) -> bool {
         self.missed + self.spurious == 0
     }
 }
@@ -47,16 +47,17 @@ pub struct LowestOrder {
     pub method: &'static str,
     /// The order that the method chooses, with its missed and spurious modes; `None` where it
     /// refuses the data or finds no pole.
-    pub own: Option<OrderTried>,
-    /// From the lowest on, until one is right; those that the method refuses are left out.
-    pub tried: Vec<OrderTried>,
+    pub chosen: Option<TriedOrder>,
+    /// From the lowest on, until one is correct; orders that the method refuses are left out.
+    pub tried: Vec<TriedOrder>,
 }
 
 impl LowestOrder {
-    /// The lowest that finds all modes of the refined solution and no other.
+    /// The lowest order that finds all modes of the refined solution and no other.
     pub fn lowest(&self) -> Option<usize> {
-        let mut all = self.tried.iter().chain(&self.own);
-        all.find(|order| order.right()).map(|order| order.order)
+        let mut all = self.tried.iter().chain(&self.chosen);
+        all.find(|order| order.is_correct())
+            .map(|order| order.order)
     }
 }
 
@@ -67,9 +68,9 @@ pub struct SingleMode {
     pub method: &'static str,
     /// Errors of natural frequency and damping ratio; `None` for a mode that it missed.
     pub errors: Option<[f64; 2]>,
-    /// Whether both are within the stated errors, or within two standard deviations of the refined
-    /// solution.
-    pub enough: bool,
+    /// Whether both errors are within the stated ones, or within two standard deviations of the
+    /// refined solution.
+    pub is_sufficient: bool,
 }
 
 /// The sufficient methods of a mode.
@@ -84,15 +85,20 @@ pub struct ModeNeeds {
 }
 
 impl ModeNeeds {
-    /// The simplest that is enough; `None` where the mode needs several at a time.
+    /// The simplest sufficient method; `None` where only a method of several modes at a time is.
     pub fn simplest(&self) -> Option<&'static str> {
         let mut all = self.single.iter();
-        all.find(|method| method.enough).map(|method| method.method)
+        all.find(|method| method.is_sufficient)
+            .map(|method| method.method)
     }
 }
 
 /// The lowest order of each method against the modes of the refined solution.
-pub(super) fn lowest_orders(refined: &Refined, set: &FrfSet, band: Band) -> Vec<LowestOrder> {
+pub(super) fn lowest_orders(
+    refined: &RefinedSolution,
+    set: &FrfSet,
+    band: Band,
+) -> Vec<LowestOrder> {
     let judge = refined.judge();
     let with_order = ESTIMATORS.par_iter().filter(|entry| entry.has_order);
     with_order
@@ -107,33 +113,33 @@ fn lowest_order(entry: &Entry, judge: &Judge, set: &FrfSet, band: Band) -> Lowes
     };
     let tried = |order, found: &ModalModel| {
         let verdict = judge.verdict(found);
-        OrderTried {
+        TriedOrder {
             order,
             missed: verdict.missed.len(),
             spurious: verdict.spurious.len(),
         }
     };
     let result = identification(set, &method(None).options(band)).ok();
-    let taken = result.and_then(|result| {
+    let chosen = result.and_then(|result| {
         let orders = result.stabilization.iter().map(|point| point.order);
         Some(tried(orders.max()?, &result.model))
     });
-    let highest = match taken {
-        Some(taken) if taken.right() => taken.order,
-        Some(taken) => taken.order.max(MIN_HIGHEST_ORDER),
+    let highest = match chosen {
+        Some(chosen) if chosen.is_correct() => chosen.order,
+        Some(chosen) => chosen.order.max(MIN_HIGHEST_ORDER),
         None => MIN_HIGHEST_ORDER,
     };
     let mut lower = Vec::new();
     for order in ORDERS.into_iter().filter(|order| *order < highest) {
         let found = method(Some(order)).identify(set, band);
         lower.extend(found.ok().map(|found| tried(order, &found)));
-        if lower.last().is_some_and(OrderTried::right) {
+        if lower.last().is_some_and(TriedOrder::is_correct) {
             break;
         }
     }
     LowestOrder {
         method: entry.name,
-        own: taken,
+        chosen,
         tried: lower,
     }
 }
@@ -147,7 +153,7 @@ struct Found {
 
 /// Every observable mode of the refined solution by the methods of one mode at a time.
 pub(super) fn single_mode_methods(
-    refined: &Refined,
+    refined: &RefinedSolution,
     set: &FrfSet,
     band: Band,
     options: &OrderOptions,
@@ -188,7 +194,7 @@ pub(super) fn single_mode_methods(
             SingleMode {
                 method: found.method,
                 errors,
-                enough: errors.is_some_and(within),
+                is_sufficient: errors.is_some_and(within),
             }
         };
         ModeNeeds {

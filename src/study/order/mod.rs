@@ -6,7 +6,7 @@
 //! | `options` | [`OrderOptions`]: errors of a sufficient method |
 //! | `methods` | the lowest order of every method that has one, and the modes for which one mode at a time is enough |
 //! | `model` | the simplest theory, and the fewest parameters that update it to the tests |
-//! | `summary` | [`answers`]: the results in sentences |
+//! | `summary` | [`summarise_needs`]: the results in sentences |
 //!
 //! [`crate::identify::support`] estimates the number of modes that the data support.
 
@@ -24,13 +24,15 @@ use crate::identify::{OrderSelection, identification, support};
 use crate::modal::{InputFile, ModalModel};
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
-use super::speed_accuracy::{Refined, SpeedAccuracyOptions, chosen_tests, variants_of_test};
-use super::{Method, REFINED, StudyError};
+use super::speed_accuracy::{
+    RefinedSolution, SpeedAccuracyOptions, chosen_tests, variants_of_test,
+};
+use super::{Method, StudyError};
 
-pub use methods::{LowestOrder, ModeNeeds, OrderTried, SingleMode};
+pub use methods::{LowestOrder, ModeNeeds, SingleMode, TriedOrder};
 pub use model::{ParameterNeeds, TheoryNeeds};
 pub use options::OrderOptions;
-pub use summary::answers;
+pub use summary::summarise_needs;
 
 /// The needs of a test.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,11 +143,7 @@ fn test_needs(
     };
     let data = variants_of_test(scene, test, &without_variants)?;
     let set = &data.sets[0].set;
-    let refined = Method {
-        name: REFINED,
-        order: None,
-    };
-    let refined_solution = identification(set, &refined.options(data.band))?;
+    let refined_solution = identification(set, &Method::REFINED.options(data.band))?;
     let support = support(set, data.band, &refined_solution)?;
     let modes = refined_solution.model.modes.len();
     let all = refined_solution.model.modes.iter();
@@ -191,7 +189,7 @@ fn compare_methods(
     options: &OrderOptions,
 ) -> (Vec<LowestOrder>, Vec<ModeNeeds>, Vec<String>) {
     // Without a residue of every pair the twin, the truth of the comparison, is undefined.
-    match Refined::from_modes(model, set, band) {
+    match RefinedSolution::from_modes(model, set, band) {
         Ok(refined) => (
             methods::lowest_orders(&refined, set, band),
             methods::single_mode_methods(&refined, set, band, options),

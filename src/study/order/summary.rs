@@ -15,7 +15,7 @@ const MAX_LISTED_WARNINGS: usize = 4;
 const MAX_SMALL_REDUCED_CHI_SQUARE: f64 = 0.25;
 
 /// The needs of a scene in sentences: modes, orders and methods of every test, theory, parameters.
-pub fn answers(needs: &SceneNeeds) -> Vec<String> {
+pub fn summarise_needs(needs: &SceneNeeds) -> Vec<String> {
     let of_test = |test: &TestNeeds| {
         let all = [
             modes(test),
@@ -138,9 +138,9 @@ fn warnings(test: &TestNeeds) -> Option<String> {
 
 fn orders(test: &TestNeeds) -> Option<String> {
     let of = |lowest: &LowestOrder| {
-        let itself = match lowest.own {
+        let itself = match lowest.chosen {
             None => "finds nothing itself".to_owned(),
-            Some(taken) if taken.right() => format!("takes {} itself", taken.order),
+            Some(taken) if taken.is_correct() => format!("takes {} itself", taken.order),
             Some(taken) => {
                 let made = [(taken.missed, "misses"), (taken.spurious, "invents")];
                 let made = made.into_iter().filter(|(number, _)| *number > 0);

@@ -50,7 +50,7 @@ fn needs(bic: [f64; 4]) -> SceneNeeds {
         }),
         rest: 1.0,
     };
-    let order = |order, missed| OrderTried {
+    let order = |order, missed| TriedOrder {
         order,
         missed,
         spurious: 0,
@@ -74,12 +74,12 @@ fn needs(bic: [f64; 4]) -> SceneNeeds {
         orders: vec![
             LowestOrder {
                 method: "lscf",
-                own: Some(order(36, 0)),
+                chosen: Some(order(36, 0)),
                 tried: vec![order(4, 1), order(5, 0)],
             },
             LowestOrder {
                 method: "lsce",
-                own: Some(order(40, 1)),
+                chosen: Some(order(40, 1)),
                 tried: vec![order(4, 2)],
             },
         ],
@@ -112,7 +112,8 @@ fn needs(bic: [f64; 4]) -> SceneNeeds {
 
 #[test]
 fn sentences_say_where_the_counts_differ() {
-    let [modes, orders, theory, parameters] = &answers(&needs([0.0, -90.0, -40.0, 10.0]))[..]
+    let [modes, orders, theory, parameters] =
+        &summarise_needs(&needs([0.0, -90.0, -40.0, 10.0]))[..]
     else {
         panic!("four sentences");
     };
@@ -143,16 +144,16 @@ fn sentences_say_where_the_counts_differ() {
         parameters.ends_with("Not supported by the data: k_3."),
         "{parameters}"
     );
-    let more = &answers(&needs([0.0, -90.0, -100.0, -200.0]))[0];
+    let more = &summarise_needs(&needs([0.0, -90.0, -100.0, -200.0]))[0];
     assert!(
         more.contains(
             "poles at 30.00 Hz that `ml` made no damped mode of explain more than they cost"
         ),
         "{more}"
     );
-    let all = &answers(&needs([0.0, -90.0, -100.0, -50.0]))[0];
+    let all = &summarise_needs(&needs([0.0, -90.0, -100.0, -50.0]))[0];
     assert!(all.ends_with("times the stated noise."), "{all}");
-    let near = &answers(&needs([0.0, -90.0, -100.0, -105.0]))[0];
+    let near = &summarise_needs(&needs([0.0, -90.0, -100.0, -105.0]))[0];
     assert!(
         near.ends_with("(BIC differs by less than 10: not decided)."),
         "{near}"

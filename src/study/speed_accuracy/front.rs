@@ -1,10 +1,21 @@
 //! The Pareto front holds the methods that no other method undercuts in time and error.
 
-/// Indices of the points (time, error, mistakes) on the Pareto front of time and error among the
-/// points with the fewest mistakes, fastest first; points without time or error are not on it.
-pub fn front(points: &[(Option<f64>, Option<f64>, usize)]) -> Vec<usize> {
-    let complete = |(number, point): (usize, &(Option<f64>, Option<f64>, usize))| {
-        Some((number, point.0?, point.1?, point.2))
+/// A method in the comparison by time and error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrontPoint {
+    /// Processor time, s; `None` where it was not measured.
+    pub cpu_s: Option<f64>,
+    /// Error of its frequencies; `None` where it found no mode.
+    pub error: Option<f64>,
+    /// Missed and spurious modes.
+    pub mistakes: usize,
+}
+
+/// Indices of the points on the Pareto front of time and error among the points with the fewest
+/// mistakes, fastest first; points without time or error are not on it.
+pub fn pareto_front(points: &[FrontPoint]) -> Vec<usize> {
+    let complete = |(number, point): (usize, &FrontPoint)| {
+        Some((number, point.cpu_s?, point.error?, point.mistakes))
     };
     let mut complete: Vec<_> = points.iter().enumerate().filter_map(complete).collect();
     let fewest = complete.iter().map(|point| point.3).min();
@@ -25,6 +36,11 @@ mod tests {
 
     #[test]
     fn no_point_of_the_front_is_undercut_in_time_and_error() {
+        let point = |(cpu_s, error, mistakes)| FrontPoint {
+            cpu_s,
+            error,
+            mistakes,
+        };
         let points = [
             (Some(3.0), Some(1.0), 0),
             (Some(1.0), Some(9.0), 0),
@@ -34,7 +50,7 @@ mod tests {
             (None, Some(0.1), 0),
             (Some(4.0), Some(2.0), 0),
         ];
-        assert_eq!(front(&points), [1, 3, 0]);
-        assert!(front(&[(Some(1.0), None, 0)]).is_empty());
+        assert_eq!(pareto_front(&points.map(point)), [1, 3, 0]);
+        assert!(pareto_front(&[point((Some(1.0), None, 0))]).is_empty());
     }
 }

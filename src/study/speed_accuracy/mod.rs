@@ -2,9 +2,9 @@
 //! the tests of a scene and on their twins.
 //!
 //! On the measured data of a test, errors are those against its refined solution
-//! ([`super::REFINED`], from whole records), whose error is limited by its Cramér-Rao bound. On the
-//! twin, a [`System`] of the test's modes, they are those against the truth, over draws of white
-//! noise, in three [`Condition`]s.
+//! ([`Method::REFINED`](super::Method::REFINED), from whole records), whose error is limited by its
+//! Cramér-Rao bound. On the twin, a [`System`] of the test's modes, they are those against the
+//! truth, over draws of white noise, in three [`Condition`]s.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -14,8 +14,8 @@
 //! | `data` | a test's FRFs by estimator and length of record |
 //! | `test_data` | methods on the measured data of a test, with their cost |
 //! | `twins` | methods on the twin over noise |
-//! | `recommendations` | [`lessons`]: recommendations in sentences |
-//! | `front` | [`front`]: Pareto front of time and error |
+//! | `recommendations` | [`recommendations()`]: the fast and the accurate methods in sentences |
+//! | `front` | [`pareto_front`]: methods that no other undercuts in time and error |
 
 mod condition;
 mod data;
@@ -32,11 +32,11 @@ use super::{Meter, StudyError, System};
 
 pub use condition::Condition;
 pub(super) use data::variants_of_test;
-pub use front::front;
+pub use front::{FrontPoint, pareto_front};
 pub use options::SpeedAccuracyOptions;
-pub use recommendations::lessons;
+pub use recommendations::recommendations;
 pub use result::{DataRow, SpeedAccuracy, SpeedLimits, TestStudy, Timing, TwinCost, TwinRow};
-pub(super) use test_data::Refined;
+pub(super) use test_data::RefinedSolution;
 
 /// Studies the tests of a scene.
 ///
@@ -68,7 +68,7 @@ pub fn speed_accuracy(
     })
 }
 
-/// The tests that are named under a key, or all with data.
+/// The tests that are named under a key, or every test with data where none is named.
 pub(super) fn chosen_tests<'a>(
     scene: &'a Scene,
     named: &[String],
@@ -123,7 +123,7 @@ fn test_study(
 ) -> Result<TestStudy, StudyError> {
     steps.step("FRFs", 1);
     let mut data = variants_of_test(scene, test, options)?;
-    let refined = Refined::new(&data)?;
+    let refined = RefinedSolution::new(&data)?;
     steps.step("methods on its data", 2);
     let rows = test_data::rows(&data, &refined, options, meter);
     steps.step("methods on its twin", 3);

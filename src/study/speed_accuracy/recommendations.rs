@@ -1,6 +1,6 @@
 //! Recommendations state in sentences which method is fast and which is accurate, test by test.
 
-use super::super::{Method, REFINED};
+use super::super::Method;
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
 
 /// Largest number of missed and spurious modes of a reliable method, as a share of the observable
@@ -10,15 +10,15 @@ const MAX_MISTAKE_SHARE: f64 = 0.02;
 const MIN_ERROR_FALL_OVER_NOISE_FALL: f64 = 0.5;
 
 /// Recommended methods, test by test.
-pub fn lessons(study: &SpeedAccuracy) -> Vec<String> {
+pub fn recommendations(study: &SpeedAccuracy) -> Vec<String> {
     let of_test = |test: &TestStudy| {
         let sentences = [
-            on_data(test),
+            fastest_and_most_exact(test),
             in_white_noise(test, study),
-            lifted(test, study, Condition::Outside),
-            lifted(test, study, Condition::Truncated),
-            mistaken(test, study),
-            stuck(test, study),
+            refined_errors(test, study, Condition::Outside),
+            refined_errors(test, study, Condition::Truncated),
+            methods_with_mistakes(test, study),
+            biased_methods(test, study),
         ];
         let sentences: Vec<String> = sentences.into_iter().flatten().collect();
         format!("{}: {}", test.name, sentences.join(" "))
@@ -26,36 +26,29 @@ pub fn lessons(study: &SpeedAccuracy) -> Vec<String> {
     study.tests.iter().map(of_test).collect()
 }
 
-fn refined() -> Method {
-    Method {
-        name: REFINED,
-        order: None,
-    }
-}
-
-/// The fastest and the most exact of those with the fewest mistakes.
-fn on_data(test: &TestStudy) -> Option<String> {
+/// The fastest and the most exact method on the data, of those with the fewest mistakes.
+fn fastest_and_most_exact(test: &TestStudy) -> Option<String> {
     let mut front: Vec<&DataRow> = test.data.iter().filter(|row| row.on_front).collect();
     let time = |row: &&DataRow| row.timing.median_s.unwrap_or(f64::INFINITY);
     front.sort_by(|a, b| time(a).total_cmp(&time(b)));
     let described = |row: &DataRow| {
-        let error = match (row.is_reference, row.tally.frequency()) {
+        let error = match (row.is_reference, row.counts.frequency()) {
             (true, _) => "the refined solution itself".to_owned(),
             (_, error) => format!(
                 "frequencies {:.1e} % rms from the refined ones",
                 100.0 * error?
             ),
         };
-        let tally = &row.tally;
+        let counts = &row.counts;
         Some(format!(
             "{}{}, lines {:.3} Hz apart ({} of {} modes, {} spurious, {error})",
             row.method,
             row.estimator
                 .map_or(String::new(), |name| format!(" on {name}")),
             row.step_hz,
-            tally.found,
-            tally.observable,
-            tally.spurious,
+            counts.found,
+            counts.observable,
+            counts.spurious,
         ))
     };
     let (first, last) = (front.first()?, front.last()?);
@@ -75,8 +68,8 @@ fn on_data(test: &TestStudy) -> Option<String> {
     ))
 }
 
-/// Frequency error over the bound of a method at every level.
-fn over_bound(
+/// Noise level and frequency error of a method over its bound, at every level.
+fn errors_over_bound(
     test: &TestStudy,
     study: &SpeedAccuracy,
     condition: Condition,
@@ -84,53 +77,54 @@ fn over_bound(
 ) -> Vec<(f64, f64)> {
     let level = |snr_db: &f64| {
         let row = test.twin_row(condition, *snr_db, method)?;
-        Some((*snr_db, row.tally.frequency_over_bound()?))
+        Some((*snr_db, row.counts.frequency_over_bound()?))
     };
     study.options.snr_db.iter().filter_map(level).collect()
 }
 
-fn ends(values: &[(f64, f64)]) -> Option<(f64, f64)> {
+fn min_and_max(values: &[(f64, f64)]) -> Option<(f64, f64)> {
     let least = values.iter().map(|value| value.1).reduce(f64::min)?;
     let most = values.iter().map(|value| value.1).reduce(f64::max)?;
     Some((least, most))
 }
 
 fn in_white_noise(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
-    let errors = over_bound(test, study, Condition::White, refined());
-    let (least, most) = ends(&errors)?;
+    let errors = errors_over_bound(test, study, Condition::White, Method::REFINED);
+    let (least, most) = min_and_max(&errors)?;
     let others = Method::all(&[])
         .into_iter()
-        .filter(|method| method.name != REFINED);
+        .filter(|method| *method != Method::REFINED);
     let next = others.filter_map(|method| {
-        let errors_of_other = over_bound(test, study, Condition::White, method);
-        Some((ends(&errors_of_other)?.1, method))
+        let errors_of_other = errors_over_bound(test, study, Condition::White, method);
+        Some((min_and_max(&errors_of_other)?.1, method))
     });
     let next = next.min_by(|a, b| a.0.total_cmp(&b.0));
     let next = next.map_or(String::new(), |(most, method)| {
         format!(", {method}, the next, up to {most:.1} times")
     });
     Some(format!(
-        "In white noise from {:.0} to {:.0} dB the frequency errors of {REFINED} are {least:.2} to {most:.2} times their Cramér-Rao \
+        "In white noise from {:.0} to {:.0} dB the frequency errors of {} are {least:.2} to {most:.2} times their Cramér-Rao \
          bound{next}.",
         errors.first()?.0,
-        errors.last()?.0
+        errors.last()?.0,
+        Method::REFINED,
     ))
 }
 
 /// Error of the refined method over its bound, with modes outside the band or truncated records.
-fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
-    let errors = over_bound(test, study, condition, refined());
+fn refined_errors(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Option<String> {
+    let errors = errors_over_bound(test, study, condition, Method::REFINED);
     let (least, most) = (errors.first()?, errors.last()?);
-    // Who is off by least at the end where the noise hides least.
+    // The method of the smallest error at the highest signal-to-noise ratio.
     let at_end = Method::all(&[]).into_iter().filter_map(|method| {
-        let errors_of_method = over_bound(test, study, condition, method);
+        let errors_of_method = errors_over_bound(test, study, condition, method);
         Some((
             errors_of_method.last().filter(|error| error.0 >= most.0)?.1,
             method,
         ))
     });
     let best = at_end.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let other = match best.1.name == REFINED {
+    let other = match best.1 == Method::REFINED {
         true => String::new(),
         false => format!(", where {} is at {:.1}", best.1, best.0),
     };
@@ -148,14 +142,15 @@ fn lifted(test: &TestStudy, study: &SpeedAccuracy, condition: Condition) -> Opti
     ))
 }
 
-/// Methods that miss or invent modes in white noise, with the highest level at which they do.
-fn mistaken(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
+/// Methods with missed or spurious modes in white noise, with the highest level at which they have
+/// some.
+fn methods_with_mistakes(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let described = |method: Method| {
         let wrong = |snr_db: &&f64| {
             let row = test.twin_row(Condition::White, **snr_db, method);
             row.is_some_and(|row| {
-                let most = MAX_MISTAKE_SHARE * row.tally.observable as f64;
-                row.tally.mistakes() as f64 > most
+                let most = MAX_MISTAKE_SHARE * row.counts.observable as f64;
+                row.counts.mistakes() as f64 > most
             })
         };
         let highest = study.options.snr_db.iter().rev().find(wrong)?;
@@ -164,19 +159,19 @@ fn mistaken(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
             false => format!("{method} up to {highest:.0} dB"),
         })
     };
-    let mistaken_methods: Vec<String> =
+    let described_methods: Vec<String> =
         Method::all(&[]).into_iter().filter_map(described).collect();
-    match mistaken_methods.is_empty() {
+    match described_methods.is_empty() {
         true => Some("No method misses or invents modes in white noise.".to_owned()),
         false => Some(format!(
             "Modes are missed or invented by {}.",
-            mistaken_methods.join(", ")
+            described_methods.join(", ")
         )),
     }
 }
 
 /// Methods with a bias: their error does not fall with the noise.
-fn stuck(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
+fn biased_methods(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let (low, high) = (
         *study.options.snr_db.first()?,
         *study.options.snr_db.last()?,
@@ -184,18 +179,19 @@ fn stuck(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let described = |method: Method| {
         let error = |snr_db| {
             let row = test.twin_row(Condition::White, snr_db, method)?;
-            row.tally.frequency()
+            row.counts.frequency()
         };
         let (before, after) = (error(low)?, error(high)?);
         let fallen_db = 20.0 * (before / after).log10();
-        let is_stuck = fallen_db < MIN_ERROR_FALL_OVER_NOISE_FALL * (high - low);
-        is_stuck.then(|| format!("{method} ({:.1e} %)", 100.0 * after))
+        let is_biased = fallen_db < MIN_ERROR_FALL_OVER_NOISE_FALL * (high - low);
+        is_biased.then(|| format!("{method} ({:.1e} %)", 100.0 * after))
     };
-    let stuck_methods: Vec<String> = Method::all(&[]).into_iter().filter_map(described).collect();
-    (!stuck_methods.is_empty()).then(|| {
+    let described_methods: Vec<String> =
+        Method::all(&[]).into_iter().filter_map(described).collect();
+    (!described_methods.is_empty()).then(|| {
         format!(
             "The bias of these methods remains at less noise: {}.",
-            stuck_methods.join(", ")
+            described_methods.join(", ")
         )
     })
 }

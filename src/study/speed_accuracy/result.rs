@@ -32,11 +32,11 @@ pub struct DataRow {
     /// itself.
     pub is_reference: bool,
     /// Errors against the refined solution.
-    pub tally: DetectionCounts,
+    pub counts: DetectionCounts,
     /// What it cost.
     pub timing: Timing,
-    /// Whether it is on the [front](super::front()) of processor time and frequency error among
-    /// all rows of its test.
+    /// Whether it is on the [front](super::pareto_front) of processor time and frequency error
+    /// among all rows of its test.
     pub on_front: bool,
 }
 
@@ -50,7 +50,7 @@ pub struct TwinRow {
     /// Method.
     pub method: Method,
     /// Errors against the truth, over all draws.
-    pub tally: DetectionCounts,
+    pub counts: DetectionCounts,
 }
 
 /// Cost of a method on the twin in white noise, at the middle level.
@@ -60,8 +60,8 @@ pub struct TwinCost {
     pub method: Method,
     /// Cost of one identification.
     pub timing: Timing,
-    /// Whether it is on the [front](super::front()) of processor time and frequency error at that
-    /// level.
+    /// Whether it is on the [front](super::pareto_front) of processor time and frequency error at
+    /// that level.
     pub on_front: bool,
 }
 

@@ -8,16 +8,16 @@ use crate::fourier::ForwardPlan;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
 
-use super::super::{DetectionCounts, Judge, Meter, Method, REFINED, StudyError, System, TrueMode};
+use super::super::{DetectionCounts, Judge, Meter, Method, StudyError, System, TrueMode};
 use super::data::TestSets;
 use super::result::{DataRow, SpeedLimits, Timing};
-use super::{SpeedAccuracyOptions, front};
+use super::{FrontPoint, SpeedAccuracyOptions, pareto_front};
 
 /// Signal-to-noise ratio of FRFs without a stated variance, dB: all modes count as observable.
 const UNSTATED_SNR_DB: f64 = 120.0;
 
 /// The refined solution of whole records.
-pub(in crate::study) struct Refined {
+pub(in crate::study) struct RefinedSolution {
     pub model: ModalModel,
     /// Rms stated deviation of its frequencies, relative.
     pub frequency_std: Option<f64>,
@@ -27,14 +27,10 @@ pub(in crate::study) struct Refined {
     variances: Vec<f64>,
 }
 
-impl Refined {
+impl RefinedSolution {
     pub fn new(data: &TestSets) -> Result<Self, StudyError> {
         let set = &data.sets[0].set;
-        let method = Method {
-            name: REFINED,
-            order: None,
-        };
-        Self::from_modes(method.identify(set, data.band)?, set, data.band)
+        Self::from_modes(Method::REFINED.identify(set, data.band)?, set, data.band)
     }
 
     /// Of modes that were identified in a band.
@@ -97,49 +93,52 @@ fn mean_variances(system: &System, set: &FrfSet) -> Result<Vec<f64>, StudyError>
 /// Every method on every set, one after the other so that no two are timed at once.
 pub(super) fn rows(
     data: &TestSets,
-    refined: &Refined,
+    refined: &RefinedSolution,
     options: &SpeedAccuracyOptions,
     meter: &dyn Meter,
 ) -> Vec<DataRow> {
     let judge = refined.judge();
     let mut rows = Vec::new();
     for (number, variant) in data.sets.iter().enumerate() {
-        // Orders are tried on the FRFs of the scene alone: other variants would show the same
-        // again.
+        // Orders are tried on the FRFs of the scene alone: other variants would repeat the result.
         let orders = options.orders.iter().copied().filter(|_| number == 0);
         for method in Method::all(&orders.collect::<Vec<usize>>()) {
             let identify = || method.identify(&variant.set, data.band).ok();
             let (found, timing) = timed(identify, options.repeats, meter);
-            let mut tally = DetectionCounts::default();
-            tally.add(&judge, found.as_ref());
+            let mut counts = DetectionCounts::default();
+            counts.add(&judge, found.as_ref());
             rows.push(DataRow {
                 estimator: variant.estimator,
                 step_hz: variant.set.axis().step_hz,
-                is_reference: number == 0 && method.name == REFINED,
+                is_reference: number == 0 && method.name == Method::REFINED.name,
                 method,
-                tally,
+                counts,
                 timing,
                 on_front: false,
             });
         }
     }
-    let known = refined.frequency_std.unwrap_or(0.0);
-    let points: Vec<_> = rows.iter().map(|row| row.point(known)).collect();
-    for row in front(&points) {
+    let min_error = refined.frequency_std.unwrap_or(0.0);
+    let points: Vec<_> = rows.iter().map(|row| row.point(min_error)).collect();
+    for row in pareto_front(&points) {
         rows[row].on_front = true;
     }
     rows
 }
 
 impl DataRow {
-    /// Time, error and mistakes, as the front sees them; the refined solution has no error against
-    /// itself, and an error below what its frequencies are `known` to is no better than that.
-    fn point(&self, known: f64) -> (Option<f64>, Option<f64>, usize) {
+    /// Its point in the comparison. The refined solution has no error against itself; `min_error`,
+    /// the standard deviation of its frequencies, limits what an error can show.
+    fn point(&self, min_error: f64) -> FrontPoint {
         let error = match self.is_reference {
-            true => Some(known),
-            false => self.tally.frequency().map(|error| error.max(known)),
+            true => Some(min_error),
+            false => self.counts.frequency().map(|error| error.max(min_error)),
         };
-        (self.timing.median_s, error, self.tally.mistakes())
+        FrontPoint {
+            cpu_s: self.timing.median_s,
+            error,
+            mistakes: self.counts.mistakes(),
+        }
     }
 }
 
@@ -185,14 +184,14 @@ pub(super) fn limits(set: &FrfSet, band: Band, meter: &dyn Meter) -> SpeedLimits
         (0..set.len()).map(of_one).sum()
     };
     SpeedLimits {
-        transform_s: each(&transform, meter),
-        pass_s: each(&pass, meter),
+        transform_s: mean_cpu_s(&transform, meter),
+        pass_s: mean_cpu_s(&pass, meter),
     }
 }
 
 /// Processor time of a short computation, averaged over enough runs for the resolution of the
 /// clock.
-fn each(work: &dyn Fn() -> Complex64, meter: &dyn Meter) -> Option<f64> {
+fn mean_cpu_s(work: &dyn Fn() -> Complex64, meter: &dyn Meter) -> Option<f64> {
     const RUNS: u32 = 20;
     let cost = meter.measure(&mut || {
         for _ in 0..RUNS {

@@ -11,7 +11,7 @@ use super::super::{
 use super::condition::{Condition, MIN_MODES_FOR_OUTSIDE};
 use super::result::{SpeedLimits, TwinCost, TwinRow};
 use super::test_data::{limits, timed};
-use super::{SpeedAccuracyOptions, front};
+use super::{FrontPoint, SpeedAccuracyOptions, pareto_front};
 
 /// The results of a twin.
 pub(super) struct TwinStudy {
@@ -93,18 +93,22 @@ fn costs(
 fn mark_front(study: &mut TwinStudy, snr_db: f64) {
     let point = |cost: &TwinCost| {
         let mut rows = study.rows.iter();
-        let tally = rows.find(|row| row.method == cost.method && row.snr_db >= snr_db);
-        let tally = tally.map(|row| row.tally).unwrap_or_default();
-        (cost.timing.median_s, tally.frequency(), tally.mistakes())
+        let counts = rows.find(|row| row.method == cost.method && row.snr_db >= snr_db);
+        let counts = counts.map(|row| row.counts).unwrap_or_default();
+        FrontPoint {
+            cpu_s: cost.timing.median_s,
+            error: counts.frequency(),
+            mistakes: counts.mistakes(),
+        }
     };
     let points: Vec<_> = study.costs.iter().map(point).collect();
-    for number in front(&points) {
+    for number in pareto_front(&points) {
         study.costs[number].on_front = true;
     }
 }
 
-/// The counts of one identification, and the reason where it was refused.
-type Judged = (DetectionCounts, Option<String>);
+/// The counts of one identification, and the reason where the method refused the data.
+type Identified = (DetectionCounts, Option<String>);
 
 /// A twin under one condition.
 struct Cell<'a> {
@@ -137,7 +141,7 @@ impl Cell<'_> {
             self.draw(level, draw, &variances[level], &judges[level], methods)
         };
         let all = (0..levels.len() * draws).into_par_iter().map(one);
-        let all = all.collect::<Result<Vec<Vec<Judged>>, StudyError>>()?;
+        let all = all.collect::<Result<Vec<Vec<Identified>>, StudyError>>()?;
         for (m, method) in methods.iter().enumerate() {
             let refused = all.iter().find_map(|draw| draw[m].1.as_deref());
             let note = |reason| format!("{method}, {}: {reason}", condition.name());
@@ -146,15 +150,15 @@ impl Cell<'_> {
         let mut rows = Vec::new();
         for (level, draws_of_level) in all.chunks(draws).enumerate() {
             for (m, method) in methods.iter().enumerate() {
-                let mut tally = DetectionCounts::default();
+                let mut counts = DetectionCounts::default();
                 draws_of_level
                     .iter()
-                    .for_each(|draw| tally.join(&draw[m].0));
+                    .for_each(|draw| counts.merge(&draw[m].0));
                 rows.push(TwinRow {
                     condition,
                     snr_db: levels[level],
                     method: *method,
-                    tally,
+                    counts,
                 });
             }
         }
@@ -169,17 +173,17 @@ impl Cell<'_> {
         variances: &[f64],
         judge: &Judge,
         methods: &[Method],
-    ) -> Result<Vec<Judged>, StudyError> {
+    ) -> Result<Vec<Identified>, StudyError> {
         let [test, condition] = self.coordinates;
         let coordinates = [test, condition, level as u64, draw as u64];
         let mut random = cell_random(self.options.seed, &coordinates);
         let set = with_noise(&self.exact, variances, None, &mut random)?;
-        let tally = |method: &Method| {
-            let mut tally = DetectionCounts::default();
+        let counts = |method: &Method| {
+            let mut counts = DetectionCounts::default();
             let found = method.identify(&set, self.system.band);
-            tally.add(judge, found.as_ref().ok());
-            (tally, found.err().map(|reason| reason.to_string()))
+            counts.add(judge, found.as_ref().ok());
+            (counts, found.err().map(|reason| reason.to_string()))
         };
-        Ok(methods.iter().map(tally).collect())
+        Ok(methods.iter().map(counts).collect())
     }
 }
