@@ -2,7 +2,7 @@
 //! fit before and after, and the changes of one or two parameters.
 
 use crate::scene::SceneUpdate;
-use crate::update::{Change, Explanation, Fit, FitRow, Residuals, ShapeWeights, UpdateResult};
+use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
 use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
@@ -272,7 +272,8 @@ fn convergence(result: &UpdateResult) -> String {
 }
 
 fn explanation(explanation: &Explanation) -> Vec<Block> {
-    let printed = |changes: &[Change]| changes.iter().take(MAX_PRINTED_CHANGES).map(row).collect();
+    let printed =
+        |changes: &[SubsetFit]| changes.iter().take(MAX_PRINTED_CHANGES).map(row).collect();
     let mut single: Vec<Vec<Cell>> = vec![row(&explanation.none)];
     single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
     let proposed = if explanation.proposed.parameters.is_empty() {
@@ -320,7 +321,7 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
     ]
 }
 
-fn row(change: &Change) -> Vec<Cell> {
+fn row(change: &SubsetFit) -> Vec<Cell> {
     let values: Vec<String> = change.values.iter().map(|v| significant(*v, 6)).collect();
     let name = if change.parameters.is_empty() {
         "none".to_owned()

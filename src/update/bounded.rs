@@ -2,7 +2,7 @@
 
 use crate::linalg::{LinalgError, RealMatrix, least_squares_real, real_matrix};
 
-/// Where an unknown stands.
+/// Position of an unknown between its bounds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BoundState {
     Free,
@@ -66,7 +66,7 @@ pub(super) fn bounded_least_squares(
     Ok(x)
 }
 
-/// The free unknowns of the least squares problem with the others where they are.
+/// The free unknowns of the least-squares problem with the others fixed.
 fn unbounded(
     a: &RealMatrix,
     b: &[f64],
@@ -77,24 +77,24 @@ fn unbounded(
         return Ok(Vec::new());
     }
     let held = |j: &usize| !free.contains(j);
-    let rest = |row: usize| {
+    let residual = |row: usize| {
         let parts = (0..a.ncols()).filter(held).map(|j| a[(row, j)] * x[j]);
         b[row] - parts.sum::<f64>()
     };
-    let rhs: Vec<f64> = (0..a.nrows()).map(rest).collect();
+    let rhs: Vec<f64> = (0..a.nrows()).map(residual).collect();
     let columns = real_matrix(a.nrows(), free.len(), |row, k| a[(row, free[k])]);
     least_squares_real(&columns, &rhs)
 }
 
 /// The bounded unknown whose gradient points inside most, as a part of its column's length.
 fn to_release(a: &RealMatrix, b: &[f64], x: &[f64], place: &[BoundState]) -> Option<usize> {
-    /// Gradients below this part of the residual are rounding.
-    const ROUNDING: f64 = 1e-10;
+    /// Gradient over the residual that is round-off.
+    const ROUND_OFF_GRADIENT: f64 = 1e-10;
     let row = |i: usize| (0..x.len()).map(|j| a[(i, j)] * x[j]).sum::<f64>();
-    let rest: Vec<f64> = (0..a.nrows()).map(|i| b[i] - row(i)).collect();
-    let size = rest.iter().map(|r| r * r).sum::<f64>().sqrt();
+    let residual: Vec<f64> = (0..a.nrows()).map(|i| b[i] - row(i)).collect();
+    let size = residual.iter().map(|r| r * r).sum::<f64>().sqrt();
     let inward = |j: usize| {
-        let products = (0..a.nrows()).map(|i| a[(i, j)] * rest[i]);
+        let products = (0..a.nrows()).map(|i| a[(i, j)] * residual[i]);
         let length = (0..a.nrows()).map(|i| a[(i, j)].powi(2)).sum::<f64>();
         let slope = products.sum::<f64>() / length.sqrt().max(f64::MIN_POSITIVE);
         match place[j] {
@@ -104,7 +104,7 @@ fn to_release(a: &RealMatrix, b: &[f64], x: &[f64], place: &[BoundState]) -> Opt
         }
     };
     let best = (0..x.len()).map(|j| (inward(j), j));
-    let best = best.filter(|(inward, _)| *inward > ROUNDING * size);
+    let best = best.filter(|(inward, _)| *inward > ROUND_OFF_GRADIENT * size);
     best.max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, j)| j)
 }
 
@@ -133,8 +133,8 @@ mod tests {
             let bounds: Vec<(f64, f64)> = (0..3).map(|j| (-widths[j], widths[3 + j])).collect();
             let x = bounded_least_squares(&a, &b, &bounds).unwrap();
             for j in 0..3 {
-                let rest = |i: usize| b[i] - (0..3).map(|k| a[(i, k)] * x[k]).sum::<f64>();
-                let gradient: f64 = (0..8).map(|i| a[(i, j)] * rest(i)).sum();
+                let residual = |i: usize| b[i] - (0..3).map(|k| a[(i, k)] * x[k]).sum::<f64>();
+                let gradient: f64 = (0..8).map(|i| a[(i, j)] * residual(i)).sum();
                 let (lower, upper) = bounds[j];
                 prop_assert!(lower <= x[j] && x[j] <= upper);
                 prop_assert!(gradient < 1e-8 || x[j] >= upper);

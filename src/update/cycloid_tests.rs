@@ -85,7 +85,7 @@ fn of_the_cycloid_papers_parameters_the_planet_mass_explains_table_2() {
     let new = UpdateProblem::new(model.as_ref(), &values, &chosen, &measured, &[], options());
     let problem = new.unwrap();
     assert_eq!((problem.targets.len(), problem.left_out.len()), (15, 0));
-    let found = single_changes(&problem, &GEOMETRY.map(str::to_owned)).unwrap();
+    let found = single_parameter_fits(&problem, &GEOMETRY.map(str::to_owned)).unwrap();
     assert_eq!(found.len(), names.len() - GEOMETRY.len());
     // An independent computation found 37.6 g with a largest error of 1.15 %, and 5.5 % for the
     // next best parameter with one more free number for the geometry; the deviations here are
@@ -127,5 +127,5 @@ fn with_one_bearing_stiffness_free_as_well_the_geometry_ends_at_set_d() {
         "{}",
         k_03y.updated
     );
-    assert_eq!(k_03y.verdict, Verdict::Identified);
+    assert_eq!(k_03y.verdict, ParameterVerdict::Identified);
 }

@@ -106,8 +106,8 @@ impl DynamicTarget {
         }
         let columns = projection(&equations);
         let vectors = shapes.vectors.iter();
-        let rests = vectors.map(|v| columns.rest(&self.measured(v)));
-        Ok(rests.flatten().collect())
+        let residuals = vectors.map(|v| columns.residual(&self.measured(v)));
+        Ok(residuals.flatten().collect())
     }
 
     /// Their derivatives by parameters, one column for each: with `dT = -G dK T` of motions without

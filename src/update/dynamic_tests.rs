@@ -69,7 +69,7 @@ fn the_frequency_of_a_double_root_counts_once() {
     let at = problem.start(&[0.0]).unwrap();
     // As exact as for single roots.
     assert!((at.chi_square() - 1.0).abs() < 5e-3, "{}", at.chi_square());
-    // Two sensors see no rest of two shapes: the frequency alone says something.
+    // Two shapes leave no residual at two sensors: the frequency alone is a datum.
     assert_eq!(problem.data_count(&at), 1);
 }
 
@@ -113,7 +113,7 @@ fn the_equations_of_motion_give_the_stiffnesses_back() {
             (parameter.updated / truth - 1.0).abs() < 1e-6,
             "{parameter:?}"
         );
-        assert_eq!(parameter.verdict, Verdict::Identified);
+        assert_eq!(parameter.verdict, ParameterVerdict::Identified);
     }
     // With frequencies and shapes the same stiffnesses are known about as well.
     let modal = UpdateOptions {

@@ -1,12 +1,12 @@
-//! An evaluation holds the model at one set of parameters: modes, links to the test, residuals.
+//! An evaluation holds the model at one set of parameters: modes, their pairs with measured roots,
+//! residuals.
 
 use crate::theory::{SystemMatrices, TheoryModes};
 
-use super::Link;
+use super::RootPair;
 
-/// A residual is at its uncertainty when `chi^2` is no more than this many deviations `sqrt(2 nu)`
-/// above `nu`.
-const DEVIATIONS: f64 = 2.0;
+/// Largest excess of `chi^2` over `nu` that noise explains, in standard deviations `sqrt(2 nu)`.
+const MAX_CHI_SQUARE_STDS: f64 = 2.0;
 
 /// The model at one point.
 #[derive(Clone, Debug)]
@@ -15,19 +15,19 @@ pub struct Evaluation {
     pub z: Vec<f64>,
     /// All parameters of the model.
     pub values: Vec<f64>,
-    /// Assignment of targets to modes.
-    pub links: Vec<Link>,
+    /// Measured roots paired with roots of the model.
+    pub root_pairs: Vec<RootPair>,
     /// All modes of the model, without sensors.
     pub modes: TheoryModes,
     /// Residuals of the data, divided by their deviations; then `z`.
     pub residual: Vec<f64>,
-    /// How many of them are of data.
+    /// Number of residuals of data.
     pub data_rows: usize,
     pub(super) matrices: SystemMatrices,
 }
 
 impl Evaluation {
-    /// `sum r^2 + sum z^2`, which is made smallest.
+    /// `sum r^2 + sum z^2`, which the update minimises.
     pub fn objective(&self) -> f64 {
         self.residual.iter().map(|r| r * r).sum()
     }
@@ -39,7 +39,7 @@ impl Evaluation {
     }
 }
 
-/// `nu + 2 sqrt(2 nu)`.
-pub(super) fn largest_chi_square(nu: f64) -> f64 {
-    nu + DEVIATIONS * (2.0 * nu).sqrt()
+/// Largest `chi^2` that noise explains: `nu + 2 sqrt(2 nu)`.
+pub(super) fn max_chi_square(nu: f64) -> f64 {
+    nu + MAX_CHI_SQUARE_STDS * (2.0 * nu).sqrt()
 }

@@ -3,11 +3,11 @@
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 
-use super::{KNOWN, UpdateResult, UpdatedParameter, Verdict};
+use super::{MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict, UpdateResult, UpdatedParameter};
 
 impl UpdateResult {
-    /// Parameters that the data do not know or push to a bound, a misfit that remains, measured
-    /// roots that changed or lost their partner, an iteration that did not converge.
+    /// Parameters that the data do not determine or that end at a bound, a remaining misfit,
+    /// measured roots that changed or lost their partner, an iteration that did not converge.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings: Vec<Finding> = self.parameters.iter().filter_map(of_parameter).collect();
         if !self.fits() {
@@ -50,16 +50,16 @@ impl UpdateResult {
 fn of_parameter(parameter: &UpdatedParameter) -> Option<Finding> {
     let place = Place::Parameter(parameter.name.clone());
     match parameter.verdict {
-        Verdict::Identified => None,
-        Verdict::NotSupported => {
+        ParameterVerdict::Identified => None,
+        ParameterVerdict::NotSupported => {
             let finding = warn(Code::ParameterNotSupported, place);
             Some(
                 finding
                     .value(parameter.posterior_over_prior, "")
-                    .limit(KNOWN),
+                    .limit(MAX_POSTERIOR_OVER_PRIOR),
             )
         }
-        Verdict::AtBound => {
+        ParameterVerdict::AtBound => {
             let finding = warn(Code::ParameterAtBound, place);
             Some(finding.value(parameter.updated, &parameter.unit))
         }

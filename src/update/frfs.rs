@@ -30,11 +30,11 @@ use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
 
 use super::UpdateError;
 
-/// Lines at which a function stands less than this over its variance (a power, 10 dB) have no
-/// logarithm to speak of: noise biases it.
-const OVER_NOISE: f64 = 10.0;
+/// Smallest power of a function over its variance, 10 dB, at which its logarithm is compared: noise
+/// biases the logarithm of a smaller one.
+const MIN_POWER_OVER_VARIANCE: f64 = 10.0;
 
-/// The functions of one set that the model's sensors read, at the lines that count.
+/// The functions of one set that the model's sensors read, at the compared lines.
 #[derive(Clone, Debug)]
 pub(super) struct FrfTarget {
     /// Index of the test.
@@ -43,26 +43,26 @@ pub(super) struct FrfTarget {
     lines: Vec<Complex64>,
     /// Observation rows of all responses and hits, one row each.
     rows: RealMatrix,
-    functions: Vec<Measured>,
+    functions: Vec<MeasuredFrf>,
     logarithms: bool,
     /// `C`.
     damping: RealMatrix,
 }
 
 #[derive(Clone, Debug)]
-struct Measured {
+struct MeasuredFrf {
     /// Rows of response and hit.
     places: (usize, usize),
     sign: f64,
     order: i32,
     values: Vec<Complex64>,
-    /// Deviation of each residual; `None` where a line has none.
+    /// Standard deviation at each line; `None` for a line that is not compared.
     std: Vec<Option<f64>>,
 }
 
 /// Selection of functions and lines.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Choice {
+pub(super) struct FrfSelection {
     pub band: Option<Band>,
     pub most_lines: usize,
     pub floor: f64,
@@ -70,8 +70,8 @@ pub(super) struct Choice {
 }
 
 impl FrfTarget {
-    /// `None` where no function has both ends at sensors of the model, or no line counts. FRFs at
-    /// reversed sensors are left out.
+    /// `None` where no function has both ends at sensors of the model, or no line is compared. FRFs
+    /// at reversed sensors are left out.
     ///
     /// # Errors
     /// [`UpdateError::NoVariance`] for a function with both ends at sensors: it is not free of
@@ -80,7 +80,7 @@ impl FrfTarget {
         test: usize,
         set: &FrfSet,
         sensors: &[(Dof, Vec<f64>)],
-        choice: &Choice,
+        selection: &FrfSelection,
         is_reversed: impl Fn(&Function) -> bool,
     ) -> Result<Option<Self>, UpdateError> {
         let place = |dof: &Dof| {
@@ -88,7 +88,7 @@ impl FrfTarget {
                 .iter()
                 .position(|(sensor, _)| *sensor == dof.positive())
         };
-        let lines = chosen_lines(set, choice);
+        let lines = chosen_lines(set, selection);
         let at_sensors = |i: usize| {
             let function = &set.functions()[i];
             if is_reversed(function) {
@@ -104,8 +104,10 @@ impl FrfTarget {
             })?;
             let values: Vec<Complex64> = lines.iter().map(|&k| set.values(i)[k]).collect();
             let pairs = lines.iter().zip(&values);
-            let std = pairs.map(|(&k, h)| choice.std(*h, variance[k])).collect();
-            Ok(Measured {
+            let std = pairs
+                .map(|(&k, h)| selection.std(*h, variance[k]))
+                .collect();
+            Ok(MeasuredFrf {
                 places,
                 sign: function.response.sign() * function.reference.sign(),
                 order: function.kind.derivative_order(),
@@ -114,7 +116,7 @@ impl FrfTarget {
             })
         };
         let functions = (0..set.len()).filter_map(at_sensors).map(target);
-        let mut functions: Vec<Measured> = functions.collect::<Result<_, UpdateError>>()?;
+        let mut functions: Vec<MeasuredFrf> = functions.collect::<Result<_, UpdateError>>()?;
         functions.retain(|function| function.std.iter().any(Option::is_some));
         let n = sensors.first().map_or(0, |(_, row)| row.len());
         let s = |&k: &usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
@@ -123,13 +125,13 @@ impl FrfTarget {
             lines: lines.iter().map(s).collect(),
             rows: real_matrix(sensors.len(), n, |i, j| sensors[i].1[j]),
             functions,
-            logarithms: choice.logarithms,
+            logarithms: selection.logarithms,
             damping: real_matrix(n, n, |_, _| 0.0),
         }))
     }
 
-    /// Damping that gives the modes of the model these ratios.
-    pub fn damp(&mut self, mass: &RealMatrix, modes: &TheoryModes, ratios: &[f64]) {
+    /// Sets the damping matrix that gives the modes of the model these ratios.
+    pub fn set_damping(&mut self, mass: &RealMatrix, modes: &TheoryModes, ratios: &[f64]) {
         let moved = mass * &modes.vectors;
         let (n, m) = (moved.nrows(), moved.ncols());
         let scaled = real_matrix(n, m, |i, r| {
@@ -149,7 +151,7 @@ impl FrfTarget {
         self.functions.len()
     }
 
-    /// Number of lines that count, of all functions.
+    /// Number of compared lines, of all functions.
     pub fn line_count(&self) -> usize {
         let stds = self.functions.iter().flat_map(|function| &function.std);
         stds.flatten().count()
@@ -158,10 +160,10 @@ impl FrfTarget {
     /// The residuals, line by line.
     pub fn values(&self, matrices: &SystemMatrices) -> Vec<f64> {
         let of_line = |line: usize| {
-            let x = self.motions(line, matrices);
+            let x = self.displacements(line, matrices);
             let mut all = Vec::new();
             for (function, std) in self.at(line) {
-                let h = self.reading(function, line, &x);
+                let h = self.model_frf(function, line, &x);
                 all.extend(self.parts(h, function.values[line], std));
             }
             all
@@ -188,7 +190,7 @@ impl FrfTarget {
         matrices: &SystemMatrices,
         by: &[SystemDerivative],
     ) -> Vec<Vec<f64>> {
-        let x = self.motions(line, matrices);
+        let x = self.displacements(line, matrices);
         let s = self.lines[line];
         let (n, m) = (x.nrows(), x.ncols());
         let of = |by: &SystemDerivative| {
@@ -201,7 +203,7 @@ impl FrfTarget {
                 debug_assert!(response < m && hit < m);
                 let product: Complex64 = (0..n).map(|i| x[(i, response)] * loads[(i, hit)]).sum();
                 let slope = -function.sign * s.powi(function.order) * product;
-                all.extend(self.slopes(slope, self.reading(function, line, &x), std));
+                all.extend(self.slopes(slope, self.model_frf(function, line, &x), std));
             }
             all
         };
@@ -209,7 +211,7 @@ impl FrfTarget {
     }
 
     /// `Z^-1 B^T` at a line.
-    fn motions(&self, line: usize, matrices: &SystemMatrices) -> ComplexMatrix {
+    fn displacements(&self, line: usize, matrices: &SystemMatrices) -> ComplexMatrix {
         let s = self.lines[line];
         let n = self.damping.nrows();
         let dynamic = complex_matrix(n, n, |i, j| {
@@ -223,14 +225,14 @@ impl FrfTarget {
     }
 
     /// The model's function at a line.
-    fn reading(&self, function: &Measured, line: usize, x: &ComplexMatrix) -> Complex64 {
+    fn model_frf(&self, function: &MeasuredFrf, line: usize, x: &ComplexMatrix) -> Complex64 {
         let (response, hit) = function.places;
         let parts = (0..x.nrows()).map(|i| self.rows[(response, i)] * x[(i, hit)]);
         function.sign * self.lines[line].powi(function.order) * parts.sum::<Complex64>()
     }
 
-    /// The functions that count at a line.
-    fn at(&self, line: usize) -> impl Iterator<Item = (&Measured, f64)> {
+    /// The functions that are compared at a line.
+    fn at(&self, line: usize) -> impl Iterator<Item = (&MeasuredFrf, f64)> {
         let functions = self.functions.iter();
         functions.filter_map(move |function| Some((function, function.std[line]?)))
     }
@@ -239,8 +241,8 @@ impl FrfTarget {
         if self.logarithms {
             return vec![(h.norm() / measured.norm()).ln() / std];
         }
-        let rest = h - measured;
-        vec![rest.re / std, rest.im / std]
+        let residual = h - measured;
+        vec![residual.re / std, residual.im / std]
     }
 
     fn slopes(&self, slope: Complex64, h: Complex64, std: f64) -> Vec<f64> {
@@ -256,12 +258,12 @@ impl FrfTarget {
     }
 }
 
-impl Choice {
-    /// Deviation of the residuals of a line; `None` where they say nothing.
+impl FrfSelection {
+    /// Standard deviation of the residuals of a line; `None` for a line that is not compared.
     fn std(&self, h: Complex64, variance: f64) -> Option<f64> {
         let (power, floor) = (h.norm_sqr(), self.floor * self.floor);
         let square = if self.logarithms {
-            (power >= OVER_NOISE * variance).then(|| variance / power + floor)?
+            (power >= MIN_POWER_OVER_VARIANCE * variance).then(|| variance / power + floor)?
         } else {
             variance + floor * power
         };
@@ -270,15 +272,15 @@ impl Choice {
     }
 }
 
-/// The lines above 0 Hz in the band, evenly thinned to the most that are wanted.
-fn chosen_lines(set: &FrfSet, choice: &Choice) -> Vec<usize> {
+/// The lines above 0 Hz in the band, evenly thinned to at most `most_lines`.
+fn chosen_lines(set: &FrfSet, selection: &FrfSelection) -> Vec<usize> {
     let axis = set.axis();
     let inside = |k: &usize| {
         let hz = axis.hz(*k);
-        let bands = [choice.band, set.valid_band];
+        let bands = [selection.band, set.valid_band];
         hz > 0.0 && bands.iter().flatten().all(|band| band.contains(hz))
     };
     let all: Vec<usize> = (0..axis.len).filter(inside).collect();
-    let step = all.len().div_ceil(choice.most_lines.max(1)).max(1);
+    let step = all.len().div_ceil(selection.most_lines.max(1)).max(1);
     all.into_iter().step_by(step).collect()
 }

@@ -115,11 +115,11 @@ fn a_spring_and_its_mass_have_the_function_of_the_textbook() {
         let h = -s / (s * s + 2.0 * RATIO * 10.0 * s + 100.0);
         let measured = set.values(0)[k];
         let std = (0.5 * (variance + 1e-12 * measured.norm_sqr())).sqrt();
-        let rest = (h - measured) / std;
+        let residual = (h - measured) / std;
         let got = Complex64::new(at.residual[2 * place], at.residual[2 * place + 1]);
         assert!(
-            (got - rest).norm() < 1e-9 * rest.norm().max(1.0),
-            "{k}: {got} {rest}"
+            (got - residual).norm() < 1e-9 * residual.norm().max(1.0),
+            "{k}: {got} {residual}"
         );
     }
 }

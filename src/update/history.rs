@@ -44,14 +44,13 @@ pub struct Iteration {
     pub chi_square: f64,
     /// Values of the free parameters after it.
     pub values: Vec<f64>,
-    /// Radius of the region in which the next step is trusted, in parts of each parameter's first
-    /// step.
+    /// Radius of the trust region of the next step, in first steps of each parameter.
     pub radius: f64,
-    /// Whether it was taken; a refused one leaves everything as it was.
+    /// Whether the step was accepted; a rejected one changes nothing.
     pub accepted: bool,
 }
 
-/// A measured root that met another mode of the model than before.
+/// A measured root whose partner in the model changed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairingChange {
     /// Label of the target.
@@ -62,7 +61,7 @@ pub struct PairingChange {
     pub from: Vec<usize>,
     /// Numbers after; empty when it lost its partner.
     pub to: Vec<usize>,
-    /// Whether the modes changed their order while they were followed by shape (else they were
-    /// paired anew).
+    /// Whether the modes changed their order while they were followed by shape; else test and model
+    /// were paired again.
     pub followed: bool,
 }

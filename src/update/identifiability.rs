@@ -18,18 +18,18 @@ use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 use super::{FreeParameter, UpdateError};
 
 /// Maximum posterior over prior deviation of a quantity that the data determine.
-pub const KNOWN: f64 = 0.5;
-/// Parts of a combination below this are left out of its words.
-const SMALL_PART: f64 = 0.1;
+pub const MAX_POSTERIOR_OVER_PRIOR: f64 = 0.5;
+/// Smallest part of a combination that its text lists.
+const MIN_LISTED_PART: f64 = 0.1;
 
-/// Verdict of the data on a parameter.
+/// What the data say about a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Verdict {
+pub enum ParameterVerdict {
     /// Its posterior deviation is at most half of the prior one.
     #[serde(rename = "identified")]
     Identified,
-    /// It is not: the test does not see it, and it stays where it was; or the test sees it only
-    /// together with others, and it moves as far as their combination asks.
+    /// It is larger. A parameter that the test does not see keeps its value; one that the test sees
+    /// only together with others follows their combination.
     #[serde(rename = "not supported by the data")]
     NotSupported,
     /// It ended at one of its bounds: the data ask for a value beyond.
@@ -37,18 +37,18 @@ pub enum Verdict {
     AtBound,
 }
 
-impl Verdict {
+impl ParameterVerdict {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Identified => "identified",
-            Verdict::NotSupported => "not supported by the data",
-            Verdict::AtBound => "at bound",
+            ParameterVerdict::Identified => "identified",
+            ParameterVerdict::NotSupported => "not supported by the data",
+            ParameterVerdict::AtBound => "at bound",
         }
     }
 }
 
-/// A combination of the parameters, in the order of what the data know of it.
+/// A combination of the parameters that the data determine to a known degree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
     /// Singular value of the weighted sensitivity: by how many deviations of the data the residuals
@@ -56,12 +56,12 @@ pub struct Combination {
     pub singular_value: f64,
     /// Posterior over prior deviation, `1/sqrt(1 + s^2)`.
     pub posterior_over_prior: f64,
-    /// Whether that is at most a half.
+    /// Whether that is at most [`MAX_POSTERIOR_OVER_PRIOR`].
     pub known: bool,
     /// Parameters with their parts, largest first; the squares of all parts add up to 1, those
     /// below 0.1 are left out.
     pub parts: Vec<(String, f64)>,
-    /// In words and figures.
+    /// Description of the combination with its ratio.
     pub text: String,
 }
 
@@ -72,9 +72,9 @@ pub struct Identifiability {
     pub covariance: RealMatrix,
     /// Posterior over prior deviation of each parameter.
     pub ratio: Vec<f64>,
-    /// The same with all other parameters known: what the test sees of it at all.
+    /// The same with all other parameters known.
     pub ratio_alone: Vec<f64>,
-    /// All combinations, best known first.
+    /// All combinations, the best determined first.
     pub combinations: Vec<Combination>,
 }
 
@@ -113,19 +113,19 @@ impl Identifiability {
         self.covariance[(i, j)] / (self.ratio[i] * self.ratio[j])
     }
 
-    /// Whether the test sees a parameter at all: with all others known it would be known, too.
+    /// Whether the test sees a parameter: with all others known, the data determine it.
     pub fn seen(&self, j: usize) -> bool {
-        self.ratio_alone[j] <= KNOWN
+        self.ratio_alone[j] <= MAX_POSTERIOR_OVER_PRIOR
     }
 
-    /// The verdict on a parameter by its place between its bounds.
-    pub fn verdict(&self, j: usize, at_bound: bool) -> Verdict {
+    /// The verdict on a parameter that is at a bound or between its bounds.
+    pub fn verdict(&self, j: usize, at_bound: bool) -> ParameterVerdict {
         if at_bound && self.seen(j) {
-            Verdict::AtBound
-        } else if self.ratio[j] <= KNOWN {
-            Verdict::Identified
+            ParameterVerdict::AtBound
+        } else if self.ratio[j] <= MAX_POSTERIOR_OVER_PRIOR {
+            ParameterVerdict::Identified
         } else {
-            Verdict::NotSupported
+            ParameterVerdict::NotSupported
         }
     }
 }
@@ -133,10 +133,10 @@ impl Identifiability {
 fn combination(s: f64, mut parts: Vec<(String, f64)>) -> Combination {
     parts.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let sign = if parts[0].1 < 0.0 { -1.0 } else { 1.0 };
-    parts.retain(|(_, part)| part.abs() >= SMALL_PART);
+    parts.retain(|(_, part)| part.abs() >= MIN_LISTED_PART);
     parts.iter_mut().for_each(|(_, part)| *part *= sign);
     let ratio = 1.0 / (1.0 + s * s).sqrt();
-    let known = ratio <= KNOWN;
+    let known = ratio <= MAX_POSTERIOR_OVER_PRIOR;
     Combination {
         singular_value: s,
         posterior_over_prior: ratio,
@@ -156,7 +156,7 @@ fn words(parts: &[(String, f64)], ratio: f64, known: bool) -> String {
     };
     let subject = match parts {
         [(name, _)] => format!("{name} alone"),
-        [(a, first), (b, second)] if (first.abs() - second.abs()).abs() < SMALL_PART => {
+        [(a, first), (b, second)] if (first.abs() - second.abs()).abs() < MIN_LISTED_PART => {
             if second * first > 0.0 {
                 format!("{a} and {b} in the same direction ({})", sum.join(" "))
             } else {

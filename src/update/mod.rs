@@ -51,12 +51,14 @@ mod weights_tests;
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};
-pub use identifiability::{Combination, Identifiability, KNOWN, Verdict};
-pub use mode_tracking::Link;
+pub use identifiability::{
+    Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,
+};
+pub use mode_tracking::RootPair;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use parameter_subsets::{
-    Change, Explanation, LeftOutPrediction, check_always, explain, single_changes,
+    Explanation, LeftOutPrediction, SubsetFit, check_always, explain, single_parameter_fits,
 };
 pub use problem::UpdateProblem;
 pub use result::{

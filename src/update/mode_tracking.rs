@@ -9,15 +9,15 @@ use crate::theory::TheoryModes;
 use super::target_shapes::TargetShapes;
 use super::{Target, UpdateError};
 
-/// Shares below this are not looked at when modes are followed.
-const NO_SHARE: f64 = 1e-3;
+/// Smallest share of a shape in a new mode by which a mode is followed to it.
+const MIN_TRACKED_SHARE: f64 = 1e-3;
 
-/// Size of a shape at the sensors, over that of the largest in its link, that is rounding.
-const UNSEEN: f64 = 1e-6;
+/// Size of a shape at the sensors, over that of the largest of its root, that is round-off.
+const ROUND_OFF_SHAPE_RATIO: f64 = 1e-6;
 
-/// Measured roots that meet one root of the model.
+/// Measured roots of a test that are paired with one root of the model.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Link {
+pub struct RootPair {
     /// Indices of the targets, ascending in frequency.
     pub targets: Vec<usize>,
     /// Indices, ascending, of the modes of the model; several where they are one repeated root at
@@ -25,7 +25,7 @@ pub struct Link {
     pub modes: Vec<usize>,
 }
 
-/// A test as pairing sees it: the modes of its targets alone.
+/// The modes of the targets of one test, which take part in the pairing.
 #[derive(Clone, Debug)]
 pub(super) struct PairedModes {
     /// The modes.
@@ -53,58 +53,60 @@ impl PairedModes {
         found
     }
 
-    /// Links to a model: by [`pair`] where there are shapes, else by frequency.
-    pub fn links(
+    /// Pairs with the roots of a model: by [`pair`] where there are shapes, else by frequency.
+    pub fn root_pairs(
         &self,
         theory: &ModalModel,
         targets: &[Target],
         options: &PairOptions,
-    ) -> Result<Vec<Link>, UpdateError> {
+    ) -> Result<Vec<RootPair>, UpdateError> {
         let shaped = self.modes.modes.iter().any(|mode| !mode.shape.is_empty());
-        let mut links = if shaped {
+        let mut root_pairs = if shaped {
             self.by_shape(theory, options)?
         } else {
             self.by_frequency(theory, targets, options.max_frequency_error)
         };
-        for link in &mut links {
-            link.targets
+        for root_pair in &mut root_pairs {
+            root_pair
+                .targets
                 .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
         }
-        links.sort();
-        Ok(links)
+        root_pairs.sort();
+        Ok(root_pairs)
     }
 
     fn by_shape(
         &self,
         theory: &ModalModel,
         options: &PairOptions,
-    ) -> Result<Vec<Link>, UpdateError> {
+    ) -> Result<Vec<RootPair>, UpdateError> {
         let pairing = pair(&self.modes, theory, options)?;
-        let mut links: Vec<Link> = Vec::new();
+        let mut root_pairs: Vec<RootPair> = Vec::new();
         for found in pairing.pairs {
             let mut targets: Vec<usize> =
                 found.partners.iter().map(|p| self.target[p.test]).collect();
             targets.dedup();
-            let shares = |link: &Link| link.targets.iter().any(|t| targets.contains(t));
-            match links.iter_mut().find(|link| shares(link)) {
-                Some(link) => {
-                    link.modes.extend(found.theory);
-                    link.modes.sort_unstable();
-                    targets.retain(|t| !link.targets.contains(t));
-                    link.targets.extend(targets);
+            let shares =
+                |root_pair: &RootPair| root_pair.targets.iter().any(|t| targets.contains(t));
+            match root_pairs.iter_mut().find(|root_pair| shares(root_pair)) {
+                Some(root_pair) => {
+                    root_pair.modes.extend(found.theory);
+                    root_pair.modes.sort_unstable();
+                    targets.retain(|t| !root_pair.targets.contains(t));
+                    root_pair.targets.extend(targets);
                 }
-                None => links.push(Link {
+                None => root_pairs.push(RootPair {
                     targets,
                     modes: found.theory,
                 }),
             }
         }
-        Ok(links)
+        Ok(root_pairs)
     }
 
     /// Without shapes: the assignment with the smallest sum of `ln^2(f_model/f_test)` inside the
     /// gate, a root of stated multiplicity to roots of that multiplicity alone.
-    fn by_frequency(&self, theory: &ModalModel, targets: &[Target], gate: f64) -> Vec<Link> {
+    fn by_frequency(&self, theory: &ModalModel, targets: &[Target], gate: f64) -> Vec<RootPair> {
         let mut measured = self.target.clone();
         measured.dedup();
         let rigid_hz = highest_rigid_hz(theory);
@@ -129,87 +131,101 @@ impl PairedModes {
             .into_iter()
             .map(|column| column.map(|c| columns[c]))
             .collect();
-        let link = |(r, modes): (usize, &Vec<usize>)| {
+        let root_pair = |(r, modes): (usize, &Vec<usize>)| {
             let pairs = measured.iter().zip(&chosen);
             let here = pairs.filter(|(_, root)| **root == Some(r));
-            Link {
+            RootPair {
                 targets: here.map(|(&t, _)| t).collect(),
                 modes: modes.clone(),
             }
         };
-        let links = roots.iter().enumerate().map(link);
-        links.filter(|link| !link.targets.is_empty()).collect()
+        let root_pairs = roots.iter().enumerate().map(root_pair);
+        root_pairs
+            .filter(|root_pair| !root_pair.targets.is_empty())
+            .collect()
     }
 }
 
-/// The same links with all modes of every repeated root of which they hold some: part of one has
-/// neither shapes nor derivatives. Links of one test that meet in a root become one.
+/// The same root pairs with all modes of every repeated root of which they hold some: part of a
+/// repeated root has neither shapes nor derivatives. Pairs of one test with one root are joined.
 pub(super) fn with_whole_roots(
-    links: Vec<Link>,
+    root_pairs: Vec<RootPair>,
     targets: &[Target],
     modes: &TheoryModes,
-) -> Vec<Link> {
+) -> Vec<RootPair> {
     let bits = |k: usize| modes.omega_rad_s[k].to_bits();
-    let test = |link: &Link| link.targets.first().map(|&t| targets[t].test);
-    let mut whole: Vec<Link> = Vec::with_capacity(links.len());
-    for mut link in links {
-        let members: Vec<u64> = link.modes.iter().map(|&k| bits(k)).collect();
+    let test = |root_pair: &RootPair| root_pair.targets.first().map(|&t| targets[t].test);
+    let mut whole: Vec<RootPair> = Vec::with_capacity(root_pairs.len());
+    for mut root_pair in root_pairs {
+        let members: Vec<u64> = root_pair.modes.iter().map(|&k| bits(k)).collect();
         let all = (0..modes.omega_rad_s.len()).filter(|&k| members.contains(&bits(k)));
-        link.modes = all.collect();
-        let meets = |other: &Link, link: &Link| {
-            test(other) == test(link) && other.modes.iter().any(|k| link.modes.contains(k))
+        root_pair.modes = all.collect();
+        let meets = |other: &RootPair, root_pair: &RootPair| {
+            test(other) == test(root_pair)
+                && other.modes.iter().any(|k| root_pair.modes.contains(k))
         };
-        while let Some(place) = whole.iter().position(|other| meets(other, &link)) {
+        while let Some(place) = whole.iter().position(|other| meets(other, &root_pair)) {
             let other = whole.remove(place);
-            link.modes.extend(other.modes);
-            link.targets.extend(other.targets);
+            root_pair.modes.extend(other.modes);
+            root_pair.targets.extend(other.targets);
         }
-        link.modes.sort_unstable();
-        link.modes.dedup();
-        link.targets
+        root_pair.modes.sort_unstable();
+        root_pair.modes.dedup();
+        root_pair
+            .targets
             .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
-        whole.push(link);
+        whole.push(root_pair);
     }
     whole.sort();
     whole
 }
 
-/// The same links without modes that no sensor of their targets reads, where others are read: those
-/// came with a root that is one no more.
+/// The same root pairs without modes that no sensor of their targets reads, where others are read:
+/// they belonged to a repeated root that has split.
 pub(super) fn without_unseen(
-    mut links: Vec<Link>,
+    mut root_pairs: Vec<RootPair>,
     targets: &[Target],
     modes: &TheoryModes,
-) -> Vec<Link> {
-    for link in links.iter_mut().filter(|link| link.modes.len() > 1) {
-        let shapes = link.targets.iter();
+) -> Vec<RootPair> {
+    for root_pair in root_pairs
+        .iter_mut()
+        .filter(|root_pair| root_pair.modes.len() > 1)
+    {
+        let shapes = root_pair.targets.iter();
         let shapes: Vec<_> = shapes.filter_map(|&t| targets[t].shapes.as_ref()).collect();
         let squared = |k: usize| -> f64 {
             let of = |rows: &&TargetShapes| (&rows.rows * modes.vectors.col(k)).squared_norm_l2();
             shapes.iter().map(of).sum()
         };
-        let most = link.modes.iter().map(|&k| squared(k)).fold(0.0, f64::max);
+        let most = root_pair
+            .modes
+            .iter()
+            .map(|&k| squared(k))
+            .fold(0.0, f64::max);
         if most > 0.0 {
-            link.modes.retain(|&k| squared(k) > UNSEEN * UNSEEN * most);
+            root_pair
+                .modes
+                .retain(|&k| squared(k) > ROUND_OFF_SHAPE_RATIO * ROUND_OFF_SHAPE_RATIO * most);
         }
     }
-    links
+    root_pairs
 }
 
-/// The same links after the modes of the model have changed: every mode goes where most of its
-/// shape goes, `(phi^T M phi')^2` with `M` the mass matrix of before, of a repeated root the share
-/// inside its subspace; all modes together, so that none is taken twice.
+/// The same root pairs after the modes of the model have changed. Every mode is followed to the
+/// mode with the largest share of its shape, `(phi^T M phi')^2` with `M` the mass matrix of before,
+/// of a repeated root the share inside its subspace. All modes are assigned together, so that none
+/// is assigned twice.
 pub(super) fn follow(
-    links: &[Link],
+    root_pairs: &[RootPair],
     before: &TheoryModes,
     mass: &RealMatrix,
     after: &TheoryModes,
-) -> Vec<Link> {
+) -> Vec<RootPair> {
     let mut followed: Vec<(usize, &[usize])> = Vec::new();
-    for link in links {
-        for &mode in &link.modes {
+    for root_pair in root_pairs {
+        for &mode in &root_pair.modes {
             if !followed.iter().any(|(known, _)| *known == mode) {
-                followed.push((mode, &link.modes));
+                followed.push((mode, &root_pair.modes));
             }
         }
     }
@@ -227,7 +243,7 @@ pub(super) fn follow(
         .iter()
         .map(|(_, cluster)| (0..count).map(|k| share(cluster, k)).collect())
         .collect();
-    let cost = |share: &f64| (*share > NO_SHARE).then_some((1.0 - share).max(0.0));
+    let cost = |share: &f64| (*share > MIN_TRACKED_SHARE).then_some((1.0 - share).max(0.0));
     let costs: Vec<Vec<Option<f64>>> = shares
         .iter()
         .map(|row| row.iter().map(cost).collect())
@@ -237,13 +253,13 @@ pub(super) fn follow(
         let place = followed.iter().position(|(known, _)| *known == mode);
         place.and_then(|place| chosen[place]).unwrap_or(mode)
     };
-    let link = |link: &Link| {
-        let mut modes: Vec<usize> = link.modes.iter().map(|&mode| new(mode)).collect();
+    let root_pair = |root_pair: &RootPair| {
+        let mut modes: Vec<usize> = root_pair.modes.iter().map(|&mode| new(mode)).collect();
         modes.sort_unstable();
-        Link {
-            targets: link.targets.clone(),
+        RootPair {
+            targets: root_pair.targets.clone(),
             modes,
         }
     };
-    links.iter().map(link).collect()
+    root_pairs.iter().map(root_pair).collect()
 }

@@ -55,8 +55,8 @@ impl Residuals {
 pub struct UpdateOptions {
     /// Measured quantity that is compared with the model.
     pub residuals: Residuals,
-    /// Deviation of every frequency that the model itself is granted beside the test's, a fraction:
-    /// what no value of its parameters mends. 0 trusts the model as far as the test.
+    /// Standard deviation of every frequency of the model in addition to the test's, a fraction:
+    /// its error that no parameter corrects. 0 for a model as exact as the test.
     pub frequency_floor: f64,
     /// The same of every shape component, as a part of the root mean square of the shape's
     /// components; `None` leaves shapes out of the objective (they still pair and follow modes).
@@ -68,7 +68,7 @@ pub struct UpdateOptions {
     /// count as independent at every line: where they are more than the noise, posterior deviations
     /// are too small.
     pub frf_floor: f64,
-    /// Most lines of a function that count, evenly thinned.
+    /// Largest number of compared lines of a function, evenly thinned.
     pub frf_lines: usize,
     /// Prior deviation of a parameter for which none is stated: of its logarithm, or of its value
     /// as a part of it.

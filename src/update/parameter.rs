@@ -4,8 +4,8 @@ use crate::theory::{ParameterSpec, ParameterStatus, TheoreticalModel};
 
 use super::{UpdateError, UpdateOptions};
 
-/// A change of a value by this part of it is what a linear model is trusted with at first.
-const FIRST_CHANGE: f64 = 0.3;
+/// Largest change of a value, as a part of it, in the first step of the linear model.
+const MAX_FIRST_RELATIVE_CHANGE: f64 = 0.3;
 
 /// Prior distribution of a parameter, around its initial value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ pub struct ParameterChoice {
 /// `sigma`, its value is `p0 exp(sigma z)` (log-normal) or `p0 + sigma z` (normal).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreeParameter {
-    /// Place in the model's list.
+    /// Index in the model's list.
     pub index: usize,
     /// Name.
     pub name: String,
@@ -158,9 +158,9 @@ impl FreeParameter {
     /// The step in `z` that the solver takes at first: a prior deviation, or less for a wide prior.
     pub(super) fn first_step(&self) -> f64 {
         match self.prior {
-            Prior::LogNormal { std } => (FIRST_CHANGE / std).min(1.0),
+            Prior::LogNormal { std } => (MAX_FIRST_RELATIVE_CHANGE / std).min(1.0),
             Prior::Normal { std } if self.initial != 0.0 => {
-                (FIRST_CHANGE * self.initial.abs() / std).min(1.0)
+                (MAX_FIRST_RELATIVE_CHANGE * self.initial.abs() / std).min(1.0)
             }
             Prior::Normal { .. } => 1.0,
         }

@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use super::evaluate::largest_chi_square;
+use super::evaluate::max_chi_square;
 use super::result::{Fit, fit};
 use super::solve::solve_from_starts;
 use super::trust_region::Solution;
@@ -24,31 +24,31 @@ const PAIRED_PARAMETERS: usize = 8;
 /// Weight of the prior's rows in trials.
 const PRIOR_WEIGHT: f64 = 1e-3;
 /// Largest number of parameters in a set.
-const LARGEST_SET: usize = 6;
+const MAX_SUBSET_SIZE: usize = 6;
 
-/// One set of parameters freed.
+/// The fit of a subset of the parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
-    /// Names; those that are always free are not among them.
+pub struct SubsetFit {
+    /// Names of the freed parameters, without those that are always free.
     pub parameters: Vec<String>,
-    /// Values they ended at.
+    /// Their values after the fit.
     pub values: Vec<f64>,
     /// All parameters of the model.
     pub model_values: Vec<f64>,
     /// Number of parameters that were free in all.
     pub free: usize,
-    /// The model after.
+    /// The model after the fit.
     pub fit: Fit,
     /// `chi^2 + k ln N`.
     pub bic: f64,
 }
 
-impl Change {
+impl SubsetFit {
     /// Whether the residual is down to its uncertainty: `chi^2` at most `nu + 2 sqrt(2 nu)`, `nu =
     /// N - k`.
     pub fn explains(&self) -> bool {
         let nu = self.fit.data_count.saturating_sub(self.free).max(1) as f64;
-        self.fit.chi_square <= largest_chi_square(nu)
+        self.fit.chi_square <= max_chi_square(nu)
     }
 }
 
@@ -63,26 +63,27 @@ pub struct LeftOutPrediction {
     pub after_percent: f64,
 }
 
-/// Changes that explain the misfit.
+/// Parameter subsets that explain the misfit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// With the always free parameters alone, or nothing.
-    pub none: Change,
+    /// The fit with the always free parameters alone, or with none.
+    pub none: SubsetFit,
     /// Each parameter alone, smallest remaining error first.
-    pub single: Vec<Change>,
+    pub single: Vec<SubsetFit>,
     /// Pairs among the best of them, smallest remaining error first.
-    pub pairs: Vec<Change>,
+    pub pairs: Vec<SubsetFit>,
     /// The smallest set that brings the residual to its uncertainty; where none does, the one of
     /// smallest BIC.
-    pub proposed: Change,
+    pub proposed: SubsetFit,
     /// Leave-one-out check of that set.
     pub left_out_predictions: Vec<LeftOutPrediction>,
 }
 
-/// Tries all free parameters of the problem but those named in `always`, which are free in every
-/// trial.
+/// Fits subsets of the free parameters of the problem; those named in `always` are free in every
+/// fit.
 ///
-/// Sets of more than two grow from the best pair by the parameter that leaves least.
+/// Subsets of more than two grow from the best pair by the parameter that leaves the smallest
+/// error.
 ///
 /// # Errors
 /// [`UpdateError::Parameter`] for an unknown name or one that stands twice; as
@@ -102,7 +103,8 @@ pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explana
         .flat_map(|(i, &a)| best[i + 1..].iter().map(move |&b| vec![a, b]));
     let pairs = trials.ranked(pairs.collect())?;
     let (chosen, proposed) = trials.proposed(&none, &single, &pairs)?;
-    let changes = |trials: Vec<(Vec<usize>, Change)>| trials.into_iter().map(|(_, c)| c).collect();
+    let changes =
+        |trials: Vec<(Vec<usize>, SubsetFit)>| trials.into_iter().map(|(_, c)| c).collect();
     Ok(Explanation {
         left_out_predictions: trials.predict_left_out(&chosen)?,
         none,
@@ -112,14 +114,14 @@ pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explana
     })
 }
 
-/// The single changes alone, smallest remaining error first.
+/// The fits of single parameters alone, smallest remaining error first.
 ///
 /// # Errors
 /// As [`explain`].
-pub fn single_changes(
+pub fn single_parameter_fits(
     problem: &UpdateProblem<'_>,
     always: &[String],
-) -> Result<Vec<Change>, UpdateError> {
+) -> Result<Vec<SubsetFit>, UpdateError> {
     let ranked = Trials::new(problem, always)?.single()?;
     Ok(ranked.into_iter().map(|(_, change)| change).collect())
 }
@@ -140,7 +142,7 @@ struct Trials<'b> {
     candidates: Vec<usize>,
 }
 
-type Ranked = Vec<(Vec<usize>, Change)>;
+type Ranked = Vec<(Vec<usize>, SubsetFit)>;
 
 impl<'b> Trials<'b> {
     fn new(problem: &UpdateProblem<'b>, always: &[String]) -> Result<Self, UpdateError> {
@@ -166,9 +168,9 @@ impl<'b> Trials<'b> {
             places.push(place);
         }
         let always = places;
-        let rest = (0..problem.free.len()).filter(|j| !always.contains(j));
+        let candidates = (0..problem.free.len()).filter(|j| !always.contains(j));
         Ok(Self {
-            candidates: rest.collect(),
+            candidates: candidates.collect(),
             problem: problem.with_prior_weight(PRIOR_WEIGHT),
             always,
         })
@@ -180,7 +182,7 @@ impl<'b> Trials<'b> {
         self.always.iter().copied().chain(added).collect()
     }
 
-    fn change(&self, chosen: &[usize]) -> Result<Change, UpdateError> {
+    fn change(&self, chosen: &[usize]) -> Result<SubsetFit, UpdateError> {
         let part = self.problem.with_free(&self.places(chosen));
         let at = if part.free.is_empty() {
             part.start(&[])?
@@ -191,7 +193,7 @@ impl<'b> Trials<'b> {
         let named = chosen
             .iter()
             .map(|&c| &self.problem.free[self.candidates[c]]);
-        Ok(Change {
+        Ok(SubsetFit {
             parameters: named
                 .clone()
                 .map(|parameter| parameter.name.clone())
@@ -212,21 +214,21 @@ impl<'b> Trials<'b> {
     /// All sets, smallest remaining error first.
     fn ranked(&self, sets: Vec<Vec<usize>>) -> Result<Ranked, UpdateError> {
         let change = |set: &Vec<usize>| Ok((set.clone(), self.change(set)?));
-        let changes: Vec<Result<(Vec<usize>, Change), UpdateError>> =
+        let changes: Vec<Result<(Vec<usize>, SubsetFit), UpdateError>> =
             sets.par_iter().map(change).collect();
         let mut changes = changes.into_iter().collect::<Result<Ranked, _>>()?;
         changes.sort_by(|a, b| a.1.fit.chi_square.total_cmp(&b.1.fit.chi_square));
         Ok(changes)
     }
 
-    /// The smallest set that explains the misfit, of equal size the one that leaves least; else the
-    /// one of smallest BIC.
+    /// The smallest set that explains the misfit, of equal size the one of the smallest error; else
+    /// the one of the smallest BIC.
     fn proposed(
         &self,
-        none: &Change,
+        none: &SubsetFit,
         single: &Ranked,
         pairs: &Ranked,
-    ) -> Result<(Vec<usize>, Change), UpdateError> {
+    ) -> Result<(Vec<usize>, SubsetFit), UpdateError> {
         let mut tried = vec![(Vec::new(), none.clone())];
         tried.extend(single.first().cloned());
         tried.extend(pairs.first().cloned());
@@ -235,7 +237,7 @@ impl<'b> Trials<'b> {
             let others = (0..self.candidates.len()).filter(|c| !chosen.contains(c));
             let larger = others.map(|c| chosen.iter().copied().chain([c]).collect());
             let larger: Vec<Vec<usize>> = larger.collect();
-            if chosen.len() < 2 || chosen.len() >= LARGEST_SET || larger.is_empty() {
+            if chosen.len() < 2 || chosen.len() >= MAX_SUBSET_SIZE || larger.is_empty() {
                 break;
             }
             tried.extend(self.ranked(larger)?.into_iter().next());

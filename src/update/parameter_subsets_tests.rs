@@ -56,7 +56,7 @@ fn a_change_far_outside_the_prior_is_found_as_large_as_it_is() {
     let problem = UpdateProblem::new(&model, &start, &chosen, &measured, &[], options).unwrap();
     let pulled = update(&problem).unwrap();
     assert!(pulled.parameters[1].updated < 250.0);
-    let found = single_changes(&problem, &[]).unwrap();
+    let found = single_parameter_fits(&problem, &[]).unwrap();
     assert_eq!(found[0].parameters, ["k2"]);
     // The prior's rows weigh a thousandth: a pull of 13 deviations is one of 1e-6 of that.
     assert!((found[0].values[0] / 260.0 - 1.0).abs() < 1e-4, "{found:?}");

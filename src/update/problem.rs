@@ -18,18 +18,18 @@ use crate::theory::{
 use super::frfs::FrfTarget;
 use super::mode_tracking::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::parameter::free_parameters;
-use super::residual::LinkResidual;
+use super::residual::RootPairResidual;
 use super::target::{ReversedSensors, ShapeRows, targets_of};
 use super::{
-    Evaluation, FreeParameter, Link, MeasuredModes, ParameterChoice, Residuals, Target,
+    Evaluation, FreeParameter, MeasuredModes, ParameterChoice, Residuals, RootPair, Target,
     UpdateError, UpdateOptions,
 };
 
-/// Frequency gate of pairing at a start and after an iteration, a fraction to both sides: within
-/// twice the frequency.
-const START_GATE: f64 = 1.0;
+/// Frequency gate of pairing at a start and after an iteration, a fraction: from half the frequency
+/// to twice.
+const MAX_START_FREQUENCY_ERROR: f64 = 1.0;
 
-/// A model to be brought to measured modes.
+/// A model whose parameters are updated to measured modes.
 #[derive(Clone, Debug)]
 pub struct UpdateProblem<'a> {
     pub(super) model: &'a dyn TheoreticalModel,
@@ -40,7 +40,7 @@ pub struct UpdateProblem<'a> {
     pub free: Vec<FreeParameter>,
     /// Measured modes that have a partner in the model at the start.
     pub targets: Vec<Target>,
-    /// Labels and frequencies (Hz) of what was measured and has none; these play no part.
+    /// Labels and frequencies (Hz) of measured modes without a partner; they take no part.
     pub left_out: Vec<(String, f64)>,
     /// Sensors of each test with the opposite sign of the model at the start; their values take no
     /// part.
@@ -50,20 +50,19 @@ pub struct UpdateProblem<'a> {
     pub(super) tests: Vec<PairedModes>,
     /// Weight of the prior's rows.
     pub(super) prior_weight: f64,
-    /// The functions, where the options ask for them.
+    /// The FRFs that are compared; none unless the options ask for FRFs.
     pub(super) frfs: Arc<Vec<FrfTarget>>,
-    /// Number of functions of the tests, with those that no sensor of the model reads.
+    /// Number of FRFs of the tests, those that no sensor of the model reads included.
     pub(super) frfs_given: usize,
-    /// Whether they are the residuals now.
+    /// Whether the FRFs are the residuals now.
     pub(super) compares_frfs: bool,
 }
 
 impl<'a> UpdateProblem<'a> {
-    /// A problem that starts from these values. Modes at 0 Hz play no part.
+    /// A problem that starts from these values. Modes at 0 Hz take no part.
     ///
     /// # Errors
-    /// [`UpdateError`] for an option, a parameter or a mode that cannot be meant, and when nothing
-    /// was paired.
+    /// [`UpdateError`] for an invalid option, parameter or mode, and when no mode was paired.
     pub fn new(
         model: &'a dyn TheoreticalModel,
         values: &[f64],
@@ -99,7 +98,7 @@ impl<'a> UpdateProblem<'a> {
         problem.weigh(measured)?;
         if problem.options.residuals == Residuals::ModalDynamic {
             let start = problem.start(&vec![0.0; problem.free.len()])?;
-            problem.prepare_dynamic(&start.modes, &start.links)?;
+            problem.prepare_dynamic(&start.modes, &start.root_pairs)?;
         }
         if problem.options.residuals.of_frfs() {
             problem.prepare_frfs(measured)?;
@@ -110,7 +109,7 @@ impl<'a> UpdateProblem<'a> {
     /// Frequencies and shapes with their deviations, the model's floor shared by the tests that
     /// measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
-        let links = self.links(&self.initial, &self.options.pair)?;
+        let root_pairs = self.root_pairs(&self.initial, &self.options.pair)?;
         let sensors = self.observation_rows()?;
         let rows = measured.iter().zip(&self.reversed).map(|(set, reversed)| {
             let rows =
@@ -119,7 +118,7 @@ impl<'a> UpdateProblem<'a> {
         });
         let rows: Vec<Option<ShapeRows>> = rows.collect();
         for t in 0..self.targets.len() {
-            let others = others_of(t, &links, &self.targets);
+            let others = others_of(t, &root_pairs, &self.targets);
             let floor = self.options.frequency_floor;
             let target = &mut self.targets[t];
             target.weigh(floor, 1 + others.len())?;
@@ -170,11 +169,15 @@ impl<'a> UpdateProblem<'a> {
         names.zip(&self.tests).map(of_test).collect()
     }
 
-    /// Leaves out what has no partner at the start.
+    /// Leaves out measured roots without a partner at the start.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
-        let links = self.links(&self.initial, &self.options.pair)?;
-        let linked = |t: usize| links.iter().any(|link| link.targets.contains(&t));
+        let root_pairs = self.root_pairs(&self.initial, &self.options.pair)?;
+        let linked = |t: usize| {
+            root_pairs
+                .iter()
+                .any(|root_pair| root_pair.targets.contains(&t))
+        };
         let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
         if !kept.contains(&true) {
             return Err(UpdateError::NothingPaired {
@@ -198,7 +201,7 @@ impl<'a> UpdateProblem<'a> {
         models.enumerate().map(of_test).collect()
     }
 
-    /// The same problem with some of its free parameters, by their place.
+    /// The same problem with some of its free parameters, by their index.
     pub fn with_free(&self, places: &[usize]) -> Self {
         Self {
             free: places.iter().map(|&j| self.free[j].clone()).collect(),
@@ -250,54 +253,57 @@ impl<'a> UpdateProblem<'a> {
         values
     }
 
-    pub(super) fn links(
+    pub(super) fn root_pairs(
         &self,
         values: &[f64],
         pair: &PairOptions,
-    ) -> Result<Vec<Link>, UpdateError> {
+    ) -> Result<Vec<RootPair>, UpdateError> {
         let theory = self.theory(values)?;
-        let mut links = Vec::new();
+        let mut root_pairs = Vec::new();
         for test in &self.tests {
-            links.extend(test.links(&theory.model, &self.targets, pair)?);
+            root_pairs.extend(test.root_pairs(&theory.model, &self.targets, pair)?);
         }
         let gate = self.start_gate().ln_1p();
-        for link in &mut links {
-            let hz = link
+        for root_pair in &mut root_pairs {
+            let hz = root_pair
                 .modes
                 .iter()
                 .map(|&k| theory.model.modes[k].frequency_hz);
-            let hz = hz.sum::<f64>() / link.modes.len() as f64;
+            let hz = hz.sum::<f64>() / root_pair.modes.len() as f64;
             // Pairing may take errors as parts of the model's frequency, which then has no upper
             // limit.
             let near = |t: &usize| (hz / self.targets[*t].hz).ln().abs() <= gate;
-            link.targets.retain(near);
+            root_pair.targets.retain(near);
         }
-        links.retain(|link| !link.targets.is_empty());
-        Ok(links)
+        root_pairs.retain(|root_pair| !root_pair.targets.is_empty());
+        Ok(root_pairs)
     }
 
-    /// Modes of the model that a target may be.
+    /// Modes of the model that can be partners of a target.
     fn theory(&self, values: &[f64]) -> Result<TheoryModes, UpdateError> {
         let options = ModeOptions {
-            band: self.reach(),
+            band: self.partner_band(),
             ..ModeOptions::default()
         };
         Ok(modes(self.model, values, self.sensors, &options)?)
     }
 
-    /// From 0 to the highest frequency that a partner can have: of a sparse model so many modes are
-    /// computed. `None` without a target, or for one at a frequency without bounds.
-    fn reach(&self) -> Option<Band> {
+    /// Band from 0 to the highest frequency that a partner can have, in which the modes of a sparse
+    /// model are computed. `None` without a target, and for an infinite frequency.
+    fn partner_band(&self) -> Option<Band> {
         let highest = self.targets.iter().map(|target| target.hz).reduce(f64::max);
         highest.and_then(|hz| Band::new(0.0, hz * (1.0 + self.start_gate())).ok())
     }
 
     fn start_gate(&self) -> f64 {
-        self.options.pair.max_frequency_error.max(START_GATE)
+        self.options
+            .pair
+            .max_frequency_error
+            .max(MAX_START_FREQUENCY_ERROR)
     }
 
-    /// The model at `z`, paired with the test there; where that leaves a target alone, from half
-    /// the frequency to twice: a start may be far off.
+    /// The model at `z`, paired with the test there; where a target stays without a partner, paired
+    /// from half the frequency to twice, as a start may be far off.
     ///
     /// # Errors
     /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
@@ -307,11 +313,11 @@ impl<'a> UpdateProblem<'a> {
             max_frequency_error: self.start_gate(),
             ..self.options.pair.clone()
         };
-        let mut links = self.links(&values, &self.options.pair)?;
-        if self.unpaired(&links).next().is_some() {
-            links = self.links(&values, &wide)?;
+        let mut root_pairs = self.root_pairs(&values, &self.options.pair)?;
+        if self.unpaired(&root_pairs).next().is_some() {
+            root_pairs = self.root_pairs(&values, &wide)?;
         }
-        self.evaluate(z, |_| links)
+        self.evaluate(z, |_| root_pairs)
     }
 
     /// The model at `z` with its modes followed from a point nearby; `None` where it has no modes
@@ -320,7 +326,8 @@ impl<'a> UpdateProblem<'a> {
     /// # Errors
     /// [`UpdateError::Linalg`].
     pub fn follow(&self, z: &[f64], from: &Evaluation) -> Result<Option<Evaluation>, UpdateError> {
-        let followed = |modes: &_| follow(&from.links, &from.modes, &from.matrices.mass, modes);
+        let followed =
+            |modes: &_| follow(&from.root_pairs, &from.modes, &from.matrices.mass, modes);
         match self.evaluate(z, followed) {
             Ok(found) => Ok(Some(found)),
             Err(UpdateError::Theory(
@@ -337,20 +344,20 @@ impl<'a> UpdateProblem<'a> {
     fn evaluate(
         &self,
         z: &[f64],
-        links: impl FnOnce(&crate::theory::TheoryModes) -> Vec<Link>,
+        root_pairs: impl FnOnce(&crate::theory::TheoryModes) -> Vec<RootPair>,
     ) -> Result<Evaluation, UpdateError> {
         let values = self.values(z);
         let matrices = self.model.assemble(&values)?;
         let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
-        let links = without_unseen(links(&modes), &self.targets, &modes);
-        let links = with_whole_roots(links, &self.targets, &modes);
-        let mut residual = self.data_residuals(&matrices, &modes, &links)?;
+        let root_pairs = without_unseen(root_pairs(&modes), &self.targets, &modes);
+        let root_pairs = with_whole_roots(root_pairs, &self.targets, &modes);
+        let mut residual = self.data_residuals(&matrices, &modes, &root_pairs)?;
         let data_rows = residual.len();
         residual.extend(z.iter().map(|z| self.prior_weight * z));
         Ok(Evaluation {
             z: z.to_vec(),
             values,
-            links,
+            root_pairs,
             modes,
             residual,
             data_rows,
@@ -359,32 +366,47 @@ impl<'a> UpdateProblem<'a> {
     }
 
     /// Targets without a partner.
-    pub(super) fn unpaired<'b>(&'b self, links: &'b [Link]) -> impl Iterator<Item = &'b Target> {
-        let alone = |t: &usize| !links.iter().any(|link| link.targets.contains(t));
+    pub(super) fn unpaired<'b>(
+        &'b self,
+        root_pairs: &'b [RootPair],
+    ) -> impl Iterator<Item = &'b Target> {
+        let alone = |t: &usize| {
+            !root_pairs
+                .iter()
+                .any(|root_pair| root_pair.targets.contains(t))
+        };
         (0..self.targets.len())
             .filter(alone)
             .map(|t| &self.targets[t])
     }
 
-    /// The model at `z` with links that are known.
-    pub(super) fn at_links(&self, z: &[f64], links: Vec<Link>) -> Result<Evaluation, UpdateError> {
-        self.evaluate(z, |_| links)
+    /// The model at `z` with given root pairs.
+    pub(super) fn at_root_pairs(
+        &self,
+        z: &[f64],
+        root_pairs: Vec<RootPair>,
+    ) -> Result<Evaluation, UpdateError> {
+        self.evaluate(z, |_| root_pairs)
     }
 
-    /// The residuals of all links, in their order.
-    pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<LinkResidual<'b>> {
-        let links = at.links.iter();
-        let residuals = links.map(|link| LinkResidual::new(link, &self.targets, &at.modes));
+    /// The residuals of all root pairs, in their order.
+    pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<RootPairResidual<'b>> {
+        let root_pairs = at.root_pairs.iter();
+        let residuals =
+            root_pairs.map(|root_pair| RootPairResidual::new(root_pair, &self.targets, &at.modes));
         residuals.collect()
     }
 
-    /// Derivatives of the modes of every link by each free parameter, and the parameter's `dp/dz`.
+    /// Derivatives of the modes of every root pair by each free parameter, and its `dp/dz`.
     pub(super) fn derivatives(
         &self,
         at: &Evaluation,
-        residuals: &[LinkResidual<'_>],
+        residuals: &[RootPairResidual<'_>],
     ) -> Result<Vec<(Vec<ModeDerivatives>, f64)>, UpdateError> {
-        let roots: Vec<&[usize]> = residuals.iter().map(LinkResidual::modes_of_link).collect();
+        let roots: Vec<&[usize]> = residuals
+            .iter()
+            .map(RootPairResidual::modes_of_root_pair)
+            .collect();
         let of = |parameter: &FreeParameter| {
             let by = self.model.derivative(&at.values, parameter.index)?;
             let slope = parameter.slope(at.values[parameter.index]);
@@ -393,11 +415,11 @@ impl<'a> UpdateProblem<'a> {
         let all = self.free.iter().map(of);
         let mut all = all.collect::<Result<Vec<_>, UpdateError>>()?;
         for (place, residual) in residuals.iter().enumerate() {
-            let mut of_link: Vec<(&mut ModeDerivatives, f64)> = all
+            let mut of_root_pair: Vec<(&mut ModeDerivatives, f64)> = all
                 .iter_mut()
                 .map(|(column, slope)| (&mut column[place], *slope))
                 .collect();
-            residual.split(&mut of_link)?;
+            residual.split(&mut of_root_pair)?;
         }
         Ok(all)
     }
@@ -405,10 +427,10 @@ impl<'a> UpdateProblem<'a> {
     /// Frequency of the model (Hz) and MAC of each target; `None` for one without a partner.
     pub fn fits(&self, at: &Evaluation) -> Vec<Option<(f64, Option<f64>)>> {
         let mut fits = vec![None; self.targets.len()];
-        for link in &at.links {
-            let residual = LinkResidual::new(link, &self.targets, &at.modes);
+        for root_pair in &at.root_pairs {
+            let residual = RootPairResidual::new(root_pair, &self.targets, &at.modes);
             for (place, hz) in residual.frequencies_hz().into_iter().enumerate() {
-                fits[link.targets[place]] = Some((hz, residual.mac(place)));
+                fits[root_pair.targets[place]] = Some((hz, residual.mac(place)));
             }
         }
         fits
@@ -416,14 +438,21 @@ impl<'a> UpdateProblem<'a> {
 }
 
 /// The other tests that measure a mode of the model that a target measures.
-fn others_of(target: usize, links: &[Link], targets: &[Target]) -> Vec<usize> {
-    let test = |link: &Link| targets[link.targets[0]].test;
-    let of_target = links.iter().find(|link| link.targets.contains(&target));
+fn others_of(target: usize, root_pairs: &[RootPair], targets: &[Target]) -> Vec<usize> {
+    let test = |root_pair: &RootPair| targets[root_pair.targets[0]].test;
+    let of_target = root_pairs
+        .iter()
+        .find(|root_pair| root_pair.targets.contains(&target));
     let Some(followed) = of_target else {
         return Vec::new();
     };
-    let meets = |link: &&Link| link.modes.iter().any(|mode| followed.modes.contains(mode));
-    let mut others: Vec<usize> = links.iter().filter(meets).map(test).collect();
+    let meets = |root_pair: &&RootPair| {
+        root_pair
+            .modes
+            .iter()
+            .any(|mode| followed.modes.contains(mode))
+    };
+    let mut others: Vec<usize> = root_pairs.iter().filter(meets).map(test).collect();
     others.retain(|&other| other != targets[target].test);
     others.sort_unstable();
     others.dedup();

@@ -135,7 +135,11 @@ fn a_repeated_root_is_compared_by_its_mean_and_its_splits() {
         );
         let problem = new.unwrap();
         let at = problem.start(&[0.0]).unwrap();
-        let sizes: Vec<usize> = at.links.iter().map(|link| link.targets.len()).collect();
+        let sizes: Vec<usize> = at
+            .root_pairs
+            .iter()
+            .map(|root_pair| root_pair.targets.len())
+            .collect();
         (at.chi_square(), sizes)
     };
     // Each is (1 - s)/0.001 of a deviation off, s = 1, 1.01, 1.02; mean and splits have the same
@@ -205,9 +209,9 @@ fn a_measured_mode_that_loses_its_partner_costs_more_than_any_partner_leaves() {
     let problem = new.unwrap();
     let at = problem.start(&[0.0; 3]).unwrap();
     let with_all = problem.data_count(&at);
-    let mut links = at.links.clone();
-    links.remove(1);
-    let lost = problem.at_links(&[0.0; 3], links).unwrap();
+    let mut root_pairs = at.root_pairs.clone();
+    root_pairs.remove(1);
+    let lost = problem.at_root_pairs(&[0.0; 3], root_pairs).unwrap();
     // A frequency off by all of itself at 0.5 %; three components of root mean square 1 at the
     // assumed 5 % and a floor of 2 %.
     let expected = 1.0 / 0.005f64.powi(2) + 3.0 / 0.0029;
@@ -235,7 +239,7 @@ fn a_start_pairs_nothing_beyond_half_and_twice_the_frequency() {
     let problem = new.unwrap();
     let paired = |stiffer: f64| {
         let z = stiffer.ln() / 0.3;
-        problem.start(&[z; 3]).unwrap().links.len()
+        problem.start(&[z; 3]).unwrap().root_pairs.len()
     };
     // All springs alike leave the shapes as they are; frequencies go with the square root.
     for (stiffer, expected) in [(1.9, 3), (3.9, 3), (4.1, 0), (9.0, 0), (1.0 / 4.1, 0)] {
@@ -363,7 +367,10 @@ fn of_a_sparse_model_all_roots_that_the_test_can_have_are_seen() {
         .map(|target| target.label.as_str())
         .collect();
     assert_eq!(labels, ["t f1", "t f2", "t f3"]);
-    let links = problem.links(&[1.0], &problem.options.pair).unwrap();
-    let modes: Vec<&[usize]> = links.iter().map(|link| link.modes.as_slice()).collect();
+    let root_pairs = problem.root_pairs(&[1.0], &problem.options.pair).unwrap();
+    let modes: Vec<&[usize]> = root_pairs
+        .iter()
+        .map(|root_pair| root_pair.modes.as_slice())
+        .collect();
     assert_eq!(modes, [[11], [44], [79]]);
 }

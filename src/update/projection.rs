@@ -9,8 +9,8 @@ use crate::theory::TheoryModes;
 
 use super::target_shapes::TargetShapes;
 
-/// A vector of which less than this part is independent of those before adds no direction.
-const DEPENDENT: f64 = 1e-8;
+/// Smallest part of a vector, independent of the vectors before it, that adds a direction.
+const MIN_INDEPENDENT_PART: f64 = 1e-8;
 
 /// The model's shapes `Phi = Q R` at the sensors; linearly dependent columns are left
 /// out.
@@ -18,7 +18,7 @@ pub(super) struct Projection {
     q: Vec<Vec<f64>>,
     /// Columns of the upper triangle.
     r: Vec<Vec<f64>>,
-    /// Which modes they are, by their place in the link.
+    /// The modes that they are, by their index in the root pair.
     pub columns: Vec<usize>,
 }
 
@@ -52,32 +52,32 @@ impl Projection {
     fn add(&mut self, k: usize, vector: Vec<f64>) {
         let length = dot(&vector, &vector).sqrt();
         let mut column = vec![0.0; self.q.len()];
-        let mut rest = vector;
+        let mut residual = vector;
         // Twice, so that the rounding of the first pass is removed as well.
         for _ in 0..2 {
             for (q, entry) in self.q.iter().zip(&mut column) {
-                let part = dot(q, &rest);
+                let part = dot(q, &residual);
                 *entry += part;
-                rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
+                residual.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
             }
         }
-        let left = dot(&rest, &rest).sqrt();
-        if left > DEPENDENT * length {
+        let left = dot(&residual, &residual).sqrt();
+        if left > MIN_INDEPENDENT_PART * length {
             column.push(left);
-            self.q.push(rest.iter().map(|r| r / left).collect());
+            self.q.push(residual.iter().map(|r| r / left).collect());
             self.r.push(column);
             self.columns.push(k);
         }
     }
 
     /// `(I - Q Q^T) v`.
-    pub fn rest(&self, v: &[f64]) -> Vec<f64> {
-        let mut rest = v.to_vec();
+    pub fn residual(&self, v: &[f64]) -> Vec<f64> {
+        let mut residual = v.to_vec();
         for q in &self.q {
-            let part = dot(q, &rest);
-            rest.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
+            let part = dot(q, &residual);
+            residual.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
         }
-        rest
+        residual
     }
 
     /// `R^-1 Q^T v`.
@@ -92,17 +92,17 @@ impl Projection {
         c
     }
 
-    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the rest of `v`.
+    /// `-(I - Q Q^T) dPhi c - Q R^-T dPhi^T r` with `c = R^-1 Q^T v` and `r` the residual of `v`.
     pub fn derivative(&self, v: &[f64], change: &RealMatrix) -> Vec<f64> {
         let m = self.q.len();
-        let (rest, d) = (self.rest(v), v.len());
+        let (residual, d) = (self.residual(v), v.len());
         let c = self.coefficients(v);
         let column = |row: usize, k: usize| change[(row, self.columns[k])];
         let moved: Vec<f64> = (0..d)
             .map(|row| (0..m).map(|k| column(row, k) * c[k]).sum())
             .collect();
         let mut y: Vec<f64> = (0..m)
-            .map(|k| (0..d).map(|row| column(row, k) * rest[row]).sum())
+            .map(|k| (0..d).map(|row| column(row, k) * residual[row]).sum())
             .collect();
         for k in 0..m {
             for i in 0..k {
@@ -110,7 +110,7 @@ impl Projection {
             }
             y[k] /= self.r[k][k];
         }
-        let mut result: Vec<f64> = self.rest(&moved).iter().map(|x| -x).collect();
+        let mut result: Vec<f64> = self.residual(&moved).iter().map(|x| -x).collect();
         for (q, y) in self.q.iter().zip(&y) {
             result.iter_mut().zip(q).for_each(|(r, q)| *r -= q * y);
         }

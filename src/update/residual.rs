@@ -1,10 +1,11 @@
-//! Link residuals are differences of frequencies and shapes over their standard deviations.
+//! The residuals of a root pair are differences of frequencies and shapes over their standard
+//! deviations.
 //!
-//! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where the measured roots of a link are as
-//! many as its modes, they meet in ascending order, and what counts is their mean `sum e/sqrt(k)`
-//! and their splits, the orthonormal contrasts `(e_1 + ... + e_j - j e_(j+1))/sqrt(j (j+1))`; the
-//! sum of squares is that of the single `e`. Where fewer were measured, their mean meets the mean
-//! of all modes of the root.
+//! Frequencies: `e = (f_model - f_test)/(f_test sigma)`. Where a root pair has as many measured
+//! roots as modes, they are compared in ascending order. The residuals are their mean `sum
+//! e/sqrt(k)` and their splits, the orthonormal contrasts `(e_1 + ... + e_j - j e_(j+1))/sqrt(j
+//! (j+1))`; the sum of squares is that of the single `e`. Where fewer roots were measured, their
+//! mean is compared with the mean of all modes of the root.
 //!
 //! Shapes: `r = (I - Q Q^T) psi` with `psi` the measured and `Q` a basis of the model's shapes at
 //! the sensors, both divided by the deviations: the residual of a shape with free scale.
@@ -16,15 +17,15 @@ use crate::theory::{ModeDerivatives, TheoryModes};
 
 use super::projection::{Projection, dot};
 use super::target_shapes::TargetShapes;
-use super::{Link, Target, UpdateError};
+use super::{RootPair, Target, UpdateError};
 
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 /// Minimum ratio of the smallest to the largest singular value of the coefficients of measured
 /// shapes that separate the branches of a root.
 const MIN_SINGULAR_VALUE_RATIO: f64 = 0.2;
 
-/// One link with what it needs.
-pub(super) struct LinkResidual<'a> {
+/// One root pair with its targets, modes and projections.
+pub(super) struct RootPairResidual<'a> {
     targets: Vec<&'a Target>,
     modes: &'a TheoryModes,
     /// Ascending in frequency.
@@ -33,11 +34,11 @@ pub(super) struct LinkResidual<'a> {
     projections: Vec<Option<Projection>>,
 }
 
-impl<'a> LinkResidual<'a> {
-    pub fn new(link: &Link, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
-        let mut members = link.modes.clone();
+impl<'a> RootPairResidual<'a> {
+    pub fn new(root_pair: &RootPair, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
+        let mut members = root_pair.modes.clone();
         members.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
-        let targets: Vec<&Target> = link.targets.iter().map(|&t| &targets[t]).collect();
+        let targets: Vec<&Target> = root_pair.targets.iter().map(|&t| &targets[t]).collect();
         let projection = |target: &&Target| {
             let shapes = target.shapes.as_ref()?;
             Some(Projection::of_modes(shapes, modes, &members))
@@ -50,8 +51,8 @@ impl<'a> LinkResidual<'a> {
         }
     }
 
-    /// The modes that it needs derivatives of, in its order.
-    pub fn modes_of_link(&self) -> &[usize] {
+    /// The modes whose derivatives it needs, in its order.
+    pub fn modes_of_root_pair(&self) -> &[usize] {
         &self.members
     }
 
@@ -108,8 +109,8 @@ impl<'a> LinkResidual<'a> {
             .collect();
         let mut all = self.contrasts(&e);
         for (shapes, projection) in self.shapes() {
-            let rests = shapes.vectors.iter().map(|v| projection.rest(v));
-            all.extend(rests.flatten());
+            let residuals = shapes.vectors.iter().map(|v| projection.residual(v));
+            all.extend(residuals.flatten());
         }
         all
     }
@@ -142,9 +143,9 @@ impl<'a> LinkResidual<'a> {
 
     /// Turns the derivatives of a repeated root by all parameters, each with its weight, to one
     /// basis, so that the diagonals of `projected` are those of its branches: those whose shapes
-    /// the targets measured, in their order, where the shapes tell; else, ascending, as a mixture
-    /// of all parameters grows. Where the parameters split the root into the same shapes, these are
-    /// the branches of each single parameter, too.
+    /// the targets measured, in their order, where the shapes separate them; else those into which
+    /// a mixture of all parameters splits the root, ascending. Where the parameters split the root
+    /// into the same shapes, these are the branches of each single parameter, too.
     pub fn split(&self, by: &mut [(&mut ModeDerivatives, f64)]) -> Result<(), UpdateError> {
         let m = self.members.len();
         let bits = |k: usize| self.modes.omega_rad_s[self.members[k]].to_bits();
@@ -210,22 +211,21 @@ impl<'a> LinkResidual<'a> {
         pairs.filter_map(|(target, projection)| target.shapes.as_ref().zip(projection.as_ref()))
     }
 
-    /// How many residuals say something: a shape has lost one for every direction of the model that
-    /// is free.
-    pub fn informative(&self) -> usize {
+    /// Number of independent residuals: a shape has one less for every mode of the model.
+    pub fn independent_count(&self) -> usize {
         let e = vec![0.0; self.targets.len()];
         let vectors = self.shapes().flat_map(|(shapes, _)| &shapes.vectors);
         let shapes = vectors.map(|v| v.len().saturating_sub(self.members.len()));
         self.contrasts(&e).len() + shapes.sum::<usize>()
     }
 
-    /// Smallest MAC of a target's shapes with the link's modes, at the deviations' weights; `None`
-    /// without shapes.
+    /// Smallest MAC of a target's shapes with the modes of the root pair, weighted by the standard
+    /// deviations; `None` without shapes.
     pub fn mac(&self, target: usize) -> Option<f64> {
         let shapes = self.targets[target].shapes.as_ref()?;
         let projection = self.projections[target].as_ref()?;
         let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
-        let mac = |v: &Vec<f64>| 1.0 - square(&projection.rest(v)) / square(v);
+        let mac = |v: &Vec<f64>| 1.0 - square(&projection.residual(v)) / square(v);
         shapes.vectors.iter().map(mac).reduce(f64::min)
     }
 }

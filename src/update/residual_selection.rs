@@ -10,10 +10,10 @@ use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
 
 use super::dynamic::DynamicTarget;
-use super::frfs::{Choice, FrfTarget};
-use super::residual::LinkResidual;
+use super::frfs::{FrfSelection, FrfTarget};
+use super::residual::RootPairResidual;
 use super::{
-    Evaluation, FrfCount, Link, MeasuredModes, Residuals, Target, UpdateError, UpdateOptions,
+    Evaluation, FrfCount, MeasuredModes, Residuals, RootPair, Target, UpdateError, UpdateOptions,
     UpdateProblem,
 };
 
@@ -26,7 +26,7 @@ impl UpdateProblem<'_> {
         &self,
         matrices: &SystemMatrices,
         modes: &TheoryModes,
-        links: &[Link],
+        root_pairs: &[RootPair],
     ) -> Result<Vec<f64>, UpdateError> {
         if self.compares_frfs {
             let values = self.frfs.iter().flat_map(|set| set.values(matrices));
@@ -39,9 +39,10 @@ impl UpdateProblem<'_> {
             let parts: Vec<Vec<f64>> = self.dynamic().map(of_target).collect::<Result<_, _>>()?;
             return Ok(parts.concat());
         }
-        let of_link = |link| LinkResidual::new(link, &self.targets, modes).values();
-        let mut all: Vec<f64> = links.iter().flat_map(of_link).collect();
-        all.extend(self.unpaired(links).flat_map(unexplained));
+        let of_root_pair =
+            |root_pair| RootPairResidual::new(root_pair, &self.targets, modes).values();
+        let mut all: Vec<f64> = root_pairs.iter().flat_map(of_root_pair).collect();
+        all.extend(self.unpaired(root_pairs).flat_map(unexplained));
         Ok(all)
     }
 
@@ -107,19 +108,21 @@ impl UpdateProblem<'_> {
         slopes.collect()
     }
 
-    /// Number of residuals of data that say something.
+    /// Number of independent residuals of data.
     pub fn data_count(&self, at: &Evaluation) -> usize {
         if self.compares_frfs {
             return self.frfs.iter().map(FrfTarget::len).sum();
         }
         if self.options.residuals == Residuals::ModalDynamic {
-            // The motion of all coordinates is free, and takes as many residuals as the force has:
-            // the shape outside the root's modes and its one frequency remain.
-            return self.targets.iter().map(Target::informative).sum();
+            // The motion of all coordinates is free and takes as many residuals as the force has.
+            // The shape outside the root's modes and its one frequency remain.
+            return self.targets.iter().map(Target::independent_count).sum();
         }
-        let link = |link| LinkResidual::new(link, &self.targets, &at.modes).informative();
-        let unpaired = self.unpaired(&at.links).map(Target::informative);
-        at.links.iter().map(link).sum::<usize>() + unpaired.sum::<usize>()
+        let root_pair = |root_pair| {
+            RootPairResidual::new(root_pair, &self.targets, &at.modes).independent_count()
+        };
+        let unpaired = self.unpaired(&at.root_pairs).map(Target::independent_count);
+        at.root_pairs.iter().map(root_pair).sum::<usize>() + unpaired.sum::<usize>()
     }
 
     /// How many FRFs are the residuals; `None` where they are not.
@@ -137,18 +140,21 @@ impl UpdateProblem<'_> {
         targets.filter_map(|target| target.shapes.as_ref().zip(target.dynamic.as_ref()))
     }
 
-    /// Modal dynamic residuals of the targets, weighed at these links.
+    /// Modal dynamic residuals of the targets, weighted at these root pairs.
     pub(super) fn prepare_dynamic(
         &mut self,
         modes: &TheoryModes,
-        links: &[Link],
+        root_pairs: &[RootPair],
     ) -> Result<(), UpdateError> {
         for (t, target) in self.targets.iter_mut().enumerate() {
-            let link = links.iter().find(|link| link.targets.contains(&t));
+            let root_pair = root_pairs
+                .iter()
+                .find(|root_pair| root_pair.targets.contains(&t));
             let (hz, std) = (target.hz, target.relative_std);
-            let shaped_link = target.shapes.as_ref().zip(link);
-            target.dynamic = shaped_link
-                .and_then(|(shapes, link)| DynamicTarget::new(hz, std, shapes, modes, &link.modes));
+            let shaped = target.shapes.as_ref().zip(root_pair);
+            target.dynamic = shaped.and_then(|(shapes, root_pair)| {
+                DynamicTarget::new(hz, std, shapes, modes, &root_pair.modes)
+            });
             if target.dynamic.is_none() {
                 let label = target.label.clone();
                 return Err(UpdateError::NoShapes { label });
@@ -168,11 +174,17 @@ impl UpdateProblem<'_> {
         let sensors = self.observation_rows()?;
         let mut all = Vec::new();
         for (test, test_data) in measured.iter().enumerate() {
-            let choice = choice(&self.options, test_data);
+            let selection = selection(&self.options, test_data);
             let is_reversed = self.at_reversed_sensor(test, test_data.frfs);
             for set in test_data.frfs {
                 self.frfs_given += set.len();
-                all.extend(FrfTarget::new(test, set, &sensors, &choice, &is_reversed)?);
+                all.extend(FrfTarget::new(
+                    test,
+                    set,
+                    &sensors,
+                    &selection,
+                    &is_reversed,
+                )?);
             }
         }
         if all.is_empty() {
@@ -206,7 +218,7 @@ impl UpdateProblem<'_> {
         }
     }
 
-    /// The same problem with FRFs for residuals, damped as the modes at a point say.
+    /// The same problem with FRFs for residuals, with the damping of the modes at a point.
     ///
     /// # Errors
     /// [`UpdateError::NoDamping`].
@@ -214,7 +226,7 @@ impl UpdateProblem<'_> {
         let mut frfs = self.frfs.as_ref().clone();
         for set in &mut frfs {
             let ratios = self.damping_ratios(set.test, at)?;
-            set.damp(&at.matrices.mass, &at.modes, &ratios);
+            set.set_damping(&at.matrices.mass, &at.modes, &ratios);
         }
         Ok(Self {
             frfs: Arc::new(frfs),
@@ -223,7 +235,7 @@ impl UpdateProblem<'_> {
         })
     }
 
-    /// A damping ratio for every mode of the model: that of what it meets in a test, else their
+    /// A damping ratio for every mode of the model: that of its partners in a test, else their
     /// mean.
     fn damping_ratios(&self, test: usize, at: &Evaluation) -> Result<Vec<f64>, UpdateError> {
         let of_test = |t: &&usize| self.targets[**t].test == test;
@@ -235,11 +247,19 @@ impl UpdateProblem<'_> {
             let count = known.len() as f64;
             (!known.is_empty()).then(|| known.iter().sum::<f64>() / count)
         };
-        let all = mean(&mut at.links.iter().flat_map(|link| &link.targets));
+        let all = mean(
+            &mut at
+                .root_pairs
+                .iter()
+                .flat_map(|root_pair| &root_pair.targets),
+        );
         let all = all.ok_or(UpdateError::NoDamping { test })?;
         let of_mode = |r: usize| {
-            let links = at.links.iter().filter(|link| link.modes.contains(&r));
-            mean(&mut links.flat_map(|link| &link.targets)).unwrap_or(all)
+            let root_pairs = at
+                .root_pairs
+                .iter()
+                .filter(|root_pair| root_pair.modes.contains(&r));
+            mean(&mut root_pairs.flat_map(|root_pair| &root_pair.targets)).unwrap_or(all)
         };
         Ok((0..at.modes.omega_rad_s.len()).map(of_mode).collect())
     }
@@ -254,8 +274,8 @@ fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {
     (0..count).map(column).collect()
 }
 
-fn choice(options: &UpdateOptions, set: &MeasuredModes<'_>) -> Choice {
-    Choice {
+fn selection(options: &UpdateOptions, set: &MeasuredModes<'_>) -> FrfSelection {
+    FrfSelection {
         band: set.modes.band,
         most_lines: options.frf_lines,
         floor: options.frf_floor,
@@ -263,8 +283,8 @@ fn choice(options: &UpdateOptions, set: &MeasuredModes<'_>) -> Choice {
     }
 }
 
-/// Residuals of a target without a partner: a frequency that is off by all of itself and shapes
-/// with a MAC of 0, which is more than any partner leaves.
+/// Residuals of a target without a partner: a relative frequency error of 1 and shapes with a MAC
+/// of 0, which is more than any partner leaves.
 fn unexplained(target: &Target) -> impl Iterator<Item = f64> {
     let vectors = target.shapes.iter().flat_map(|shapes| &shapes.vectors);
     std::iter::once(target.relative_std.recip()).chain(vectors.flatten().copied())

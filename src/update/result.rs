@@ -4,16 +4,16 @@
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
 
-use super::evaluate::largest_chi_square;
+use super::evaluate::max_chi_square;
 use super::history::{Iteration, PairingChange, StopReason};
-use super::identifiability::{Combination, Identifiability, Verdict};
-use super::solve::{MultiStart, SAME_OPTIMUM, solve, solve_from_starts};
+use super::identifiability::{Combination, Identifiability, ParameterVerdict};
+use super::solve::{MAX_OPTIMUM_DIFFERENCE, MultiStart, solve, solve_from_starts};
 use super::trust_region::Solution;
 use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProblem};
 
-/// A parameter nearer to its bound than this part of a prior deviation is at it.
-const AT_BOUND: f64 = 1e-6;
-/// How often FRFs are fitted, each time with the damping that fits the frequencies found before.
+/// Largest distance of a parameter at its bound, in prior deviations.
+const MAX_DISTANCE_FROM_BOUND: f64 = 1e-6;
+/// Number of fits to FRFs, each with the damping at the frequencies of the fit before.
 const FRF_ROUNDS: usize = 2;
 /// Two-sided 95 % of a normal distribution.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
@@ -31,9 +31,9 @@ pub struct UpdatedParameter {
     pub initial: f64,
     /// Where it ended.
     pub updated: f64,
-    /// Its posterior deviation, with all free parameters uncertain. It takes the model for right
-    /// but for the floors: where it does not fit, the root of [`UpdateResult::reduced_chi_square`]
-    /// times it is the better estimate.
+    /// Its posterior deviation, with all free parameters uncertain. The model is taken as exact but
+    /// for the floors: where it does not fit, the deviation times the root of
+    /// [`UpdateResult::reduced_chi_square`] is the better estimate.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -45,8 +45,8 @@ pub struct UpdatedParameter {
     pub upper: Option<f64>,
     /// Posterior over prior deviation on the scale of the prior.
     pub posterior_over_prior: f64,
-    /// Verdict of the data.
-    pub verdict: Verdict,
+    /// What the data say about it.
+    pub verdict: ParameterVerdict,
     /// Whether it was held where it started, because the test does not see it.
     pub held: bool,
 }
@@ -79,7 +79,7 @@ pub struct Fit {
     pub rows: Vec<FitRow>,
     /// `sum r^2` of the data.
     pub chi_square: f64,
-    /// Number of residuals that say something.
+    /// Number of independent residuals.
     pub data_count: usize,
     /// Root mean square of the frequency errors, percent.
     pub rms_percent: Option<f64>,
@@ -148,7 +148,7 @@ pub struct UpdateResult {
     pub stop_reason: StopReason,
     /// Every step from the best start; then those with the unseen parameters held.
     pub history: Vec<Iteration>,
-    /// Measured roots that met other modes on the way.
+    /// Measured roots whose partner changed during the iteration.
     pub pairing_changes: Vec<PairingChange>,
     /// How the starts ended.
     pub starts: Starts,
@@ -182,7 +182,7 @@ impl UpdateResult {
     /// The largest `chi^2/nu` that noise alone explains, `1 + 2 sqrt(2/nu)`.
     pub fn largest_reduced_chi_square(&self) -> f64 {
         let nu = self.degrees_of_freedom();
-        largest_chi_square(nu) / nu
+        max_chi_square(nu) / nu
     }
 
     /// Whether the model after fits the test within the stated uncertainties.
@@ -191,8 +191,8 @@ impl UpdateResult {
     }
 }
 
-/// Updates a model: the best of several starts; a parameter that the test does not see goes back to
-/// where it started and is held there while the others settle.
+/// Updates a model: the best of several starts. A parameter that the test does not see returns to
+/// its initial value and is held there while the others are solved again.
 ///
 /// # Errors
 /// As [`solve_from_starts`].
@@ -200,14 +200,14 @@ pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> 
     let found = solve_from_starts(problem)?;
     let starts = starts(problem, &found)?;
     if problem.options.residuals.of_frfs() && !problem.compares_frfs {
-        return of_frfs(problem, found.best, starts);
+        return update_to_frfs(problem, found.best, starts);
     }
-    from_best(problem, found.best, starts)
+    summarise(problem, found.best, starts)
 }
 
-/// From where the modes end, with FRFs for residuals: twice, the damping of the second time being
-/// that of the frequencies which the first time found.
-fn of_frfs(
+/// Continues from the solution for modes with FRFs for residuals: twice, the second time with the
+/// damping at the frequencies that the first time found.
+fn update_to_frfs(
     problem: &UpdateProblem<'_>,
     mut best: Solution,
     starts: Starts,
@@ -222,10 +222,10 @@ fn of_frfs(
         next.pairing_changes.splice(..0, best.pairing_changes);
         best = next;
     }
-    from_best(&with_frfs, best, starts)
+    summarise(&with_frfs, best, starts)
 }
 
-fn from_best(
+fn summarise(
     problem: &UpdateProblem<'_>,
     best: Solution,
     starts: Starts,
@@ -233,9 +233,9 @@ fn from_best(
     let seen = Identifiability::new(&data_jacobian(&best), &problem.free)?;
     let kept: Vec<usize> = (0..problem.free.len()).filter(|&j| seen.seen(j)).collect();
     let (at, history, changes, stop_reason) = if kept.is_empty() {
-        nothing_seen(problem)?
+        unchanged(problem)?
     } else if kept.len() < problem.free.len() {
-        settle(problem, &kept, best)?
+        solve_with_unseen_held(problem, &kept, best)?
     } else {
         (
             best.at,
@@ -276,14 +276,14 @@ fn from_best(
 
 type Ended = (Evaluation, Vec<Iteration>, Vec<PairingChange>, StopReason);
 
-/// Everything where it was.
-fn nothing_seen(problem: &UpdateProblem<'_>) -> Result<Ended, UpdateError> {
+/// The model at its initial values.
+fn unchanged(problem: &UpdateProblem<'_>) -> Result<Ended, UpdateError> {
     let at = problem.start(&vec![0.0; problem.free.len()])?;
     Ok((at, Vec::new(), Vec::new(), StopReason::NothingSeen))
 }
 
-/// The seen parameters from where they ended, the others back at their start.
-fn settle(
+/// Solves for the seen parameters from the solution, the others held at their initial values.
+fn solve_with_unseen_held(
     problem: &UpdateProblem<'_>,
     kept: &[usize],
     best: Solution,
@@ -295,7 +295,7 @@ fn settle(
     for (&j, &z) in kept.iter().zip(&solution.at.z) {
         whole[j] = z;
     }
-    let at = problem.at_links(&whole, solution.at.links)?;
+    let at = problem.at_root_pairs(&whole, solution.at.root_pairs)?;
     let mut history = best.history;
     for mut step in solution.history {
         let mut values: Vec<f64> = problem
@@ -321,13 +321,13 @@ fn data_jacobian(solution: &Solution) -> RealMatrix {
     })
 }
 
-/// An end belongs to the best optimum when no parameter is further off than a tenth of its
-/// posterior deviation.
+/// The ends of all starts, grouped by optimum: an end belongs to the best optimum when no parameter
+/// differs from it by more than a tenth of its posterior deviation.
 fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, UpdateError> {
     let known = Identifiability::new(&data_jacobian(&found.best), &problem.free)?;
     let near = |a: &[f64], b: &[f64]| {
         let mut pairs = a.iter().zip(b).zip(&known.ratio);
-        pairs.all(|((a, b), std)| (a - b).abs() <= SAME_OPTIMUM * std)
+        pairs.all(|((a, b), std)| (a - b).abs() <= MAX_OPTIMUM_DIFFERENCE * std)
     };
     let values = |z: &[f64]| -> Vec<f64> {
         let free = problem.free.iter().zip(z);
@@ -379,7 +379,7 @@ fn parameters(
     let parameters = problem.free.iter().enumerate().map(|(j, parameter)| {
         let z = at.z[j];
         let (lower, upper) = parameter.bounds();
-        let at_bound = z - lower < AT_BOUND || upper - z < AT_BOUND;
+        let at_bound = z - lower < MAX_DISTANCE_FROM_BOUND || upper - z < MAX_DISTANCE_FROM_BOUND;
         let updated = at.values[parameter.index];
         let reach = TWO_SIDED_95 * known.ratio[j];
         let held = !kept.contains(&j);
@@ -402,8 +402,8 @@ fn parameters(
     parameters.collect()
 }
 
-/// The model at a point against the targets; with the covariance of the parameters also its
-/// deviation.
+/// The model at a point against the targets; with the covariance of the parameters, the standard
+/// deviations of its frequencies, too.
 pub(super) fn fit(
     problem: &UpdateProblem<'_>,
     at: &Evaluation,
@@ -453,9 +453,9 @@ fn frequency_stds(
     let residuals = problem.residuals(at);
     let by = problem.derivatives(at, &residuals)?;
     for (j, (by, slope)) in by.iter().enumerate() {
-        for ((link, residual), derivatives) in at.links.iter().zip(&residuals).zip(by) {
+        for ((root_pair, residual), derivatives) in at.root_pairs.iter().zip(&residuals).zip(by) {
             let hz = residual.frequency_derivatives_hz(derivatives);
-            for (&target, hz) in link.targets.iter().zip(hz) {
+            for (&target, hz) in root_pair.targets.iter().zip(hz) {
                 slopes[target].get_or_insert_with(|| vec![0.0; n])[j] = hz * slope;
             }
         }

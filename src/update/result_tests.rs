@@ -30,7 +30,7 @@ fn the_posterior_deviation_of_one_spring_is_that_of_its_frequency_twice() {
         UpdateProblem::new(&model, &[100.0], &free(&["k1"]), &measured, &[], options).unwrap();
     let found = update(&problem).unwrap();
     let k = &found.parameters[0];
-    assert_eq!((k.verdict, k.held), (Verdict::Identified, false));
+    assert_eq!((k.verdict, k.held), (ParameterVerdict::Identified, false));
     // f is known to 0.5 %, so k to 1 %; with the prior of 30 % in parallel 1/sqrt(1/0.01^2 +
     // 1/0.3^2).
     let expected = (1.0f64 / 1e-4 + 1.0 / 0.09).sqrt().recip();
@@ -57,8 +57,8 @@ fn a_parameter_that_no_residual_depends_on_is_named_and_stays_where_it_was() {
     let problem =
         UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options()).unwrap();
     let found = update(&problem).unwrap();
-    let verdicts: Vec<Verdict> = found.parameters.iter().map(|p| p.verdict).collect();
-    use Verdict::{Identified, NotSupported};
+    let verdicts: Vec<ParameterVerdict> = found.parameters.iter().map(|p| p.verdict).collect();
+    use ParameterVerdict::{Identified, NotSupported};
     assert_eq!(verdicts, [Identified, NotSupported, Identified]);
     let unseen = &found.parameters[1];
     assert!(unseen.held);
@@ -96,13 +96,13 @@ fn parameters_that_the_data_know_only_together_are_named_with_their_combination(
         found
             .parameters
             .iter()
-            .all(|p| !p.held && p.verdict != Verdict::AtBound)
+            .all(|p| !p.held && p.verdict != ParameterVerdict::AtBound)
     );
     assert!(
         found
             .parameters
             .iter()
-            .any(|p| p.verdict == Verdict::NotSupported)
+            .any(|p| p.verdict == ParameterVerdict::NotSupported)
     );
     assert!(found.after.largest_percent.unwrap() < 0.1);
     assert!(found.correlation[0][1] < 0.0);
@@ -127,7 +127,7 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
         found.map(|f| (f.severity, f.value))
     };
     let wrong = result(&[100.0, 130.0, 100.0]);
-    assert_eq!(wrong.parameters[0].verdict, Verdict::Identified);
+    assert_eq!(wrong.parameters[0].verdict, ParameterVerdict::Identified);
     // Three frequencies less the one stiffness that they determine.
     assert!((wrong.degrees_of_freedom() - 2.0).abs() < 1e-3);
     let expected = wrong.after.chi_square / wrong.degrees_of_freedom();
@@ -273,6 +273,6 @@ fn covariance_of_a_known_sensitivity_is_its_closed_form() {
     assert!((known.covariance[(0, 1)] - 0.48 * (left - 1.0)).abs() < 1e-14);
     assert_eq!(known.combinations[0].parts[0].0, "k2");
     assert!((known.combinations[0].parts[0].1 - 0.8).abs() < 1e-14);
-    assert!(known.seen(0) && known.verdict(1, true) == Verdict::AtBound);
-    assert_eq!(known.verdict(0, false), Verdict::NotSupported);
+    assert!(known.seen(0) && known.verdict(1, true) == ParameterVerdict::AtBound);
+    assert_eq!(known.verdict(0, false), ParameterVerdict::NotSupported);
 }

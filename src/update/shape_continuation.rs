@@ -41,7 +41,7 @@ pub(super) fn with_pairs_of_the_model(
             None => return Ok(None),
         }
     }
-    if at.links == start.links {
+    if at.root_pairs == start.root_pairs {
         return Ok(None);
     }
     graduated(problem, &at)
@@ -54,11 +54,11 @@ fn graduated(
     if problem.targets.iter().all(|target| target.shapes.is_none()) {
         return Ok(None);
     }
-    let (mut z, mut links) = (start.z.clone(), start.links.clone());
+    let (mut z, mut root_pairs) = (start.z.clone(), start.root_pairs.clone());
     for weight in WEIGHTS {
         let reweighted = problem.with_shape_weight(weight);
-        let end = solve_from(&reweighted, reweighted.at_links(&z, links)?)?;
-        (z, links) = (end.at.z, end.at.links);
+        let end = solve_from(&reweighted, reweighted.at_root_pairs(&z, root_pairs)?)?;
+        (z, root_pairs) = (end.at.z, end.at.root_pairs);
     }
-    solve_from(problem, problem.at_links(&z, links)?).map(Some)
+    solve_from(problem, problem.at_root_pairs(&z, root_pairs)?).map(Some)
 }

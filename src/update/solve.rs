@@ -7,19 +7,18 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::shape_continuation::{with_pairs_of_the_model, with_pairs_of_the_start};
-use super::trust_region::{MIN_RELATIVE_DECREASE, Solution, leaves_a_misfit, solve_from};
+use super::trust_region::{MIN_RELATIVE_DECREASE, Solution, has_misfit, solve_from};
 use super::{UpdateError, UpdateProblem};
 
-/// Starts are drawn inside the bounds and within this many prior deviations.
-const START_RANGE: f64 = 3.0;
-/// Optima are the same where no parameter differs by more than this part of its posterior
-/// deviation.
-pub(super) const SAME_OPTIMUM: f64 = 0.1;
+/// Largest distance of a drawn start, in prior deviations.
+const MAX_START_PRIOR_STDS: f64 = 3.0;
+/// Largest difference of a parameter between equal optima, in posterior deviations.
+pub(super) const MAX_OPTIMUM_DIFFERENCE: f64 = 0.1;
 
-/// From several starts.
+/// The solutions from several starts.
 #[derive(Clone, Debug)]
 pub struct MultiStart {
-    /// The one with the smallest objective; the first of equals.
+    /// The solution with the smallest objective; the first of equals.
     pub best: Solution,
     /// Objective from every start; `None` where the model has no modes at the start, or no
     /// derivatives on the way.
@@ -37,7 +36,7 @@ pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateE
     let start = problem.start(z)?;
     let mut best = solve_from(problem, start.clone())?;
     for way in [with_pairs_of_the_start, with_pairs_of_the_model] {
-        if !leaves_a_misfit(problem, &best.at) {
+        if !has_misfit(problem, &best.at) {
             break;
         }
         let found = way(problem, &start)?;
@@ -97,7 +96,7 @@ fn starts(problem: &UpdateProblem<'_>) -> Vec<Vec<f64>> {
     for _ in 1..problem.options.starts {
         let one = problem.free.iter().map(|parameter| {
             let (lower, upper) = parameter.bounds();
-            random.random_range(lower.max(-START_RANGE)..=upper.min(START_RANGE))
+            random.random_range(lower.max(-MAX_START_PRIOR_STDS)..=upper.min(MAX_START_PRIOR_STDS))
         });
         all.push(one.collect());
     }

@@ -74,7 +74,7 @@ fn two_directions_that_become_one_repeated_root_are_both_found() {
                 (parameter.std / parameter.updated / expected - 1.0).abs() < 1e-3,
                 "{parameter:?}"
             );
-            assert_eq!(parameter.verdict, Verdict::Identified);
+            assert_eq!(parameter.verdict, ParameterVerdict::Identified);
         }
     }
 }

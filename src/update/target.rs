@@ -65,7 +65,7 @@ pub struct Target {
     pub hz: f64,
     /// Mean damping ratio of its modes; `None` where none is known.
     pub damping_ratio: Option<f64>,
-    /// Deviation of that as the test states it, Hz.
+    /// Standard deviation of the frequency as the test states it, Hz.
     pub hz_std: Option<f64>,
     /// Deviation that the residual is divided by, a fraction: the test's and the floor's, as
     /// independent. The floor is the model's, so that its variance is shared by all tests that
@@ -90,7 +90,7 @@ pub enum ShapeWeights {
 }
 
 impl Target {
-    /// With the model's floor counted for `tests` tests that measure its root.
+    /// Sets the deviation of the residual, the model's floor shared by `tests` tests of the root.
     pub(super) fn weigh(&mut self, floor: f64, tests: usize) -> Result<(), UpdateError> {
         let stated = self.hz_std.unwrap_or(0.0) / self.hz;
         self.relative_std = stated.hypot(floor * (tests as f64).sqrt());
@@ -101,9 +101,9 @@ impl Target {
         Err(UpdateError::NoUncertainty { label })
     }
 
-    /// How many of its residuals say something where it has as many modes of the model as measured
-    /// ones: its frequency, and its shapes less their free directions.
-    pub(super) fn informative(&self) -> usize {
+    /// Number of its independent residuals where the model's root has as many modes as were
+    /// measured: its frequency, and its shapes less their free directions.
+    pub(super) fn independent_count(&self) -> usize {
         let vectors = self.shapes.iter().flat_map(|shapes| &shapes.vectors);
         let of_shape = vectors.map(|v| v.len().saturating_sub(self.modes.len()));
         1 + of_shape.sum::<usize>()
@@ -230,7 +230,7 @@ fn stated_std(mode: &Mode, dof: &Dof) -> Option<f64> {
 }
 
 /// A complex shape turned to where it is most real and scaled to components of root mean square 1,
-/// with that scale: an undamped model has nothing to say of the rest. `None` for a zero shape.
+/// with that scale: an undamped model has no imaginary part to compare. `None` for a zero shape.
 fn real_shape(values: &[Complex64]) -> Option<(Vec<f64>, f64)> {
     let square: Complex64 = values.iter().map(|v| v * v).sum();
     let turn = Complex64::from_polar(1.0, -0.5 * square.arg());
@@ -241,7 +241,7 @@ fn real_shape(values: &[Complex64]) -> Option<(Vec<f64>, f64)> {
     scale.is_finite().then_some((scaled, scale))
 }
 
-/// The targets of one test, as if no other measured their roots; without shapes.
+/// The targets of one test, weighted as if no other test measured their roots; without shapes.
 pub(super) fn targets_of(
     test: usize,
     measured: &MeasuredModes<'_>,

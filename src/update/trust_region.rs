@@ -1,7 +1,7 @@
 //! A bounded Gauss-Newton method with a trust region solves the update from one start.
 //!
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the
-//! parameters stay between their bounds; the box grows where the model foretells the decrease and
+//! parameters stay between their bounds; the box grows where the model predicts the decrease and
 //! shrinks where it does not. The prior's rows give `J` full column rank. When no step is left and
 //! a misfit remains, test and model are paired anew at the result; where the iteration from there
 //! ends lower, that is taken.
@@ -13,25 +13,25 @@
 use crate::linalg::{RealMatrix, real_matrix, upper_triangle};
 
 use super::bounded::bounded_least_squares;
-use super::evaluate::largest_chi_square;
+use super::evaluate::max_chi_square;
 use super::history::{Iteration, PairingChange, StopReason};
-use super::{Evaluation, Link, Residuals, UpdateError, UpdateProblem};
+use super::{Evaluation, Residuals, RootPair, UpdateError, UpdateProblem};
 
-/// A decrease below this part of the objective (of 1 where it is less) says nothing: it moves no
-/// parameter by more than a ten-thousandth of its posterior deviation.
+/// Smallest decrease of the objective that counts, as a part of it (of 1 where it is less): a
+/// smaller one moves no parameter by more than a ten-thousandth of its posterior deviation.
 pub(super) const MIN_RELATIVE_DECREASE: f64 = 1e-8;
-/// A radius below this is as small as rounding of `z` allows.
+/// Smallest radius: below it a step is as small as the rounding of `z`.
 const MIN_TRUST_RADIUS: f64 = 1e-9;
-/// Share of the predicted decrease below which the box shrinks.
-const POOR: f64 = 0.25;
-/// Share above which it grows.
-const GOOD: f64 = 0.75;
-/// Largest radius, in first steps.
-const LARGEST_RADIUS: f64 = 10.0;
-/// How often test and model may be paired anew from one start.
-const PAIRINGS: usize = 10;
+/// Smallest ratio of decrease to predicted decrease at which the box does not shrink.
+const MIN_DECREASE_TO_KEEP_RADIUS: f64 = 0.25;
+/// Smallest such ratio at which the box grows.
+const MIN_DECREASE_TO_GROW_RADIUS: f64 = 0.75;
+/// Largest radius of the box, in first steps.
+const MAX_RADIUS_FIRST_STEPS: f64 = 10.0;
+/// Largest number of pairings from one start.
+const MAX_PAIRINGS: usize = 10;
 
-/// Where the iteration from one start ended.
+/// End of the iteration from one start.
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// The model there.
@@ -40,30 +40,30 @@ pub struct Solution {
     pub jacobian: RealMatrix,
     /// Every step.
     pub history: Vec<Iteration>,
-    /// Measured roots that met other modes on the way.
+    /// Measured roots whose partner changed during the iteration.
     pub pairing_changes: Vec<PairingChange>,
-    /// Why it ended.
+    /// Why the iteration ended.
     pub stop_reason: StopReason,
 }
 
-/// Whether residuals of modes end above what noise explains.
-pub(super) fn leaves_a_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
+/// Whether the residuals of modes are larger than noise explains.
+pub(super) fn has_misfit(problem: &UpdateProblem<'_>, at: &Evaluation) -> bool {
     let of_modes = problem.options.residuals != Residuals::ModalDynamic && !problem.compares_frfs;
     let free = problem.free.len();
     let nu = problem.data_count(at).saturating_sub(free).max(1) as f64;
-    of_modes && at.chi_square() > largest_chi_square(nu)
+    of_modes && at.chi_square() > max_chi_square(nu)
 }
 
-/// The lowest objective from a point with its pairs, and with those that test and model have where
-/// that ends.
+/// The lowest objective from a point with its root pairs, and with those of a new pairing at the
+/// end of that.
 pub(super) fn solve_from(
     problem: &UpdateProblem<'_>,
     at: Evaluation,
 ) -> Result<Solution, UpdateError> {
     let mut run = Run::new(problem, at)?;
     let mut stop_reason = run.descend()?;
-    for _ in 1..PAIRINGS {
-        if !leaves_a_misfit(problem, &run.at) {
+    for _ in 1..MAX_PAIRINGS {
+        if !has_misfit(problem, &run.at) {
             break;
         }
         let Some((other, reason)) = run.paired_anew()? else {
@@ -124,7 +124,7 @@ impl<'a, 'b> Run<'a, 'b> {
         Ok(())
     }
 
-    /// Steps until one of the reasons to stop.
+    /// Iterates until a reason to stop.
     fn descend(&mut self) -> Result<StopReason, UpdateError> {
         let mut radius = 1.0;
         while self.history.len() < self.problem.options.max_iterations {
@@ -138,17 +138,17 @@ impl<'a, 'b> Run<'a, 'b> {
             let share = next.as_ref().map_or(f64::NEG_INFINITY, |next| {
                 (self.at.objective() - next.objective()) / predicted
             });
-            if share < POOR {
+            if share < MIN_DECREASE_TO_KEEP_RADIUS {
                 radius *= 0.25;
-            } else if share > GOOD {
-                radius = (2.0 * radius).min(LARGEST_RADIUS);
+            } else if share > MIN_DECREASE_TO_GROW_RADIUS {
+                radius = (2.0 * radius).min(MAX_RADIUS_FIRST_STEPS);
             }
             let accepted = next.filter(|_| share > 0.0);
             let taken = accepted.is_some();
             if let Some(next) = accepted {
-                let links = std::mem::take(&mut self.at.links);
+                let root_pairs = std::mem::take(&mut self.at.root_pairs);
                 self.move_to(next)?;
-                self.note_changes(&links, true);
+                self.note_changes(&root_pairs, true);
             }
             self.record(radius, taken);
             if radius < MIN_TRUST_RADIUS {
@@ -159,7 +159,7 @@ impl<'a, 'b> Run<'a, 'b> {
     }
 
     /// The step of the linear model inside the box and the bounds, and the objective that the model
-    /// foretells after it.
+    /// predicts after it.
     fn step(&self, radius: f64) -> Result<(Vec<f64>, f64), UpdateError> {
         let bounds: Vec<(f64, f64)> = self
             .problem
@@ -190,29 +190,31 @@ impl<'a, 'b> Run<'a, 'b> {
     /// and ends lower.
     fn paired_anew(&self) -> Result<Option<(Self, StopReason)>, UpdateError> {
         let paired = self.problem.start(&self.at.z)?;
-        if paired.links == self.at.links {
+        if paired.root_pairs == self.at.root_pairs {
             return Ok(None);
         }
         let mut other = Self::new(self.problem, paired)?;
         other.history.clone_from(&self.history);
         other.pairing_changes.clone_from(&self.pairing_changes);
-        other.note_changes(&self.at.links, false);
+        other.note_changes(&self.at.root_pairs, false);
         let reason = other.descend()?;
         let least = MIN_RELATIVE_DECREASE * self.at.objective().max(1.0);
         let lower = other.at.objective() < self.at.objective() - least;
         Ok(lower.then_some((other, reason)))
     }
 
-    /// Notes what meets other modes than by the links before.
-    fn note_changes(&mut self, before: &[Link], followed: bool) {
-        let numbers = |links: &[Link], target: usize| -> Vec<usize> {
-            let links_of = links.iter().filter(|link| link.targets.contains(&target));
-            links_of
-                .flat_map(|link| link.modes.iter().map(|mode| mode + 1))
+    /// Records the targets whose partners differ from those of the root pairs before.
+    fn note_changes(&mut self, before: &[RootPair], followed: bool) {
+        let numbers = |root_pairs: &[RootPair], target: usize| -> Vec<usize> {
+            let root_pairs_of = root_pairs
+                .iter()
+                .filter(|root_pair| root_pair.targets.contains(&target));
+            root_pairs_of
+                .flat_map(|root_pair| root_pair.modes.iter().map(|mode| mode + 1))
                 .collect()
         };
         for (t, target) in self.problem.targets.iter().enumerate() {
-            let (from, to) = (numbers(before, t), numbers(&self.at.links, t));
+            let (from, to) = (numbers(before, t), numbers(&self.at.root_pairs, t));
             if from != to {
                 self.pairing_changes.push(PairingChange {
                     label: target.label.clone(),

@@ -196,7 +196,7 @@ impl Tally {
             self.intervals += 1;
             self.inside += usize::from(lower <= *truth && *truth <= upper);
             let unseen = machine.unseen == Some(parameter.name.as_str());
-            let named = parameter.verdict == modalign::update::Verdict::NotSupported;
+            let named = parameter.verdict == modalign::update::ParameterVerdict::NotSupported;
             self.unseen_named += usize::from(unseen && named && parameter.held);
         }
         self.largest_error_percent = self.largest_error_percent.max(twin.largest_error_percent);

@@ -3,7 +3,7 @@
 //! With modes of stated errors, and, of all four transmissions, with modes identified
 //! from noisy FRFs.
 
-use modalign::update::Verdict;
+use modalign::update::ParameterVerdict;
 use rayon::prelude::*;
 
 use crate::gears::{GearTwin, gears};
@@ -67,7 +67,7 @@ fn stiffnesses_of_all_four_transmissions_are_covered_from_noisy_frfs() {
             );
             for (parameter, truth) in twin.result.parameters.iter().zip(&twin.truth) {
                 if gear.unseen == Some(parameter.name.as_str()) {
-                    let named = parameter.verdict == Verdict::NotSupported;
+                    let named = parameter.verdict == ParameterVerdict::NotSupported;
                     assert!(named && parameter.held, "{name}: {parameter:?}");
                     continue;
                 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use modalign::io::{Block, ColumnName, ColumnRole, Hints, TableColumn, TableSpec, open_path};
 use modalign::linalg::{real_matrix, symmetric_modes};
 use modalign::report::json::{UPDATE_SCHEMA, update_from_json};
-use modalign::update::{Residuals, Verdict};
+use modalign::update::{ParameterVerdict, Residuals};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -196,7 +196,11 @@ fn the_committed_bar_gets_its_modulus_and_its_sensor_back() {
     for (parameter, truth) in file.parameters.iter().zip([2.04e11, 0.012]) {
         let (lower, upper) = parameter.interval_95;
         assert!(lower < truth && truth < upper, "{parameter:?}");
-        assert_eq!(parameter.verdict, Verdict::Identified, "{parameter:?}");
+        assert_eq!(
+            parameter.verdict,
+            ParameterVerdict::Identified,
+            "{parameter:?}"
+        );
     }
     assert!(file.before.largest_percent.unwrap() > 1.0);
     assert!(

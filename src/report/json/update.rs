@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
-    Change, Combination, Explanation, Fit, Iteration, OtherOptimum, PairingChange, Residuals,
-    ReversedSensors, ShapeWeights, Starts, StopReason, UpdatedParameter, Verdict,
+    Combination, Explanation, Fit, Iteration, OtherOptimum, PairingChange, ParameterVerdict,
+    Residuals, ReversedSensors, ShapeWeights, Starts, StopReason, SubsetFit, UpdatedParameter,
 };
 
 use super::comparison::{JsonError, parsed};
@@ -87,7 +87,7 @@ pub struct UpdatedParameterFile {
     /// Upper bound; `null` without one.
     pub upper: Option<f64>,
     /// Whether the data identify it.
-    pub verdict: Verdict,
+    pub verdict: ParameterVerdict,
     /// Whether it was held at its initial value.
     pub held: bool,
 }
@@ -198,7 +198,7 @@ pub struct ExplanationFile {
     pub predictions: Vec<PredictionFile>,
 }
 
-/// One set of parameters freed, as [`Change`].
+/// One set of parameters freed, as [`SubsetFit`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChangeFile {
     /// Names; those that are always free are not among them.
@@ -376,7 +376,7 @@ fn fit(fit: &Fit) -> FitFile {
     }
 }
 
-fn change(change: &Change) -> ChangeFile {
+fn change(change: &SubsetFit) -> ChangeFile {
     ChangeFile {
         parameters: change.parameters.clone(),
         values: change.values.clone(),

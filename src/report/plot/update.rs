@@ -2,7 +2,7 @@
 //! deviations and frequency errors before and after.
 
 use super::super::json::{UpdateFile, UpdatedParameterFile};
-use crate::update::Verdict;
+use crate::update::ParameterVerdict;
 
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
@@ -144,9 +144,9 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, (x, left, y): (&Ax
         (FAINT, 1.0),
     );
     let color = match row.verdict {
-        Verdict::Identified => COLORS[0],
-        Verdict::AtBound => COLORS[1],
-        Verdict::NotSupported => COLORS[6],
+        ParameterVerdict::Identified => COLORS[0],
+        ParameterVerdict::AtBound => COLORS[1],
+        ParameterVerdict::NotSupported => COLORS[6],
     };
     let ends = [place(row.updated - row.std), place(row.updated + row.std)];
     canvas.line([ends[0], y], [ends[1], y], (color, 1.6));

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::scene::{Scene, SceneError, table_model, update_scene};
 use crate::theory::{TheoryError, simplest_detail};
-use crate::update::{Residuals, Verdict};
+use crate::update::{ParameterVerdict, Residuals};
 
 use super::OrderOptions;
 
@@ -132,7 +132,7 @@ pub(super) fn parameters(scene: &Scene) -> Result<Result<ParameterNeeds, String>
         return Ok(Err("no parameter could be tried".to_owned()));
     };
     let parameters = &update.result.parameters;
-    let names = |keep: &dyn Fn(&Verdict) -> bool| {
+    let names = |keep: &dyn Fn(&ParameterVerdict) -> bool| {
         let kept = parameters
             .iter()
             .filter(|parameter| keep(&parameter.verdict));
@@ -142,7 +142,7 @@ pub(super) fn parameters(scene: &Scene) -> Result<Result<ParameterNeeds, String>
     Ok(Ok(ParameterNeeds {
         free: names(&|_| true),
         needed: [always, explained.proposed.parameters.clone()].concat(),
-        not_supported: names(&|verdict| *verdict == Verdict::NotSupported),
+        not_supported: names(&|verdict| *verdict == ParameterVerdict::NotSupported),
         chi_square: [
             update.result.before.chi_square,
             explained.proposed.fit.chi_square,
