@@ -22,7 +22,7 @@ use crate::linalg::{ComplexMatrix, ThinQr, complex_matrix, inverse_upper, thin_q
 
 use super::system::TrueMode;
 
-/// Lines and noise.
+/// Frequency lines and noise variances of FRFs.
 #[derive(Clone, Copy, Debug)]
 pub struct NoisyLines<'a> {
     /// Angular frequencies, rad/s; those of 0 and below are left out.

@@ -2,7 +2,7 @@
 
 use crate::modal::{ModalModel, Mode, mac};
 
-use super::score::{Judge, components};
+use super::score::{Judge, shape_at_responses};
 use super::system::TrueMode;
 
 /// Counts and errors of the identifications of one system. Errors are taken over the observable
@@ -11,11 +11,11 @@ use super::system::TrueMode;
 pub struct DetectionCounts {
     /// Identifications.
     pub runs: usize,
-    /// Those that the method refused.
+    /// Identifications that the method refused.
     pub refused: usize,
     /// Observable modes, summed.
     pub observable: usize,
-    /// Those that were found.
+    /// Observable modes that were found.
     pub found: usize,
     /// Spurious modes.
     pub spurious: usize,
@@ -55,7 +55,7 @@ impl DetectionCounts {
             };
             let truth = &judge.system().modes[r];
             self.found += 1;
-            let shape = components(judge.system(), mode);
+            let shape = shape_at_responses(judge.system(), mode);
             if shape.len() > 1 {
                 self.shaped += 1;
                 self.shape += 1.0 - mac(&truth.shape, &shape).unwrap_or(0.0);

@@ -42,7 +42,9 @@ pub use order::{
     LowestOrder, ModeNeeds, OrderOptions, ParameterNeeds, SceneNeeds, SingleMode, TestNeeds,
     TheoryNeeds, TriedOrder, order, summarise_needs,
 };
-pub use score::{Detectability, DetectionVerdict, Judge, bounds, components, detectability};
+pub use score::{
+    Detectability, DetectionVerdict, Judge, detectability, mode_bounds, shape_at_responses,
+};
 pub use seed::cell_random;
 pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};
 pub use speed_accuracy::{

@@ -49,7 +49,7 @@ pub struct Detectability {
 
 /// Detectability of every mode of a system in noise of these variances ([`System::variances`]).
 pub fn detectability(system: &System, variances: &[f64]) -> Vec<Detectability> {
-    let bounds = bounds(system, variances);
+    let bounds = mode_bounds(system, variances);
     let of_mode = |(r, bound): (usize, Option<PoleBound>)| {
         let mode = &system.modes[r];
         let others = system.modes.iter().enumerate().filter(|(o, _)| *o != r);
@@ -70,7 +70,7 @@ pub fn detectability(system: &System, variances: &[f64]) -> Vec<Detectability> {
 }
 
 /// The bound of every mode in the band and near it.
-pub fn bounds(system: &System, variances: &[f64]) -> Vec<Option<PoleBound>> {
+pub fn mode_bounds(system: &System, variances: &[f64]) -> Vec<Option<PoleBound>> {
     let near = |mode: &TrueMode| {
         let margin_hz = BOUND_MARGIN_BANDWIDTHS * mode.width_hz();
         mode.hz() > system.band.lo_hz - margin_hz && mode.hz() < system.band.hi_hz + margin_hz
@@ -162,7 +162,7 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// One for a system in noise of these variances ([`System::variances`]).
+    /// The judge of a system in noise of these variances ([`System::variances`]).
     pub fn new(system: &'a System, variances: &[f64]) -> Self {
         Self {
             detectability: detectability(system, variances),
@@ -209,13 +209,15 @@ impl<'a> Judge<'a> {
             system: self.system,
             detectability: &self.detectability,
             found: &found.modes,
-            shapes: shapes.map(|mode| components(self.system, mode)).collect(),
+            shapes: shapes
+                .map(|mode| shape_at_responses(self.system, mode))
+                .collect(),
         }
     }
 }
 
-/// A found shape at the responses; empty when one is missing.
-pub fn components(system: &System, mode: &Mode) -> Vec<Complex64> {
+/// A found shape at the responses of a system; empty where a component is missing.
+pub fn shape_at_responses(system: &System, mode: &Mode) -> Vec<Complex64> {
     let at = |dof| mode.shape.along_positive(dof);
     let shape: Option<Vec<Complex64>> = system.responses.iter().map(at).collect();
     shape.unwrap_or_default()
@@ -229,7 +231,7 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// How far from a true mode a found one may be, Hz.
+    /// Largest distance of a found mode from a true one, Hz.
     fn tolerance_hz(&self, r: usize) -> f64 {
         let width = self.system.modes[r].width_hz();
         let bound = self.detectability[r]
@@ -274,8 +276,8 @@ impl Comparison<'_> {
         mac.max(subspace_mac(&truth(r), &repeated).unwrap_or(0.0))
     }
 
-    /// Each true mode with a found one: as many observable modes as can have one, then as many of
-    /// the others.
+    /// The found mode of each true one: as many observable modes as possible have one, then as many
+    /// of the others.
     fn partners(&self) -> Vec<Option<usize>> {
         let count = self.detectability.len();
         let candidates: Vec<Vec<usize>> = (0..count).map(|r| self.candidates(r)).collect();

@@ -71,7 +71,7 @@ pub struct System {
     pub axis: FrequencyAxis,
     /// Band that is searched for modes.
     pub band: Band,
-    /// What the functions are.
+    /// Kind of the FRFs.
     pub kind: FrfKind,
     /// Where the response is measured.
     pub responses: Vec<Dof>,

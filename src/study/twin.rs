@@ -27,7 +27,7 @@ impl System {
         }
         let kind = set.functions().first().map(|function| function.kind);
         let (Some(kind), false) = (kind, lines.is_empty()) else {
-            return Err(value(
+            return Err(invalid_value(
                 "functions",
                 "none in the band",
                 "FRFs with lines in the band",
@@ -42,7 +42,11 @@ impl System {
         let mut modes = modes.collect::<Result<Vec<_>, _>>()?;
         modes.sort_by(|a, b| a.hz().total_cmp(&b.hz()));
         if modes.is_empty() {
-            return Err(value("modes", "none", "one mode or more to make a twin of"));
+            return Err(invalid_value(
+                "modes",
+                "none",
+                "one mode or more to make a twin of",
+            ));
         }
         let twin = Self {
             modes,
@@ -71,13 +75,13 @@ impl System {
         let ends = Band::new(axis.hz(0), axis.hz(axis.len.saturating_sub(1)));
         let band = ends.map_err(|_| {
             let got = format!("{} lines of {} Hz", axis.len, axis.step_hz);
-            value("band", &got, "two lines or more")
+            invalid_value("band", &got, "two lines or more")
         })?;
         Ok(Self { axis, band, ..self })
     }
 }
 
-fn value(key: &str, got: &str, expected: &str) -> StudyError {
+fn invalid_value(key: &str, got: &str, expected: &str) -> StudyError {
     StudyError::Value {
         key: key.to_owned(),
         got: got.to_owned(),
@@ -97,17 +101,18 @@ impl MeasuredDofs<'_> {
     fn true_mode(&self, mode: &Mode) -> Result<TrueMode, StudyError> {
         let what = || format!("mode at {:.2} Hz", mode.frequency_hz);
         let pole = mode.pole().filter(|pole| pole.lambda.re < 0.0);
-        let pole = pole.ok_or_else(|| value(&what(), "no damping", "a damping ratio above 0"))?;
+        let pole =
+            pole.ok_or_else(|| invalid_value(&what(), "no damping", "a damping ratio above 0"))?;
         let mut residues: Vec<Vec<Complex64>> = Vec::new();
         for response in self.responses {
             let row = self.references.iter().map(|reference| {
                 let known = self.residue(mode, response, reference);
                 let pair = || format!("no residue of {response}|{reference}");
-                known.ok_or_else(|| value(&what(), &pair(), "a residue of every pair"))
+                known.ok_or_else(|| invalid_value(&what(), &pair(), "a residue of every pair"))
             });
             residues.push(row.collect::<Result<_, _>>()?);
         }
-        let (o, i) = greatest(&residues);
+        let (o, i) = position_of_largest(&residues);
         let pivot = residues[o][i];
         let relative_to_pivot = |value: &Complex64| match pivot.norm() > 0.0 {
             true => value / pivot,
@@ -130,7 +135,7 @@ impl MeasuredDofs<'_> {
 }
 
 /// Row and column of the greatest value.
-fn greatest(values: &[Vec<Complex64>]) -> (usize, usize) {
+fn position_of_largest(values: &[Vec<Complex64>]) -> (usize, usize) {
     let positions = (0..values.len()).flat_map(|o| (0..values[o].len()).map(move |i| (o, i)));
     let size = |&(o, i): &(usize, usize)| values[o][i].norm_sqr();
     positions

@@ -3,8 +3,8 @@
 //!
 //! With the filter `G(s) = sum B_k/(s - q_k)` and the structure `s^m H(s)`, the series has simple
 //! poles only: `lambda_r` with `lambda_r^m A_r G(lambda_r)`, and `q_k` with `B_k q_k^m H(q_k)`; a
-//! filter of two poles or more leaves no direct term. Each pole answers a half sine in closed form
-//! ([`super::pulse::Convolution`]). No noise and no sampling effects here.
+//! filter of two poles or more leaves no direct term. The response of each pole to a half sine has
+//! a closed form ([`super::pulse::Convolution`]). No noise and no sampling effects here.
 
 use num_complex::Complex64;
 
@@ -12,7 +12,7 @@ use crate::quantity::FrfKind;
 
 use super::filter::LowPass;
 use super::pulse::{Convolution, HalfSine};
-use super::truth::Pair;
+use super::truth::TrueFrf;
 
 /// Samples between two exact exponentials; in between each is the previous one times a constant,
 /// which loses less than 64 roundings.
@@ -45,7 +45,7 @@ pub(super) fn force_terms(filter: &LowPass) -> Vec<Term> {
 }
 
 /// The terms of a response channel: structure and filter in series.
-pub(super) fn response_terms(filter: &LowPass, pair: &Pair, kind: FrfKind) -> Vec<Term> {
+pub(super) fn response_terms(filter: &LowPass, pair: &TrueFrf, kind: FrfKind) -> Vec<Term> {
     let order = kind.derivative_order();
     let modes = pair.modes.iter().map(|&(lambda, residue)| {
         Term::new(
@@ -60,7 +60,7 @@ pub(super) fn response_terms(filter: &LowPass, pair: &Pair, kind: FrfKind) -> Ve
     modes.chain(filtered).collect()
 }
 
-/// Adds the answer of all terms to one pulse at the instants `n / rate`.
+/// Adds the response of all terms to one pulse at the instants `n / rate`.
 pub(super) fn add_pulse(samples: &mut [f64], terms: &[Term], pulse: &HalfSine, rate_hz: f64) {
     let first_after = |t: f64| ((t * rate_hz).floor() as usize + 1).min(samples.len());
     let (first, after) = (first_after(pulse.start_s), first_after(pulse.end_s()));

@@ -59,14 +59,14 @@ impl Converter {
 
 /// The faults of the samples of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Treatment {
+pub(super) struct ChannelFaults {
     /// Rms of the noise, in the unit of the samples; 0 for none.
     pub noise_rms: f64,
     pub offset: f64,
     pub converter: Option<Converter>,
 }
 
-impl Treatment {
+impl ChannelFaults {
     pub fn apply(&self, samples: &mut [f64], random: &mut ChaCha8Rng) {
         for sample in samples {
             if self.noise_rms > 0.0 {

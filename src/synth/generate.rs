@@ -14,7 +14,7 @@ use crate::record::{Channel, Hit, Role, Samples};
 
 use super::SynthError;
 use super::cascade::{Term, add_pulse, force_terms, response_terms};
-use super::channel::{Converter, Treatment, noise_rms, peak, rms};
+use super::channel::{ChannelFaults, Converter, noise_rms, peak, rms};
 use super::filter::LowPass;
 use super::plan::HammerTest;
 use super::pulse::HalfSine;
@@ -124,8 +124,8 @@ impl HammerTest {
         ChaCha8Rng::from_seed(key)
     }
 
-    fn force_treatment(&self, clean: &[f64]) -> Treatment {
-        Treatment {
+    fn force_faults(&self, clean: &[f64]) -> ChannelFaults {
+        ChannelFaults {
             noise_rms: noise_rms(peak(clean), self.noise.force_snr_db),
             offset: self.faults.offsets.force_n,
             converter: self.faults.quantisation.map(|q| Converter {
@@ -135,8 +135,8 @@ impl HammerTest {
         }
     }
 
-    fn response_treatment(&self, clean: &[f64]) -> Treatment {
-        Treatment {
+    fn response_faults(&self, clean: &[f64]) -> ChannelFaults {
+        ChannelFaults {
             noise_rms: noise_rms(rms(clean), self.noise.response_snr_db),
             offset: self.faults.offsets.response,
             converter: self.faults.quantisation.map(|q| Converter {
@@ -179,13 +179,13 @@ impl Cascades {
             samples
         };
         let mut force = clean(&self.force);
-        let treatment = test.force_treatment(&force);
-        treatment.apply(&mut force, &mut test.random(i, Stream::Force));
+        let faults = test.force_faults(&force);
+        faults.apply(&mut force, &mut test.random(i, Stream::Force));
         let responses = plan.responses.iter().zip(&self.responses[entry]);
         let responses = responses.enumerate().map(|(k, (dof, terms))| {
             let mut samples = clean(terms);
-            let treatment = test.response_treatment(&samples);
-            treatment.apply(&mut samples, &mut test.random(i, Stream::Response(k)));
+            let faults = test.response_faults(&samples);
+            faults.apply(&mut samples, &mut test.random(i, Stream::Response(k)));
             channel(Role::Response, dof, test.quantity, samples)
         });
         Hit {

@@ -12,8 +12,8 @@
 //! | `pulse` | [`Pulse`] as stated, [`HalfSine`] as drawn, its convolution with an exponential |
 //! | `filter` | [`LowPass`]: the anti-alias filter of every channel, with poles and partial fractions |
 //! | `cascade` | partial fractions of the whole chain, evaluated at the sampling instants |
-//! | `channel` | [`Noise`], [`Offsets`], [`Quantisation`]: what is done to the samples of one channel |
-//! | `plan` | [`HammerTest`]: who is hit, who listens, how often; the checks of all arguments |
+//! | `channel` | [`Noise`], [`Offsets`], [`Quantisation`]: the faults of the samples of one channel |
+//! | `plan` | [`HammerTest`]: excitation points, responses, averages; the checks of all arguments |
 //! | `generate` | a checked plan becomes [`crate::record::Hit`]s |
 //!
 //! ```

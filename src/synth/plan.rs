@@ -10,7 +10,7 @@ use super::SynthError;
 use super::channel::{Noise, Offsets, Quantisation};
 use super::filter::{LowPass, LowPassOptions};
 use super::pulse::Pulse;
-use super::truth::{Pair, Truth, checked_pole};
+use super::truth::{TrueFrf, Truth, checked_pole};
 
 /// A pole of the structure nearer than this to one of the filter, relative to the latter, is
 /// refused: the two partial fractions grow like the inverse distance and cancel, and would leave
@@ -30,7 +30,7 @@ pub struct HitPlan {
     pub responses: Vec<Dof>,
 }
 
-/// The plan of a roving hammer: every point is hit, the same sensors listen.
+/// The plan of a roving hammer: every point is hit, the same sensors measure.
 pub fn roving_hammer(hits: &[Dof], responses: &[Dof]) -> Vec<HitPlan> {
     let plan = |hit: &Dof| HitPlan {
         hit: hit.clone(),
@@ -79,7 +79,7 @@ pub struct Faults {
 /// generated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HammerTest {
-    /// The structure.
+    /// Truth of the structure.
     pub truth: Truth,
     /// Hit points in order, see [`roving_hammer`] and [`roving_accelerometer`].
     pub hits: Vec<HitPlan>,
@@ -110,7 +110,7 @@ pub(super) struct Checked {
     pub kind: FrfKind,
     pub filter: LowPass,
     /// By plan entry, then response.
-    pub pairs: Vec<Vec<Pair>>,
+    pub pairs: Vec<Vec<TrueFrf>>,
 }
 
 struct Range {

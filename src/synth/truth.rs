@@ -112,11 +112,11 @@ impl Truth {
     }
 
     /// Poles, residues and rigid-body term of one pair.
-    pub(super) fn pair(&self, response: &Dof, hit: &Dof) -> Result<Pair, SynthError> {
+    pub(super) fn pair(&self, response: &Dof, hit: &Dof) -> Result<TrueFrf, SynthError> {
         let mut modes = Vec::with_capacity(self.model.modes.len());
         for (i, mode) in self.model.modes.iter().enumerate() {
             let pole = checked_pole(mode, i + 1)?;
-            let residue = at_pair(&mode.residues, response, hit).ok_or_else(|| {
+            let residue = value_at_pair(&mode.residues, response, hit).ok_or_else(|| {
                 SynthError::MissingResidue {
                     mode: i + 1,
                     frequency_hz: mode.frequency_hz,
@@ -135,7 +135,7 @@ impl Truth {
             }
             modes.push((pole, residue));
         }
-        Ok(Pair {
+        Ok(TrueFrf {
             modes,
             rigid_per_kg: self.rigid(response, hit)?,
         })
@@ -145,7 +145,7 @@ impl Truth {
         if self.rigid_accelerance.is_empty() {
             return Ok(0.0);
         }
-        let value = at_pair(&self.rigid_accelerance, response, hit).ok_or_else(|| {
+        let value = value_at_pair(&self.rigid_accelerance, response, hit).ok_or_else(|| {
             SynthError::MissingRigidBody {
                 response: response.clone(),
                 hit: hit.clone(),
@@ -165,14 +165,14 @@ impl Truth {
 
 /// The true FRF of one (response, hit) pair.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(super) struct TrueFrf {
     /// (lambda, A) of every mode.
     pub modes: Vec<(Complex64, Complex64)>,
     /// D.
     pub rigid_per_kg: f64,
 }
 
-impl Pair {
+impl TrueFrf {
     /// `s^m sum A/(s - lambda) + conj. + s^(m-2) D`.
     pub fn transfer(&self, s: Complex64, kind: FrfKind) -> Complex64 {
         let order = kind.derivative_order();
@@ -254,7 +254,7 @@ fn real_component(mode: &Mode, number: usize, dof: &Dof) -> Result<f64, SynthErr
 }
 
 /// The value of a pair: exactly, or by point and axis with the product of the signs.
-fn at_pair<V: Copy + Mul<f64, Output = V>>(
+fn value_at_pair<V: Copy + Mul<f64, Output = V>>(
     values: &BTreeMap<(Dof, Dof), V>,
     response: &Dof,
     hit: &Dof,
@@ -337,7 +337,7 @@ mod tests {
             ((dof("3:-Z"), dof("2:+Z")), -7.0),
         ]
         .into();
-        let at = |r: &str, h: &str| at_pair(&values, &dof(r), &dof(h));
+        let at = |r: &str, h: &str| value_at_pair(&values, &dof(r), &dof(h));
         assert_eq!(at("1:-Z", "2:+Z"), Some(3.0));
         assert_eq!(at("1:+Z", "2:+Z"), Some(-3.0));
         assert_eq!(at("1:+Z#2", "2:-Z"), Some(3.0));

@@ -4,7 +4,7 @@ use modalign::axis::{Band, FrequencyAxis};
 use modalign::correlate::principal_angles_deg;
 use modalign::modal::Pole;
 use modalign::quantity::FrfKind;
-use modalign::study::{Detectability, FrfNoise, System, components};
+use modalign::study::{Detectability, FrfNoise, System, shape_at_responses};
 use num_complex::Complex64;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -138,7 +138,10 @@ fn outcome(setup: &Setup, number: u64) -> Outcome {
     let (lo, hi) = (system.modes[1].hz() - half, system.modes[2].hz() + half);
     let of_pair = |m: &&modalign::modal::Mode| m.frequency_hz > lo && m.frequency_hz < hi;
     let near: Vec<_> = model.modes.iter().filter(of_pair).collect();
-    let shapes: Vec<_> = near.iter().map(|mode| components(system, mode)).collect();
+    let shapes: Vec<_> = near
+        .iter()
+        .map(|mode| shape_at_responses(system, mode))
+        .collect();
     let truth = [system.modes[1].shape.clone(), system.modes[2].shape.clone()];
     let angles = (near.len() == 2).then(|| principal_angles_deg(&shapes, &truth).unwrap());
     let judge = drawn.judge();

@@ -7,7 +7,7 @@
 use modalign::axis::{Band, FrequencyAxis};
 use modalign::modal::{Mode, Pole};
 use modalign::quantity::FrfKind;
-use modalign::study::{FrfNoise, PoleBound, System, TrueMode, bounds};
+use modalign::study::{FrfNoise, PoleBound, System, TrueMode, mode_bounds};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -116,7 +116,7 @@ fn samples_of(drawn: &Drawn, first: usize) -> Samples {
         band: Band::new(1.0, 1000.0).unwrap(),
         ..system.clone()
     };
-    let bounds = bounds(&all, &drawn.variances());
+    let bounds = mode_bounds(&all, &drawn.variances());
     let judge = drawn.judge();
     let inside: Vec<usize> = (0..system.modes.len())
         .filter(|r| system.inside(&system.modes[*r]))

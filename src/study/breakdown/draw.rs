@@ -61,7 +61,7 @@ impl Draw {
         let shift_hz = axis.step_hz * random.random_range(0.0..1.0);
         let truth = case.truth(shift_hz, 1.0)?.model;
         Ok(Self {
-            set: noisy(case, &truth, axis, &mut random),
+            set: noisy_frfs(case, &truth, axis, &mut random),
             band,
             truth,
             responses: case.responses(),
@@ -73,7 +73,7 @@ impl Draw {
     /// # Errors
     /// [`SynthError`] for a case that cannot be recorded.
     pub fn from_test(case: &Case, mut random: ChaCha8Rng) -> Result<Self, SynthError> {
-        let tests = tests(case, &mut random)?;
+        let tests = hammer_tests(case, &mut random)?;
         let mut hits: Vec<Hit> = Vec::new();
         for test in &tests {
             hits.extend(test.generate()?);
@@ -102,7 +102,7 @@ impl Draw {
     }
 }
 
-fn noisy(
+fn noisy_frfs(
     case: &Case,
     truth: &ModalModel,
     axis: FrequencyAxis,
@@ -138,14 +138,14 @@ const SECOND_RATIO: (f64, f64) = (0.2, 0.6);
 const HEADROOM: f64 = 4.0;
 
 /// The tests of a draw: one, or with mass loading one for each position of a roving sensor.
-fn tests(case: &Case, random: &mut ChaCha8Rng) -> Result<Vec<HammerTest>, SynthError> {
+fn hammer_tests(case: &Case, random: &mut ChaCha8Rng) -> Result<Vec<HammerTest>, SynthError> {
     // Modes are shifted against the lines by up to a line.
     let record_s = case.record_length * case.time_constant_s();
     let shift_hz = random.random_range(0.0..1.0) / (record_s + PRETRIGGER_S);
     let responses = case.responses();
     if case.mass_loading == 0.0 {
-        let plan = plans(case, &responses);
-        return Ok(vec![test(case, shift_hz, 1.0, plan, random)?]);
+        let plan = hit_plans(case, &responses);
+        return Ok(vec![hammer_test(case, shift_hz, 1.0, plan, random)?]);
     }
     let count = responses.len() as f64;
     let drift = |k: usize| {
@@ -153,17 +153,17 @@ fn tests(case: &Case, random: &mut ChaCha8Rng) -> Result<Vec<HammerTest>, SynthE
         1.0 - share * case.mass_loading * case.width_hz() / case.lowest_hz
     };
     let of_position = |(k, response): (usize, &Dof)| {
-        let plan = plans(case, std::slice::from_ref(response));
-        test(case, shift_hz, drift(k), plan, random)
+        let plan = hit_plans(case, std::slice::from_ref(response));
+        hammer_test(case, shift_hz, drift(k), plan, random)
     };
     responses.iter().enumerate().map(of_position).collect()
 }
 
-fn plans(case: &Case, responses: &[Dof]) -> Vec<HitPlan> {
+fn hit_plans(case: &Case, responses: &[Dof]) -> Vec<HitPlan> {
     crate::synth::roving_hammer(&case.hits(), responses)
 }
 
-fn test(
+fn hammer_test(
     case: &Case,
     shift_hz: f64,
     factor: f64,

@@ -8,14 +8,14 @@ use super::Axis;
 /// A node of the finest grid: column and row.
 pub type Node = (usize, usize);
 
-/// A grid over two axes that can be halved so many times.
+/// A grid over two axes that can be halved a number of times.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
     /// First axis, columns.
     pub x: Axis,
     /// Second axis, rows.
     pub y: Axis,
-    /// Halvings.
+    /// Number of halvings.
     pub levels: u32,
 }
 
@@ -38,7 +38,7 @@ impl Grid {
     }
 
     /// The nodes before any halving.
-    pub fn base(&self) -> BTreeSet<Node> {
+    pub fn base_nodes(&self) -> BTreeSet<Node> {
         let step = 1 << self.levels;
         let (columns, rows) = self.size();
         let column = |i: usize| (0..rows).step_by(step).map(move |j| (i, j));
@@ -48,7 +48,7 @@ impl Grid {
     /// The nodes that the halving of a level, from 1, adds: those of every cell of the level before
     /// that has computed corners on both sides. A value that is already there, of a factor of whole
     /// numbers, is not added again.
-    pub fn halved(&self, level: u32, inside: &BTreeMap<Node, bool>) -> BTreeSet<Node> {
+    pub fn nodes_of_halving(&self, level: u32, inside: &BTreeMap<Node, bool>) -> BTreeSet<Node> {
         let step = 1usize << (self.levels + 1 - level);
         let half = step / 2;
         let (columns, rows) = self.size();
@@ -91,8 +91,8 @@ impl Grid {
     }
 
     /// Values on the whole finest grid, by column: computed ones unchanged, the others as the mean
-    /// of their neighbours in the level before. The base must be computed.
-    pub fn filled(&self, known: &BTreeMap<Node, f64>) -> Field {
+    /// of their neighbours in the level before. The base nodes must be computed.
+    pub fn interpolate(&self, known: &BTreeMap<Node, f64>) -> Field {
         let (columns, rows) = self.size();
         let mut values = vec![vec![f64::NAN; rows]; columns];
         for ((i, j), value) in known {
@@ -167,9 +167,9 @@ mod tests {
             let (x, y) = grid.values(*node);
             (*node, x + y < limit)
         };
-        let mut inside: BTreeMap<Node, bool> = grid.base().iter().map(node_state).collect();
+        let mut inside: BTreeMap<Node, bool> = grid.base_nodes().iter().map(node_state).collect();
         for level in 1..=grid.levels {
-            let new = grid.halved(level, &inside);
+            let new = grid.nodes_of_halving(level, &inside);
             inside.extend(new.iter().map(node_state));
         }
         inside
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn values_do_not_depend_on_the_levels() {
         let (coarse, fine) = (grid(0), grid(3));
-        for (i, j) in coarse.base() {
+        for (i, j) in coarse.base_nodes() {
             assert_eq!(coarse.values((i, j)), fine.values((i << 3, j << 3)));
         }
     }
@@ -227,9 +227,9 @@ mod tests {
     #[test]
     fn nodes_between_computed_ones_are_interpolated() {
         let grid = grid(1);
-        let known = grid.base().into_iter();
+        let known = grid.base_nodes().into_iter();
         let known = known.map(|node| (node, grid.values(node).0));
-        let field = grid.filled(&known.collect());
+        let field = grid.interpolate(&known.collect());
         for (i, column) in field.values.iter().enumerate() {
             for value in column {
                 assert!((value - grid.values((i, 0)).0).abs() < 1e-12);

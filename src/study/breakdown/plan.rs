@@ -159,7 +159,11 @@ impl BreakdownTable {
             let name = name.unwrap_or(format!("{}-{}", y.factor.name(), x.factor.name()));
             check_name(&key, &name, &slices)?;
             if x.factor == y.factor {
-                return Err(wrong(&key, x.factor.name(), "two different factors"));
+                return Err(invalid_value(
+                    &key,
+                    x.factor.name(),
+                    "two different factors",
+                ));
             }
             let slice = Slice {
                 name,
@@ -191,11 +195,13 @@ impl BreakdownTable {
         match unknown {
             Some(name) => {
                 let names: Vec<String> = known().collect();
-                Err(wrong("breakdown.methods", name, &names.join(", ")))
+                Err(invalid_value("breakdown.methods", name, &names.join(", ")))
             }
-            None if stated.is_empty() => {
-                Err(wrong("breakdown.methods", "none", "the name of a method"))
-            }
+            None if stated.is_empty() => Err(invalid_value(
+                "breakdown.methods",
+                "none",
+                "the name of a method",
+            )),
             None => Ok(stated.clone()),
         }
     }
@@ -268,7 +274,7 @@ impl AxisTable {
         check_value(&format!("{key}.lo"), self.factor, self.lo)?;
         check_value(&format!("{key}.hi"), self.factor, self.hi)?;
         if self.lo >= self.hi {
-            return Err(wrong(
+            return Err(invalid_value(
                 &key,
                 &format!("{} to {}", self.lo, self.hi),
                 "lo below hi",
@@ -276,7 +282,7 @@ impl AxisTable {
         }
         let scale = self.scale.unwrap_or(Scale::Linear);
         if scale == Scale::Log && self.lo <= 0.0 {
-            return Err(wrong(
+            return Err(invalid_value(
                 &key,
                 &format!("lo = {}", self.lo),
                 "a positive lo of a log axis",
@@ -361,10 +367,10 @@ fn check_name(key: &str, name: &str, before: &[Slice]) -> Result<(), BreakdownEr
     let legal = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     if name.is_empty() || name.starts_with('.') || !name.chars().all(legal) {
         let expected = "letters, digits, hyphens, points and underscores: it is a file's name";
-        return Err(wrong(&format!("{key}.name"), name, expected));
+        return Err(invalid_value(&format!("{key}.name"), name, expected));
     }
     if name == STABILITY || before.iter().any(|slice| slice.name == name) {
-        return Err(wrong(
+        return Err(invalid_value(
             &format!("{key}.name"),
             name,
             "a name of no other slice",
@@ -377,7 +383,7 @@ fn check_value(key: &str, factor: Factor, value: f64) -> Result<(), BreakdownErr
     let (lo, hi) = factor.limits();
     check_range(key, value, lo..=hi)?;
     if factor.is_whole() && value.fract() != 0.0 {
-        return Err(wrong(key, &value.to_string(), "a whole number"));
+        return Err(invalid_value(key, &value.to_string(), "a whole number"));
     }
     Ok(())
 }
@@ -387,10 +393,10 @@ fn check_range(key: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), 
         return Ok(());
     }
     let expected = format!("{} to {}", range.start(), range.end());
-    Err(wrong(key, &value.to_string(), &expected))
+    Err(invalid_value(key, &value.to_string(), &expected))
 }
 
-fn wrong(key: &str, got: &str, expected: &str) -> BreakdownError {
+fn invalid_value(key: &str, got: &str, expected: &str) -> BreakdownError {
     BreakdownError::Value {
         key: key.to_owned(),
         got: got.to_owned(),

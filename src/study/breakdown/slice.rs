@@ -26,13 +26,13 @@ const FIRST_DRAWS: usize = 16;
 /// A checked slice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slice {
-    /// Its name, that of its files.
+    /// Its name, also that of its files.
     pub name: String,
     /// First axis.
     pub x: Axis,
     /// Second axis.
     pub y: Axis,
-    /// What is fixed.
+    /// Parameters that the slice does not vary.
     pub case: Case,
     /// Names of the methods.
     pub methods: Vec<String>,
@@ -161,7 +161,11 @@ impl Slice {
         let grid = self.grid();
         let mut run = SliceRun::new(self, meter);
         let all = vec![true; self.methods.len()];
-        let base: Wanted = grid.base().into_iter().map(|n| (n, all.clone())).collect();
+        let base: Wanted = grid
+            .base_nodes()
+            .into_iter()
+            .map(|n| (n, all.clone()))
+            .collect();
         run.draw(&base, 0, observer)?;
         for level in 1..=self.refine {
             let wanted = run.wanted(level);
@@ -208,7 +212,7 @@ impl<'a> SliceRun<'a> {
                 let count = counts[method].as_ref()?;
                 Some((*node, count.is_inside()))
             });
-            let nodes: BTreeSet<Node> = self.grid.halved(level, &inside.collect());
+            let nodes: BTreeSet<Node> = self.grid.nodes_of_halving(level, &inside.collect());
             for node in nodes {
                 wanted.entry(node).or_insert(vec![false; methods])[method] = true;
             }
@@ -344,7 +348,7 @@ impl SliceResult {
             let count = cell.counts[method].as_ref()?;
             Some((cell.node, value(count)))
         });
-        self.slice.grid().filled(&values.collect())
+        self.slice.grid().interpolate(&values.collect())
     }
 
     /// Most frequent failure mode of a method, and its share of the failed draws. Failures count

@@ -25,7 +25,7 @@ impl SliceResult {
         let (x, y) = (self.slice.x, self.slice.y);
         let fields = [SuccessRate::Counted, SuccessRate::Lower, SuccessRate::Upper]
             .map(|b| self.field(method, b));
-        let reach = |share: &f64| {
+        let range = |share: &f64| {
             let values_of = |k: usize| {
                 let intervals = fields[k]
                     .intervals_above(true, *share, MIN_SUCCESS_RATE)
@@ -39,7 +39,7 @@ impl SliceResult {
                 possibly_inside: values_of(2),
             }
         };
-        ROWS.iter().map(reach).collect()
+        ROWS.iter().map(range).collect()
     }
 
     /// Share of the slice in which a method meets the stated error, by its axes.

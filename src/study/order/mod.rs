@@ -41,17 +41,17 @@ pub struct TestNeeds {
     pub name: String,
     /// Its files or its recording.
     pub inputs: Vec<InputFile>,
-    /// Whether its recording was computed; nothing of it was measured then.
+    /// Whether its recording is synthetic.
     pub synthetic: bool,
     /// The band that was searched.
     pub band: Band,
     /// Warnings of reading, estimation and the refined identification.
     pub warnings: Vec<Finding>,
-    /// How many roots its data support.
+    /// Number of poles that its data support.
     pub support: OrderSelection,
-    /// Modes that the refined method took.
+    /// Number of modes that the refined method identified.
     pub modes: usize,
-    /// Modes among them without an estimated damping ratio; they are no roots.
+    /// Number of them without an estimated damping ratio, which are no poles.
     pub undamped: usize,
     /// The lowest order of each method that has one.
     pub orders: Vec<LowestOrder>,

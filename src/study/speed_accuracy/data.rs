@@ -38,8 +38,8 @@ pub(in crate::study) fn variants_of_test(
     let data = test_data(scene, test)?;
     let truth = data.recording.map(|recording| recording.truth);
     let mut sets = match data.ingested.recording {
-        Some(mut recording) => recorded(scene, test, recording.as_mut(), options)?,
-        None => stated(test, data.ingested.frfs)?,
+        Some(mut recording) => estimate_variants(scene, test, recording.as_mut(), options)?,
+        None => given_frfs(test, data.ingested.frfs)?,
     };
     sets.truth = truth;
     sets.inputs = data.inputs;
@@ -47,8 +47,8 @@ pub(in crate::study) fn variants_of_test(
     Ok(sets)
 }
 
-/// FRFs that were given as such have one estimator and one resolution.
-fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError> {
+/// The set of a test whose files hold FRFs: they have one estimator and one resolution.
+fn given_frfs(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError> {
     let axes = SceneError::Axes {
         test: test.name.clone(),
         got: sets.len(),
@@ -74,8 +74,9 @@ fn stated(test: &TestPlan, mut sets: Vec<FrfSet>) -> Result<TestSets, StudyError
     })
 }
 
-/// The options of the scene first, then shorter records, then the other estimators.
-fn recorded(
+/// FRFs of a recording: with the options of the scene first, then of shorter records, then by the
+/// other estimators.
+fn estimate_variants(
     scene: &Scene,
     test: &TestPlan,
     recording: &mut dyn Recording,

@@ -33,7 +33,7 @@ pub struct DataRow {
     pub is_reference: bool,
     /// Errors against the refined solution.
     pub counts: DetectionCounts,
-    /// What it cost.
+    /// Cost of the identification.
     pub timing: Timing,
     /// Whether it is on the [front](super::pareto_front) of processor time and frequency error
     /// among all rows of its test.

@@ -47,21 +47,23 @@ pub(super) fn study(
             ));
             continue;
         };
-        let cell = Cell {
+        let in_condition = TwinInCondition {
             exact: system.exact()?,
             system,
             coordinates: [test, number as u64],
             options,
         };
-        study.rows.extend(cell.rows(condition, &methods, notes)?);
+        study
+            .rows
+            .extend(in_condition.rows(condition, &methods, notes)?);
         if condition == Condition::White {
             let noise = FrfNoise {
                 snr_db: options.middle_snr_db(),
                 averages: None,
             };
             let mut random = cell_random(options.seed, &[test]);
-            let set = cell.system.noisy(&noise, &mut random)?;
-            let band = cell.system.band;
+            let set = in_condition.system.noisy(&noise, &mut random)?;
+            let band = in_condition.system.band;
             study.step_hz = set.axis().step_hz;
             study.costs = costs(&methods, &set, band, options.repeats, meter);
             mark_front(&mut study, noise.snr_db);
@@ -111,14 +113,14 @@ fn mark_front(study: &mut TwinStudy, snr_db: f64) {
 type Identified = (DetectionCounts, Option<String>);
 
 /// A twin under one condition.
-struct Cell<'a> {
+struct TwinInCondition<'a> {
     system: System,
     exact: FrfSet,
     coordinates: [u64; 2],
     options: &'a SpeedAccuracyOptions,
 }
 
-impl Cell<'_> {
+impl TwinInCondition<'_> {
     /// Every method at every level, over all draws: draws in the pool, added in their order.
     fn rows(
         &self,
