@@ -1,5 +1,5 @@
-//! The methods that a study compares: every estimator of [`ESTIMATORS`], those of an order with the
-//! orders that are wanted.
+//! The methods that a study compares are all estimators of [`ESTIMATORS`], those with a model order
+//! at several orders.
 
 use std::fmt;
 

@@ -49,7 +49,7 @@ impl Default for LowPassOptions {
     }
 }
 
-/// A Chebyshev type I low-pass in Hz, as it stands in the file beside a synthetic test.
+/// A Chebyshev type I low-pass in Hz, as the file of a synthetic test states it.
 ///
 /// `H(s) = prod_k -q_k / (s - q_k)`, so that the gain at 0 Hz is exactly 1. With `epsilon^2 =
 /// 10^(ripple/10) - 1` and `T_n` the Chebyshev polynomial, `|H(i w)|^2 = g / (1 + epsilon^2

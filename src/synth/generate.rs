@@ -57,7 +57,7 @@ impl HammerTest {
         Ok(self.draw_pulses(i))
     }
 
-    /// The anti-alias filter of all channels, for the file beside the recording.
+    /// The anti-alias filter of all channels.
     ///
     /// # Errors
     /// [`SynthError::OutOfRange`] for a filter option or the sampling rate.

@@ -47,8 +47,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Nothing here estimates, writes a file, or draws an unseeded number. What it makes is never
-//! called a measurement: [`HammerTest::truth_model`] carries the finding
+//! No function here estimates, writes a file, or draws an unseeded number. A synthetic test is
+//! never called a measurement: [`HammerTest::truth_model`] carries the finding
 //! [`crate::finding::Code::Synthetic`].
 
 mod cascade;

@@ -15,7 +15,7 @@
 //! squares over the shapes of a repeated root, whose one frequency counts once; a root of the model
 //! that is off by `e` leaves `e/sigma` in all. Motions without mass follow the others by statics,
 //! `u = T u_a` ([`Condensation`]): a force on them is infinitely large in the norm of `M0^-1`. No
-//! mode of the model is asked for: repeated and crossing roots are no matter, and nothing is
+//! mode of the model is computed: repeated and crossing roots need no treatment, and no shape is
 //! expanded beforehand.
 //!
 //! # Reference

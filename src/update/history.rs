@@ -29,7 +29,7 @@ impl StopReason {
         }
     }
 
-    /// Whether it is a minimum, as far as the linear model can tell, or nothing was to be changed.
+    /// Whether the linear model finds no lower objective, or no parameter was to be changed.
     pub fn converged(self) -> bool {
         self != StopReason::IterationLimit
     }

@@ -32,7 +32,7 @@ pub enum ParameterVerdict {
     /// only together with others follows their combination.
     #[serde(rename = "not supported by the data")]
     NotSupported,
-    /// It ended at one of its bounds: the data ask for a value beyond.
+    /// It ended at one of its bounds: the data require a value beyond.
     #[serde(rename = "at bound")]
     AtBound,
 }
@@ -51,8 +51,8 @@ impl ParameterVerdict {
 /// A combination of the parameters that the data determine to a known degree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
-    /// Singular value of the weighted sensitivity: by how many deviations of the data the residuals
-    /// change when the combination changes by a prior deviation.
+    /// Singular value of the weighted sensitivity: change of the residuals, in deviations of the
+    /// data, when the combination changes by a prior deviation.
     pub singular_value: f64,
     /// Posterior over prior deviation, `1/sqrt(1 + s^2)`.
     pub posterior_over_prior: f64,

@@ -113,8 +113,8 @@ impl PairedModes {
         let elastic = |modes: &Vec<usize>| theory.modes[modes[0]].frequency_hz > rigid_hz;
         let roots: Vec<Vec<usize>> = theory.roots().into_iter().filter(elastic).collect();
         let states_groups = measured.iter().any(|&t| targets[t].modes.len() > 1);
-        // A root takes as many measured ones as it has modes where the list does not say which
-        // belong together.
+        // Where the list does not group its modes by root, a root is paired with as many measured
+        // ones as it has modes.
         let places = |r: usize| if states_groups { 1 } else { roots[r].len() };
         let columns: Vec<usize> = (0..roots.len())
             .flat_map(|r| std::iter::repeat_n(r, places(r)))

@@ -61,7 +61,7 @@ pub struct UpdateOptions {
     /// The same of every shape component, as a part of the root mean square of the shape's
     /// components; `None` leaves shapes out of the objective (they still pair and follow modes).
     pub shape_floor: Option<f64>,
-    /// Deviation of a shape component for which the test states none, as such a part.
+    /// Standard deviation of a shape component for which the test states none, as such a part.
     pub assumed_shape_std: f64,
     /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the
     /// damping, which is not updated, and the calibration. These are errors of whole functions, and
@@ -73,7 +73,7 @@ pub struct UpdateOptions {
     /// Prior deviation of a parameter for which none is stated: of its logarithm, or of its value
     /// as a part of it.
     pub prior_std: f64,
-    /// Number of starts; the first one is the model as it stands.
+    /// Number of starts; the first one is the initial model.
     pub starts: usize,
     /// Seed of the others.
     pub seed: u64,

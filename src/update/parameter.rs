@@ -49,7 +49,7 @@ pub struct FreeParameter {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Where the model's value comes from.
+    /// Source of the model's value.
     pub status: ParameterStatus,
     /// Where it starts, which is the middle of the prior.
     pub initial: f64,

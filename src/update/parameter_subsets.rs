@@ -2,11 +2,12 @@
 //! sets, and checks the proposed set by prediction of modes that were left out.
 //!
 //! Every trial solves the problem with some parameters free and all others where they are. It is a
-//! fit to the data alone: what explains a misfit may lie far outside the prior, and BIC asks for
-//! the maximum of the likelihood. The prior's rows weigh a thousandth, which pulls a parameter that
-//! the data know by a millionth, and leaves one that they do not know where it was. Its remaining
-//! error is `chi^2 = sum r^2` of the data; trials of different size are compared by `BIC = chi^2 +
-//! k ln N` with `k` free parameters and `N` residuals, the deviations being taken as known.
+//! fit to the data alone: values that explain a misfit can lie far outside the prior, and BIC is
+//! defined at the maximum of the likelihood. The prior's rows weigh a thousandth, which pulls a
+//! parameter that the data know by a millionth, and leaves one that they do not know where it was.
+//! Its remaining error is `chi^2 = sum r^2` of the data; trials of different size are compared by
+//! `BIC = chi^2 + k ln N` with `k` free parameters and `N` residuals, the deviations being taken as
+//! known.
 //!
 //! # Reference
 //! Schwarz (1978), Estimating the dimension of a model, Annals of Statistics 6, 461.
@@ -86,7 +87,7 @@ pub struct Explanation {
 /// error.
 ///
 /// # Errors
-/// [`UpdateError::Parameter`] for an unknown name or one that stands twice; as
+/// [`UpdateError::Parameter`] for an unknown or repeated name; as
 /// [`solve_from_starts`].
 pub fn explain(problem: &UpdateProblem<'_>, always: &[String]) -> Result<Explanation, UpdateError> {
     let trials = Trials::new(problem, always)?;
@@ -126,8 +127,8 @@ pub fn single_parameter_fits(
     Ok(ranked.into_iter().map(|(_, change)| change).collect())
 }
 
-/// Whether every name is that of a free parameter, and none stands twice: what [`explain`] asks of
-/// `always`.
+/// Checks that every name is that of a free parameter, and none is repeated, as [`explain`]
+/// requires of `always`.
 ///
 /// # Errors
 /// [`UpdateError::Parameter`].
@@ -176,7 +177,7 @@ impl<'b> Trials<'b> {
         })
     }
 
-    /// The places of a set of candidates, those that are always free with them.
+    /// The indices of a set of candidates and of the parameters that are always free.
     fn places(&self, chosen: &[usize]) -> Vec<usize> {
         let added = chosen.iter().map(|&c| self.candidates[c]);
         self.always.iter().copied().chain(added).collect()

@@ -50,7 +50,7 @@ pub struct UpdateProblem<'a> {
     pub(super) tests: Vec<PairedModes>,
     /// Weight of the prior's rows.
     pub(super) prior_weight: f64,
-    /// The FRFs that are compared; none unless the options ask for FRFs.
+    /// The FRFs that are compared; none where the options compare modes.
     pub(super) frfs: Arc<Vec<FrfTarget>>,
     /// Number of FRFs of the tests, those that no sensor of the model reads included.
     pub(super) frfs_given: usize,

@@ -125,7 +125,7 @@ impl UpdateProblem<'_> {
         at.root_pairs.iter().map(root_pair).sum::<usize>() + unpaired.sum::<usize>()
     }
 
-    /// How many FRFs are the residuals; `None` where they are not.
+    /// Number of FRFs that are compared; `None` where the residuals are of modes.
     pub(super) fn frf_count(&self) -> Option<FrfCount> {
         let sum = |of: fn(&FrfTarget) -> usize| self.frfs.iter().map(of).sum::<usize>();
         self.compares_frfs.then(|| FrfCount {

@@ -25,11 +25,11 @@ pub struct UpdatedParameter {
     pub name: String,
     /// Unit.
     pub unit: String,
-    /// Where the model's value came from.
+    /// Source of the model's value.
     pub status: ParameterStatus,
-    /// Where it started.
+    /// Value at the start.
     pub initial: f64,
-    /// Where it ended.
+    /// Value at the end.
     pub updated: f64,
     /// Its posterior deviation, with all free parameters uncertain. The model is taken as exact but
     /// for the floors: where it does not fit, the deviation times the root of
@@ -68,7 +68,7 @@ pub struct FitRow {
     pub error_percent: Option<f64>,
     /// Weighted MAC.
     pub mac: Option<f64>,
-    /// Where the deviations of its shape come from; `None` where shapes take no part.
+    /// Source of the deviations of its shape; `None` where shapes take no part.
     pub shape_weights: Option<ShapeWeights>,
 }
 
@@ -110,11 +110,11 @@ pub struct FrfCount {
 /// best end alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Starts {
-    /// How many there were.
+    /// Number of starts.
     pub count: usize,
-    /// How many ended at the best optimum.
+    /// Number of starts that ended at the best optimum.
     pub reached: usize,
-    /// How many could not be built or solved.
+    /// Number of starts that could not be built or solved.
     pub failed: usize,
     /// Seed.
     pub seed: u64,
@@ -127,7 +127,7 @@ pub struct Starts {
 pub struct OtherOptimum {
     /// Objective; that of modes, where FRFs were compared.
     pub objective: f64,
-    /// How many starts ended there.
+    /// Number of starts that ended there.
     pub count: usize,
     /// Values of the free parameters.
     pub values: Vec<f64>,

@@ -2,9 +2,9 @@
 //! the pairs of the initial model.
 //!
 //! Shapes make the objective rough: far from the optimum a mode may look like another, and the
-//! iteration ends beside the point or at bounds. Frequencies are smooth. Here shapes begin with
+//! iteration ends at a local optimum or at bounds. Frequencies are smooth. Here shapes begin with
 //! little weight, which grows to what they have; with the pairs of the start, and with those of the
-//! model as it stands, followed by shape along the line from there to the start.
+//! initial model, followed by shape along the line from there to the start.
 //!
 //! # Reference
 //! Blake and Zisserman (1987), Visual Reconstruction, chapter 7 (graduated non-convexity).
@@ -14,10 +14,10 @@ use super::{Evaluation, UpdateError, UpdateProblem};
 
 /// Weights of shapes, one after the other, before the stated weight.
 const WEIGHTS: [f64; 3] = [0.01, 0.1, 0.4];
-/// Steps on the line from the model as it stands to a start.
+/// Number of steps on the line from the initial model to a start.
 const STEPS: usize = 20;
 
-/// From the pairs of the start.
+/// The solution from the root pairs of the start.
 pub(super) fn with_pairs_of_the_start(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,
@@ -25,9 +25,9 @@ pub(super) fn with_pairs_of_the_start(
     graduated(problem, start)
 }
 
-/// With the pairs of the model as it stands, followed by shape; `None` where its modes cannot be
-/// followed, or these are the pairs of the start. The numbers of the modes would not do: modes that
-/// the test does not see cross those that it does.
+/// The solution with the root pairs of the initial model, followed by shape; `None` where its modes
+/// cannot be followed, or these are the root pairs of the start. The numbers of the modes do not
+/// identify them: modes that the test does not see cross those that it does.
 pub(super) fn with_pairs_of_the_model(
     problem: &UpdateProblem<'_>,
     start: &Evaluation,

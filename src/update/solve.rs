@@ -49,7 +49,7 @@ pub fn solve(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Solution, UpdateE
     Ok(best)
 }
 
-/// From the model as it stands and from points that are drawn evenly between the bounds, at most
+/// Solves from the initial model and from points that are drawn evenly between the bounds, at most
 /// three prior deviations away; in the caller's pool, with the same result for any number of
 /// threads.
 ///

@@ -71,7 +71,7 @@ pub struct Target {
     /// independent. The floor is the model's, so that its variance is shared by all tests that
     /// measure the root: each of `k` is given `k` times it.
     pub relative_std: f64,
-    /// Where the deviations of its shapes come from; `None` where shapes take no part.
+    /// Source of the deviations of its shapes; `None` where shapes take no part.
     pub shape_weights: Option<ShapeWeights>,
     /// Shapes, where they take part.
     pub(super) shapes: Option<TargetShapes>,
@@ -79,7 +79,7 @@ pub struct Target {
     pub(super) dynamic: Option<DynamicTarget>,
 }
 
-/// Where the deviations of measured shapes come from.
+/// Source of the deviations of measured shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShapeWeights {
@@ -174,7 +174,7 @@ impl ShapeRows {
     }
 
     /// The shapes of some modes of one root; `None` where fewer than two degrees of freedom are
-    /// common to all of them and the model: a MAC over one says nothing. `tests` counts the tests
+    /// common to all of them and the model: a MAC over one is always 1. `tests` counts the tests
     /// that measure the root at a sensor.
     pub fn of(
         &self,

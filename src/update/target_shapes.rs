@@ -1,5 +1,5 @@
-//! The shapes of a target hold its measured vectors beside the rows that read the model at the same
-//! degrees of freedom.
+//! The shapes of a target hold its measured vectors, and the rows that observe the model at the
+//! same degrees of freedom.
 
 use crate::linalg::{RealMatrix, real_matrix};
 

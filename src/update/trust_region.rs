@@ -3,7 +3,7 @@
 //! Each step solves `min |J s + r|` with `s` in the box where the linear model is trusted and the
 //! parameters stay between their bounds; the box grows where the model predicts the decrease and
 //! shrinks where it does not. The prior's rows give `J` full column rank. When no step is left and
-//! a misfit remains, test and model are paired anew at the result; where the iteration from there
+//! a misfit remains, test and model are paired again at the result; where the iteration from there
 //! ends lower, that is taken.
 //!
 //! # Reference
@@ -186,8 +186,8 @@ impl<'a, 'b> Run<'a, 'b> {
         Ok((step, predicted))
     }
 
-    /// From the result with test and model paired anew there; `None` unless that is another pairing
-    /// and ends lower.
+    /// The iteration from the result with test and model paired again; `None` unless that is
+    /// another pairing and ends lower.
     fn paired_anew(&self) -> Result<Option<(Self, StopReason)>, UpdateError> {
         let paired = self.problem.start(&self.at.z)?;
         if paired.root_pairs == self.at.root_pairs {

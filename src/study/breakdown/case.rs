@@ -250,8 +250,8 @@ mod tests {
         assert!(at(0) / largest(0) > 0.4);
     }
 
-    /// With both ends hit the pair's participation factors are orthogonal: nothing but noise hides
-    /// a repeated root.
+    /// With both ends hit the pair's participation factors are orthogonal: noise alone hides a
+    /// repeated root.
     #[test]
     fn two_references_separate_the_pair() {
         let case = Case::default();

@@ -224,7 +224,7 @@ fn damping_failure(expected: &Mode, found: &Mode, stated: &StatedError) -> Optio
     }
 }
 
-/// The modes that a found one shares its root with, itself among them.
+/// The modes of the root of a found mode, that mode included.
 fn group<'a>(found: &'a Mode, all: &'a [Mode]) -> Vec<&'a Mode> {
     match found.group {
         Some(_) => all

@@ -10,7 +10,7 @@ use super::slice::Slice;
 use super::stability::StabilityPlan;
 use super::{Axis, BreakdownError, Case, Factor, Scale, StatedError};
 
-/// `[breakdown]`: all of it may be left out.
+/// `[breakdown]`; every key is optional.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BreakdownTable {
@@ -39,7 +39,7 @@ pub struct BreakdownTable {
     pub stability: Option<StabilityTable>,
 }
 
-/// `[breakdown.stated]`: how far off a method may be.
+/// `[breakdown.stated]`: largest errors of a method.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatedTable {
@@ -110,16 +110,16 @@ pub struct StabilityTable {
     pub highest_order: Option<usize>,
 }
 
-/// A breakdown map as meant.
+/// The checked plan of a breakdown map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Its slices.
     pub slices: Vec<Slice>,
-    /// Numerical stability, where it is wanted.
+    /// Numerical stability, where it is computed.
     pub stability: Option<StabilityPlan>,
 }
 
-/// Name of the numerical part beside the slices.
+/// Name under which numerical stability is saved among the slices.
 pub(super) const STABILITY: &str = "stability";
 
 const DEFAULT_DRAWS: u32 = 80;
@@ -132,7 +132,7 @@ impl BreakdownTable {
     /// The checked plan of the table.
     ///
     /// # Errors
-    /// [`BreakdownError::Value`] with the key, what was got and what is expected.
+    /// [`BreakdownError::Value`] with the key, the value and the expected ones.
     pub fn plan(&self) -> Result<Plan, BreakdownError> {
         let methods = self.methods()?;
         let stated = self.stated.checked()?;

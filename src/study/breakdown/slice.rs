@@ -175,7 +175,7 @@ impl Slice {
     }
 }
 
-/// Nodes with the methods that are wanted there.
+/// Nodes with the methods that are tried there.
 type Wanted = BTreeMap<Node, Vec<bool>>;
 
 /// The state of a running slice.

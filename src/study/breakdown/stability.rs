@@ -31,7 +31,7 @@ mod problem;
 use modes::Modes;
 use problem::{Problem, Rounded};
 
-/// What is computed.
+/// Orders of the study of numerical stability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StabilityPlan {
     /// Highest order, from 2 in steps of 2.

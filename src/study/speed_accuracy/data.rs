@@ -12,7 +12,7 @@ use super::SpeedAccuracyOptions;
 
 /// FRFs of one estimator from records of one length.
 pub(in crate::study) struct Variant {
-    /// `None` for FRFs that were given as such.
+    /// `None` for a test whose files hold FRFs.
     pub estimator: Option<&'static str>,
     pub set: FrfSet,
 }
@@ -22,11 +22,11 @@ pub(in crate::study) struct TestSets {
     /// The first has the estimator of the scene and whole records.
     pub sets: Vec<Variant>,
     pub band: Band,
-    /// Of a synthetic recording.
+    /// The truth of a synthetic recording.
     pub truth: Option<ModalModel>,
     pub inputs: Vec<InputFile>,
     pub notes: Vec<String>,
-    /// Of reading; the sets have those of estimation.
+    /// Findings of reading; the sets have those of estimation.
     pub findings: Vec<Finding>,
 }
 

@@ -14,7 +14,7 @@ pub struct SpeedAccuracyOptions {
     pub tests: Vec<String>,
     /// FRF estimators in addition to that of the scene: `h1`, `h2`, `hv`.
     pub estimators: Vec<String>,
-    /// Lengths of record beside the whole, as shares of it.
+    /// Lengths of record in addition to the whole, as fractions of it.
     pub record_shares: Vec<f64>,
     /// Highest model orders in addition to the choice of each method, on the FRFs of the scene.
     pub orders: Vec<usize>,

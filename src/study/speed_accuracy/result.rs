@@ -22,14 +22,13 @@ pub struct Timing {
 /// A method on the measured data of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataRow {
-    /// FRF estimator; `None` for FRFs that were given as such.
+    /// FRF estimator; `None` for a test whose files hold FRFs.
     pub estimator: Option<&'static str>,
     /// Distance of the lines, Hz.
     pub step_hz: f64,
     /// Method and order.
     pub method: Method,
-    /// Whether it is the refined solution itself, by whatever order: it has no error against
-    /// itself.
+    /// Whether the row is the refined solution, of any order, which has no error against itself.
     pub is_reference: bool,
     /// Errors against the refined solution.
     pub counts: DetectionCounts,
