@@ -6,11 +6,12 @@
 //!
 //! Terms: *outputs × inputs*, the FRF matrix with the smaller side as input; *out-of-band terms*,
 //! the contribution of modes outside the band; *line shape*, `1/(iω − λ)` or its mean under a
-//! window.
+//! window; *half-power points*, the frequencies at which the power is half of that of a peak.
 
 pub(in crate::identify) mod band_frfs;
 pub(in crate::identify) mod detection_spectrum;
 pub(in crate::identify) mod frf_matrix;
+pub(in crate::identify) mod half_power;
 pub(in crate::identify) mod line_shape;
 pub(in crate::identify) mod model_pole;
 pub(in crate::identify) mod out_of_band_basis;

@@ -28,6 +28,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
+use crate::identify::data::half_power::half_power;
 
 /// Minimum phase change between the half-power points, over that of a resonance: noise or a
 /// neighbour may hide most of it. Before an antiresonance the phase changes in the other direction.
@@ -319,7 +320,7 @@ pub(in crate::identify) fn first_pole(
     }
     let (omega, power) = (&data.omega[first..end], &indicator.power[first..end]);
     let side = (peak.line - first).min(end - 1 - peak.line).max(1);
-    crate::identify::sdof::peak_picking::half_power(omega, power, peak.line - first).map_or_else(
+    half_power(omega, power, peak.line - first).map_or_else(
         || Complex64::new(-0.5 * side as f64 * data.step, data.omega[peak.line]),
         |fit| Complex64::new(-fit.narrower_rad_s(), fit.omega_rad_s),
     )

@@ -30,7 +30,9 @@ use num_complex::Complex64;
 
 use crate::linalg;
 
-use crate::identify::sdof::estimator::{FunctionFit, Isolated, SingleModeFit, SingleModeMethod};
+use crate::identify::sdof::single_mode_method::{
+    FunctionFit, Isolated, SingleModeFit, SingleModeMethod,
+};
 
 /// Maximum number of Gauss-Newton steps; three suffice from any pole inside the half-power band.
 const MAX_STEPS: usize = 20;

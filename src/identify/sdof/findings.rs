@@ -13,8 +13,8 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak, PeakRejection};
 use crate::identify::error::IdentifyError;
 use crate::identify::fit::residues;
-use crate::identify::sdof::estimator::Resonance;
 use crate::identify::sdof::repeated_poles::{self, IsolatedLines, PairTable, ShapeCount};
+use crate::identify::sdof::single_mode_method::Resonance;
 use crate::identify::sdof::single_mode_test::{self, Excess};
 
 /// Minimum number of lines in a half-power band for an estimate of damping.

@@ -22,7 +22,9 @@
 
 use num_complex::Complex64;
 
-use crate::identify::sdof::estimator::{FunctionFit, Isolated, SingleModeFit, SingleModeMethod};
+use crate::identify::sdof::single_mode_method::{
+    FunctionFit, Isolated, SingleModeFit, SingleModeMethod,
+};
 
 /// Line fit.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,8 +4,8 @@
 //! scatter over FRFs. These methods have no model order and use none of the multi-degree-of-freedom
 //! methods.
 //!
-//! Terms: *half-power points*, the frequencies at which the power is half of that of the peak;
-//! *damping surface*, damping estimates over all pairs of lines on both sides of the resonance.
+//! Term: *damping surface*, damping estimates over all pairs of lines on both sides of the
+//! resonance.
 
 pub(in crate::identify) mod circle_detail;
 pub(in crate::identify) mod circle_fit;
@@ -16,6 +16,7 @@ pub(in crate::identify) mod peak_picking;
 pub(in crate::identify) mod repeated_poles;
 #[cfg(test)]
 mod repeated_poles_tests;
+pub(in crate::identify) mod single_mode_method;
 pub(in crate::identify) mod single_mode_test;
 #[cfg(test)]
 mod single_mode_test_tests;

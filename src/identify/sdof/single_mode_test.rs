@@ -22,7 +22,7 @@ use crate::linalg::{self, LinalgError};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::peak_detection::noise_limit;
-use crate::identify::sdof::estimator::Resonance;
+use crate::identify::sdof::single_mode_method::Resonance;
 
 /// Maximum ratio of the second to the first singular value that modes far outside the band explain.
 const MAX_SINGULAR_VALUE_RATIO: f64 = 0.02;
