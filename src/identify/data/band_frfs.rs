@@ -31,6 +31,8 @@ use crate::identify::noise::model::VarianceSource;
 const GUARD_LINES_RATIO: f64 = 0.05;
 /// Minimum number of lines in a band that is searched.
 const MIN_BAND_LINES: usize = 8;
+/// Minimum number of lines on each side of a pole.
+const MIN_LINES_PER_SIDE: usize = 3;
 /// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter.
 const MIN_NOISE_OVER_RESPONSE: f64 = 1e-10;
 
@@ -253,6 +255,15 @@ impl BandFrfs {
     pub fn line_of(&self, lambda: Complex64) -> usize {
         let line = ((lambda.im - self.omega[0]) / self.step).round();
         (line.max(0.0) as usize).min(self.lines() - 1)
+    }
+
+    /// Lines within a number of half-power bandwidths of a pole, and a minimum on each side.
+    pub fn lines_around(&self, lambda: Complex64, bandwidths: f64) -> std::ops::Range<usize> {
+        let width = 2.0 * lambda.re.abs();
+        let side = (bandwidths * width / self.step).round() as usize;
+        let side = side.max(MIN_LINES_PER_SIDE);
+        let line = self.line_of(lambda);
+        line.saturating_sub(side)..(line + side + 1).min(self.lines())
     }
 
     /// Sets the line shape of poles, with the line correlation of the noise that it implies.

@@ -167,6 +167,11 @@ impl ModelPole {
         2.0 * self.lambda.re.abs()
     }
 
+    /// Separation from another pole in sums of their half-power bandwidths.
+    pub fn separation(&self, other: &Self) -> f64 {
+        (self.lambda.im - other.lambda.im).abs() / (self.width() + other.width())
+    }
+
     /// The inputs whose factors are free: all except the pivots.
     pub fn free_inputs(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.parts[0].len()).filter(|input| !self.pivots.contains(input))

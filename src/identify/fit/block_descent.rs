@@ -272,7 +272,7 @@ fn blocks(
 ) -> Vec<Block> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (number, root) in roots.iter().enumerate() {
-        let near = |other: &usize| apart(root, &roots[*other]) < MAX_BLOCK_SEPARATION;
+        let near = |other: &usize| root.separation(&roots[*other]) < MAX_BLOCK_SEPARATION;
         // Wide poles may overlap one that is not their neighbour.
         let (mut overlapping, others): (Vec<_>, Vec<_>) =
             groups.into_iter().partition(|group| group.iter().any(near));
@@ -308,11 +308,6 @@ fn merge_groups(data: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -
     merged
 }
 
-/// Separation of two poles in sums of their half-power bandwidths.
-pub(in crate::identify) fn apart(a: &ModelPole, b: &ModelPole) -> f64 {
-    (a.lambda.im - b.lambda.im).abs() / (a.width() + b.width())
-}
-
 fn block(
     (data, windows): (&BandFrfs, &[CompressedBand]),
     roots: &[ModelPole],
@@ -330,7 +325,7 @@ fn block(
         .collect();
     let is_free = |j: usize| {
         core.iter()
-            .any(|root| apart(&roots[*root], &roots[j]) < MAX_FREE_SEPARATION)
+            .any(|root| roots[*root].separation(&roots[j]) < MAX_FREE_SEPARATION)
     };
     let indices = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..members.len())

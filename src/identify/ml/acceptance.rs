@@ -7,7 +7,6 @@ use crate::modal::mac;
 
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_resonance};
-use crate::identify::fit::block_descent::apart;
 use crate::identify::fit::detection_threshold::{modes_above_noise, significance};
 use crate::identify::ml::findings::DropReason;
 
@@ -63,7 +62,7 @@ impl AcceptanceTest<'_> {
         let mut changes: Vec<PoleEdit> = Vec::new();
         let mut touched: Vec<usize> = Vec::new();
         for j in order {
-            let leans = |other: &usize| apart(&poles[j], &poles[*other]) < 1.0;
+            let leans = |other: &usize| poles[j].separation(&poles[*other]) < 1.0;
             if touched.iter().any(leans) {
                 continue;
             }

@@ -16,7 +16,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::upper_quantile;
-use crate::identify::ml::pole_metrics::{lines_around, reduced_chi_square};
+use crate::identify::ml::pole_metrics::reduced_chi_square;
 use crate::identify::ml::residual_peaks::strongest_inputs;
 use crate::identify::noise::band_profile::BandProfile;
 
@@ -77,7 +77,7 @@ fn second_terms(
     (poles, j): (&[ModelPole], usize),
     residual: &Residual,
 ) -> Option<Vec<Complex64>> {
-    let lines = lines_around(data, &poles[j], HALF_WIDTH_BANDWIDTHS);
+    let lines = data.lines_around(poles[j].lambda, HALF_WIDTH_BANDWIDTHS);
     let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
     let inside = |pole: &&ModelPole| {
         pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width()

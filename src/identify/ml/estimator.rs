@@ -55,7 +55,7 @@ use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::data::residual::Residual;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
-use crate::identify::fit::block_descent::{Convergence, apart, mark_unconverged, refine};
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
@@ -481,7 +481,7 @@ impl PoleModel {
     /// repeated pole.
     fn residue_stds(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Option<Vec<f64>> {
         let modes = self.roots.iter().filter(|other| !other.is_companion);
-        let near = modes.filter(|other| apart(pole, other) < ISOLATED_BANDWIDTHS);
+        let near = modes.filter(|other| pole.separation(other) < ISOLATED_BANDWIDTHS);
         if pole.multiplicity() > 1 || near.count() > 1 {
             return None;
         }

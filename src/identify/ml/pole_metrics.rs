@@ -16,12 +16,9 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::estimator::Candidate;
-use crate::identify::fit::block_descent::apart;
 
-/// Half-width of the lines on which the chi-square is measured: half-power bandwidths, and minimum
-/// number of lines on each side.
+/// Half-width of the lines on which the chi-square is measured, half-power bandwidths.
 const CHI_SQUARE_BANDWIDTHS: f64 = 1.0;
-const MIN_LINES_PER_SIDE: usize = 3;
 
 /// Reduced chi-square above which the model misfits the data.
 pub(in crate::identify) const MAX_CHI_SQUARE: f64 = 4.0;
@@ -200,19 +197,7 @@ pub(in crate::identify) fn reduced_chi_square_by_frf(
 
 /// Lines of a pole on which its reduced chi-square is measured.
 pub(in crate::identify) fn lines_of_pole(data: &BandFrfs, pole: &ModelPole) -> Range<usize> {
-    lines_around(data, pole, CHI_SQUARE_BANDWIDTHS)
-}
-
-/// Lines within a number of half-power bandwidths of a pole, and a minimum on each side.
-pub(in crate::identify) fn lines_around(
-    data: &BandFrfs,
-    pole: &ModelPole,
-    widths: f64,
-) -> Range<usize> {
-    let side = (widths * pole.width() / data.step).round() as usize;
-    let side = side.max(MIN_LINES_PER_SIDE);
-    let top = data.line_of(pole.lambda);
-    top.saturating_sub(side)..(top + side + 1).min(data.lines())
+    data.lines_around(pole.lambda, CHI_SQUARE_BANDWIDTHS)
 }
 
 /// Reason to reject a pole as spurious although it is above the noise.
@@ -293,7 +278,7 @@ pub(in crate::identify) fn doubt(
     if misses && metrics.contribution < MIN_CONTRIBUTION_WITH_MISFIT {
         return Some(Rejection::LowContribution(metrics.contribution));
     }
-    let distance = |i: &usize| apart(pole, &poles[*i]);
+    let distance = |i: &usize| pole.separation(&poles[*i]);
     if metrics.contribution < metrics.ghost_limit {
         return Some(Rejection::BelowLinearity(
             metrics.contribution,
@@ -319,7 +304,7 @@ pub(in crate::identify) fn doubt(
 /// strongest pole.
 fn reference(poles: &[ModelPole], pole_metrics: &[PoleMetrics], j: usize) -> Option<usize> {
     let others = || (0..poles.len()).filter(|i| *i != j);
-    let distance = |i: &usize| apart(&poles[j], &poles[*i]);
+    let distance = |i: &usize| poles[j].separation(&poles[*i]);
     let strength = |i: &usize| poles[*i].quality.significance();
     others()
         .filter(|i| pole_metrics[*i].contribution >= DOMINANT_CONTRIBUTION)

@@ -1,7 +1,7 @@
 //! Rejection of spurious poles above the noise, the weakest first.
 
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::fit::block_descent::{Convergence, apart, mark_unconverged};
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
 use crate::identify::ml::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
 use crate::identify::ml::estimator::PoleModel;
 use crate::identify::ml::findings::{DropReason, Dropped};
@@ -58,7 +58,7 @@ impl PoleModel {
             let mut rejected: Vec<(usize, Rejection)> = Vec::new();
             for (j, doubt) in order {
                 let leans = |(other, _): &(usize, Rejection)| {
-                    apart(&self.roots[j], &self.roots[*other]) < RETEST_BANDWIDTHS
+                    self.roots[j].separation(&self.roots[*other]) < RETEST_BANDWIDTHS
                 };
                 if !rejected.iter().any(leans) {
                     rejected.push((j, doubt));
@@ -129,7 +129,7 @@ impl PoleModel {
     fn reinstate_needed(&mut self, removed: &[(ModelPole, f64)]) {
         let described = self.data.far().beside(&self.data, &self.roots);
         let needed = |(pole, before): &&(ModelPole, f64)| {
-            let is_isolated = self.roots.iter().all(|other| apart(pole, other) > 1.0);
+            let is_isolated = self.roots.iter().all(|other| pole.separation(other) > 1.0);
             let now = residual_chi_square(&self.data, &described, pole);
             pole.multiplicity() == 1
                 && is_isolated

@@ -26,7 +26,6 @@ use crate::frf::Function;
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
-use crate::identify::ml::pole_metrics::lines_around;
 use crate::identify::noise::input_variance::Noise;
 use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::variance_model::{SmoothedVariance, VarianceSamples};
@@ -249,7 +248,7 @@ impl ForceNoise {
         response: impl Fn(usize, usize) -> Complex64,
     ) -> Vec<EnergySplit> {
         let mut parts = Vec::new();
-        let lines = lines_around(data, root, COMPARED_BANDWIDTHS);
+        let lines = data.lines_around(root.lambda, COMPARED_BANDWIDTHS);
         let stride = lines.len().div_ceil(MAX_COMPARED_LINES);
         for k in lines.step_by(stride) {
             let at = (data.omega[k], root.lambda);

@@ -9,7 +9,6 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::data::residual::{courses, residues};
-use crate::identify::ml::pole_metrics::lines_around;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::run_variation::model_selection::{Criterion, between_runs};
 use crate::identify::run_variation::pole_shift::{Fitted, Track};
@@ -121,7 +120,7 @@ impl<'a> Resonance<'a> {
         let farthest = group.iter().map(distance).fold(0.0, f64::max) / strong.width();
         let side =
             farthest + HALF_WIDTH_BANDWIDTHS.max(MIN_LINES_PER_SIDE * data.step / strong.width());
-        let lines = lines_around(data, strong, side);
+        let lines = data.lines_around(strong.lambda, side);
         let omega = data.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| is_nearby(&omega, lambda);
         let (poles_near, farther): (Vec<ModelPole>, Vec<ModelPole>) = model_poles
