@@ -43,8 +43,9 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::lscf::{highest_order, split_band};
-use crate::identify::mdof::plscf::{Lscf, Plane, circle_points};
+use crate::identify::mdof::plscf::Lscf;
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
+use crate::identify::mdof::z_plane::{ZPlane, circle_points};
 
 /// Fraction of the lines over which each edge of the band falls off.
 const EDGE_FRACTION: f64 = 0.1;
@@ -108,7 +109,7 @@ impl MultiModeMethod for ComplexExponentials {
 /// Impulse responses of all functions, over the noise of their outputs.
 struct Responses {
     samples: Vec<Vec<Complex64>>,
-    plane: Plane,
+    plane: ZPlane,
     /// First sample that is used.
     first: usize,
 }
@@ -134,7 +135,7 @@ impl Responses {
                 .into_par_iter()
                 .map(response)
                 .collect(),
-            plane: Plane {
+            plane: ZPlane {
                 omega_0: data.omega[lines.start],
                 step_s: std::f64::consts::TAU / (points as f64 * data.step),
             },

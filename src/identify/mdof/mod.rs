@@ -16,3 +16,4 @@ pub(in crate::identify) mod plscf;
 pub(in crate::identify) mod pole_tracks;
 pub(in crate::identify) mod rfp;
 pub(in crate::identify) mod stabilization;
+pub(in crate::identify) mod z_plane;

@@ -10,7 +10,7 @@ use crate::fourier::ComplexPlan;
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
-use crate::identify::mdof::plscf::{Plane, circle_points};
+use crate::identify::mdof::z_plane::{ZPlane, circle_points};
 
 /// Error of the model relative to the response, squared. Without it, strong resonances far above
 /// the noise would suppress weak ones in the normal equations. In the estimate with lines weighted
@@ -27,7 +27,7 @@ pub(in crate::identify) struct Transforms {
     /// Highest order.
     pub order: usize,
     /// Mapping of the lines to the unit circle.
-    pub plane: Plane,
+    pub plane: ZPlane,
     /// By output.
     pub outputs: Vec<Output>,
     /// Of `w² H_p^* H_q`, summed over the outputs, by p, then by q.
@@ -90,7 +90,7 @@ impl Transforms {
         Self {
             inputs: m,
             order,
-            plane: Plane {
+            plane: ZPlane {
                 omega_0: data.omega[lines.start],
                 step_s,
             },

@@ -14,11 +14,11 @@
 //! lower orders leading blocks of the highest: one Cholesky factor serves them all.
 //!
 //! *Choices.* The coefficients are complex: a band of lines shows no conjugate poles, and all poles
-//! of a complex denominator lie in the band. The band takes `BAND_ARC_FRACTION` of the circle, so
-//! that its two ends are not neighbours and poles in the remaining arc can model the out-of-band
-//! terms. With the *lowest* coefficient fixed the poles of noise come out unstable and those of
-//! modes stable (Cauberghe et al. 2005). A pole goes back by `λ = iω_0 + ln(z)/T`: the shift is
-//! undone before a natural frequency is formed.
+//! of a complex denominator lie in the band. The band takes a part of the circle
+//! ([`z_plane`](crate::identify::mdof::z_plane)), so that its two ends are not neighbours and poles
+//! in the remaining arc can model the out-of-band terms. With the *lowest* coefficient fixed the
+//! poles of noise come out unstable and those of modes stable (Cauberghe et al. 2005). A pole goes
+//! back by `λ = iω_0 + ln(z)/T`: the shift is undone before a natural frequency is formed.
 //!
 //! *Limit.* As in all normal equations, contributions below `√ε ≈ 1e-8` of the largest response are
 //! lost. The estimate is not consistent (the regressors carry noise): the maximum likelihood method
@@ -40,9 +40,8 @@ use crate::identify::error::IdentifyError;
 use crate::identify::mdof::normal_equations::{CHUNK_OUTPUTS, Output, Transforms};
 use crate::identify::mdof::pole_tracks::{GlobalPole, OrderPoles};
 use crate::identify::mdof::stabilization::rising_orders;
+use crate::identify::mdof::z_plane::ZPlane;
 
-/// Fraction of the circle that the lines of the band take.
-const BAND_ARC_FRACTION: f64 = 0.8;
 /// Minimum and maximum ridge on the diagonals, relative to their mean, so that data without noise
 /// have a solution: the round-off of the sums, and the precision that normal equations lose.
 const MIN_RIDGE: f64 = 1e-15;
@@ -56,22 +55,7 @@ pub(in crate::identify) struct Lscf {
     lower: ComplexMatrix,
     /// `L⁻¹` times the negative columns of `A_0`.
     right: ComplexMatrix,
-    plane: Plane,
-}
-
-/// Mapping `z = e^{(λ − iω_0)T}` of frequency lines to the unit circle.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::identify) struct Plane {
-    /// First line, rad/s.
-    pub omega_0: f64,
-    /// T, s.
-    pub step_s: f64,
-}
-
-/// Number of points of the circle for a number of lines, with a minimum.
-pub(in crate::identify) fn circle_points(lines: usize, min_points: usize) -> usize {
-    let points = (lines as f64 / BAND_ARC_FRACTION).ceil() as usize;
-    points.max(min_points).next_multiple_of(64)
+    plane: ZPlane,
 }
 
 impl Lscf {
@@ -118,7 +102,7 @@ impl Lscf {
     pub fn of_reduced(
         sum: &ComplexMatrix,
         (inputs, order): (usize, usize),
-        (scale, plane): (f64, Plane),
+        (scale, plane): (f64, ZPlane),
     ) -> Result<Self, LinalgError> {
         let free = order * inputs;
         let matrix = linalg::complex_matrix(free, free, |i, j| sum[(inputs + i, inputs + j)]);
@@ -198,23 +182,6 @@ impl Lscf {
             .collect::<Result<_, LinalgError>>()?;
         poles.sort_by(|p, q| p.lambda.im.total_cmp(&q.lambda.im));
         Ok(poles)
-    }
-}
-
-impl Plane {
-    /// The branch of the logarithm that puts the pole around the band: the gap of the circle is
-    /// shared by both sides.
-    fn unwrapped(&self, lambda: Complex64) -> Complex64 {
-        let turn = std::f64::consts::TAU / self.step_s;
-        let lowest = self.omega_0 - 0.5 * (1.0 - BAND_ARC_FRACTION) * turn;
-        let mut lambda = lambda;
-        while lambda.im < lowest {
-            lambda.im += turn;
-        }
-        while lambda.im >= lowest + turn {
-            lambda.im -= turn;
-        }
-        lambda
     }
 }
 
