@@ -33,8 +33,9 @@
 //! | `fit` | nonlinear least squares, covariances | `data` `noise` `error` |
 //! | `run_variation` | frequency shifts between measurement runs | `data` `noise` `fit` `estimator` |
 //! | `sdof` | single-degree-of-freedom methods | `data` `fit` `estimator` `error` |
-//! | `mdof` | methods of rising model order | `data` `noise` `fit` `run_variation` `estimator` `error` |
-//! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `mdof` `estimator` `error` |
+//! | `pole_model` | poles of a fit, their tests, candidates and findings | `data` `noise` `fit` `run_variation` `sdof` `estimator` `error` |
+//! | `mdof` | methods of rising model order | `data` `noise` `fit` `run_variation` `pole_model` `estimator` `error` |
+//! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `pole_model` `mdof` `estimator` `error` |
 //! | `modes` | modes from poles | `estimator` `error` |
 //! | `mode_indicators` | CMIF, MvMIF | `data` `estimator` `error` |
 //! | `order_selection` | number of modes that the data support | `data` `noise` `estimator` `error` |
@@ -51,6 +52,7 @@ mod noise;
 mod order_selection;
 #[cfg(test)]
 mod order_selection_tests;
+mod pole_model;
 mod run_variation;
 mod sdof;
 #[doc(hidden)]

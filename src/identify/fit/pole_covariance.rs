@@ -32,7 +32,6 @@ use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::block_descent::window;
-use crate::identify::ml::estimator::PoleModel;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::noise::line_correlation::LineCorrelation;
 
@@ -48,21 +47,21 @@ const MIN_FREEDOM: f64 = 3.0;
 /// Minimum independent component of the derivative, over its length.
 const MIN_INDEPENDENT_FRACTION: f64 = 1e-6;
 
-impl PoleModel {
-    /// Sets the standard deviations of the poles with the estimated noise model.
-    pub fn add_noise_model_uncertainty(&mut self) {
-        let residual = self.data.line_shape.is_smoothed().then(|| self.rest());
-        let factor = |root: &ModelPole| {
-            let common_power = residual
-                .as_ref()
-                .map(|residual| power_along(&self.data, residual, root));
-            variance_inflation(&self.data, &self.roots, (root, common_power.unwrap_or(0.0)))
-        };
-        let factors: Vec<Option<f64>> = self.roots.par_iter().map(factor).collect();
-        for (root, factor) in self.roots.iter_mut().zip(factors) {
-            if let Some(factor) = factor {
-                root.quality.pole_std = root.quality.pole_bound * factor.sqrt();
-            }
+/// Sets the standard deviations of the poles with the estimated noise model; `residual` of data
+/// under steady random force.
+pub(in crate::identify) fn add_noise_model_uncertainty(
+    data: &BandFrfs,
+    roots: &mut [ModelPole],
+    residual: Option<&Residual>,
+) {
+    let factor = |root: &ModelPole| {
+        let common_power = residual.map(|residual| power_along(data, residual, root));
+        variance_inflation(data, roots, (root, common_power.unwrap_or(0.0)))
+    };
+    let factors: Vec<Option<f64>> = roots.par_iter().map(factor).collect();
+    for (root, factor) in roots.iter_mut().zip(factors) {
+        if let Some(factor) = factor {
+            root.quality.pole_std = root.quality.pole_bound * factor.sqrt();
         }
     }
 }

@@ -7,7 +7,7 @@
 //!    (LSFD): the linear part of the maximum likelihood fit
 //!    ([`gauss_newton`](crate::identify::fit::gauss_newton)) at the poles of the method. Where the
 //!    method gives no participation factors, these follow from the residues
-//!    ([`multiplicity`](crate::identify::ml::multiplicity)).
+//!    ([`multiplicity`](crate::identify::pole_model::multiplicity)).
 //! 3. A pole is kept as a mode when its contribution is above the noise, when it is separated from
 //!    its neighbours, and when it passes the tests of the maximum likelihood method.
 //!
@@ -36,8 +36,8 @@ use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTa
 use crate::identify::fit::block_descent::Convergence;
 use crate::identify::mdof::pole_tracks::StablePole;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, stabilise_weighted};
-use crate::identify::ml::estimator::PoleModel;
-use crate::identify::ml::multiplicity::{complete_multiplicities, strongest};
+use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::multiplicity::{complete_multiplicities, strongest};
 use crate::identify::run_variation::RunShifts;
 
 /// A multi-mode method as an estimator.
@@ -83,7 +83,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.estimate_noise();
         fit.refine_and_prune(Convergence::Coarse);
         fit.doubt();
-        let mut table = fit.table((set, band), &found);
+        let mut table = fit.table(set, band, &found, &[]);
         let references = set.references().len();
         for candidate in &mut table.candidates {
             complete(candidate, &stable.seeds, (&fit, references));
@@ -124,7 +124,7 @@ pub(in crate::identify) fn at_poles(
         }
     }
     fit.residues();
-    let mut table = fit.table((set, band), &DetectedPeaks::default());
+    let mut table = fit.table(set, band, &DetectedPeaks::default(), &[]);
     let references = set.references().len();
     for candidate in &mut table.candidates {
         complete(candidate, &[], (&fit, references));

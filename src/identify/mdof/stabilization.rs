@@ -15,7 +15,7 @@ use crate::identify::estimator::{Candidate, PoleAtOrder, PoleStatus, PoleTable};
 use crate::identify::mdof::pole_tracks::{
     self, GlobalPole, MIN_TRACK_ORDERS, OrderPoles, StablePole, without_duplicates,
 };
-use crate::identify::ml::acceptance::WIDEST;
+use crate::identify::pole_model::acceptance::WIDEST;
 use crate::modal::Pole;
 
 /// Maximum number of orders.

@@ -34,8 +34,8 @@ use crate::modal::mac;
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
-use crate::identify::ml::estimator::PoleModel;
-use crate::identify::ml::findings::DropReason;
+use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::findings::DropReason;
 
 /// Decay rate over that of the mode: 3, but for the next terms of the series, which the fit omits.
 /// Half as wide: the companion of a mode of 0.3 % damping whose stiffness rises by 2 % is taken as

@@ -16,9 +16,9 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::upper_quantile;
-use crate::identify::ml::pole_metrics::reduced_chi_square;
 use crate::identify::ml::residual_peaks::strongest_inputs;
 use crate::identify::noise::band_profile::BandProfile;
+use crate::identify::pole_model::pole_metrics::reduced_chi_square;
 
 /// Half-width of the band of the test, half-power bandwidths: beyond it the second term has a
 /// hundredth of its energy.

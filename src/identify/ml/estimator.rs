@@ -5,14 +5,14 @@
 //!    detected peaks sets the maximum order, and the lower segments of a wide band are estimated
 //!    separately. With several references, and where the residual of these poles exceeds the
 //!    noise, the FRFs are also fitted as outputs of one input, which gives the poles and the
-//!    multiplicity of each ([`multiplicity`](crate::identify::ml::multiplicity)).
+//!    multiplicity of each ([`multiplicity`](crate::identify::pole_model::multiplicity)).
 //! 2. All poles move to the maximum of the likelihood
 //!    ([`refine`](crate::identify::fit::block_descent)).
 //! 3. A pole is kept when it is above the noise (chi-squared test of its amplitude with all else
 //!    fitted), when its standard deviation is below a fifth of its decay rate, and when its
 //!    distance from its neighbours is at least two standard deviations of that distance. Two
 //!    inseparable poles with different participation factors are one repeated pole
-//!    ([`acceptance`](crate::identify::ml::acceptance)).
+//!    ([`acceptance`](crate::identify::pole_model::acceptance)).
 //! 4. Noise that is correlated between frequency lines looks like modes. The correlation is
 //!    estimated from the residual, where that is noise, and raises limits and standard deviations
 //!    ([`line_correlation`](crate::identify::noise::line_correlation)). Where the data have no
@@ -26,7 +26,7 @@
 //! 7. Spurious poles above the noise are rejected: poles of a low modal contribution where the
 //!    model misfits the data or many phases are arbitrary, and poles that repeat the shape of a
 //!    strong neighbour with the phase of no normal mode
-//!    ([`pole_metrics`](crate::identify::ml::pole_metrics)). The misfit near a mode enlarges its
+//!    ([`pole_metrics`](crate::identify::pole_model::pole_metrics)). The misfit near a mode enlarges its
 //!    standard deviations.
 //!
 //! Where the file states a window for steady excitation, each pole has the line shape of that
@@ -38,10 +38,6 @@
 //! outside the band does not bias one inside. Without variances in the data, the noise is
 //! estimated from the residual ([`noise`](crate::identify::noise::input_variance)).
 
-use std::f64::consts::TAU;
-
-use rayon::prelude::*;
-
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::frf::FrfSet;
@@ -52,32 +48,19 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::{self, DetectedPeaks};
-use crate::identify::data::residual::Residual;
 use crate::identify::error::IdentifyError;
-use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleEstimator, PoleTable};
-use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
-use crate::identify::fit::compressed_band::CompressedBand;
+use crate::identify::estimator::{MethodOptions, PoleEstimator, PoleTable};
+use crate::identify::fit::block_descent::Convergence;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
-use crate::identify::ml::acceptance::{AcceptanceTest, PoleEdit};
 use crate::identify::ml::amplitude_dependence::strongest_companions;
-use crate::identify::ml::findings::{Dropped, FindingContext};
-use crate::identify::ml::multiplicity::{complete_multiplicities, distinct_poles};
-use crate::identify::ml::narrower_bands::NarrowerBands;
-use crate::identify::ml::pole_metrics::{PoleMetrics, candidate, pole_metrics};
 use crate::identify::ml::trial_poles::MIN_RESIDUAL_GAIN;
+use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::multiplicity::{complete_multiplicities, distinct_poles};
 use crate::identify::run_variation::RunShifts;
 
-/// Margin beyond the first and last line in which poles may lie, over the range of the lines.
-const POLE_MARGIN_OVER_BAND: f64 = 0.05;
-/// Maximum rounds of pruning after each refinement, and of the search of the residual.
-const MAX_PRUNINGS: usize = 12;
+/// Maximum rounds of the search of the residual.
 const MAX_SEARCHES: usize = 4;
-/// Relative change of a variance below which it is unchanged.
-const MAX_VARIANCE_CHANGE: f64 = 0.1;
-/// Separation from the nearest pole, in sums of half-power bandwidths, above which a pole is
-/// isolated.
-const ISOLATED_BANDWIDTHS: f64 = 1.0;
 /// Relative residual of poles without the line shape of a stated window, over that with it, below
 /// which the data contradict the window. Larger: more poles imitate the line shape of one (0.7 and
 /// more under a true window). Smaller: in noise of a hundredth of the peaks a window that was
@@ -115,13 +98,13 @@ impl PoleEstimator for MaximumLikelihood {
         let mut table = match plain.filter(contradicts) {
             Some((mut plain, found)) => {
                 plain.data.leakage = None;
-                let mut table = plain.table((set, band), &found);
+                let mut table = plain.table(set, band, &found, &[]);
                 let code = Code::WindowContradicted;
                 let finding = Finding::new(Severity::Warning, code, Place::Whole);
                 table.findings.push(finding);
                 table
             }
-            None => fit.table((set, band), &found),
+            None => fit.table(set, band, &found, &strongest_companions(&fit.roots)),
         };
         table.findings.extend(splits);
         set_orders(&mut table);
@@ -189,47 +172,7 @@ impl MaximumLikelihood {
     }
 }
 
-/// Poles, data and noise model of a fit in progress.
-pub(in crate::identify) struct PoleModel {
-    pub data: BandFrfs,
-    pub sides: FrfMatrix,
-    pub options: MethodOptions,
-    pub roots: Vec<ModelPole>,
-    pub dropped: Vec<Dropped>,
-    /// Number of poles when their phases were found to be scattered.
-    pub scattered: Option<usize>,
-    /// Modes whose frequency shifts between runs.
-    pub moved: RunShifts,
-    /// Poles of all model orders.
-    pub listing: Vec<PoleAtOrder>,
-    /// Whether poles are fixed and residues alone are fitted.
-    pub fixed: bool,
-    /// Compressed bands of the last refinement.
-    windows: Vec<CompressedBand>,
-}
-
 impl PoleModel {
-    pub fn new(data: BandFrfs, sides: FrfMatrix, options: MethodOptions) -> Self {
-        Self {
-            data,
-            sides,
-            options,
-            roots: Vec::new(),
-            dropped: Vec::new(),
-            scattered: None,
-            moved: RunShifts::default(),
-            listing: Vec::new(),
-            fixed: false,
-            windows: Vec::new(),
-        }
-    }
-
-    pub fn limits(&self) -> (f64, f64) {
-        let outside = POLE_MARGIN_OVER_BAND * self.data.range();
-        let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
-        ((first - outside).max(0.5 * first), last + outside)
-    }
-
     /// Fits poles from the stable poles of the LSCF and from the peaks of their residual.
     ///
     /// Many references allow few orders, and a repeated pole then appears as fewer poles than it
@@ -250,7 +193,7 @@ impl PoleModel {
         if let Some(noise) = noise {
             // The residual of so few poles overestimates the noise.
             self.data.set_noise(noise);
-            self.estimate_per_frf((&lscf, found), seeds)?;
+            self.estimate_per_frf(&lscf, found, seeds)?;
             changed = self.refine_with_noise_update();
         }
         self.search_rounds(changed);
@@ -258,10 +201,11 @@ impl PoleModel {
     }
 
     /// Estimates poles from the FRFs as outputs of one input, and the multiplicity of each from its
-    /// residues ([`multiplicity`](crate::identify::ml::multiplicity)).
+    /// residues ([`multiplicity`](crate::identify::pole_model::multiplicity)).
     fn estimate_per_frf(
         &mut self,
-        (lscf, found): (&LeastSquaresComplexFrequency, &DetectedPeaks),
+        lscf: &LeastSquaresComplexFrequency,
+        found: &DetectedPeaks,
         by_inputs: Vec<ModelPole>,
     ) -> Result<(), IdentifyError> {
         let one = self.sides.as_one_input();
@@ -354,112 +298,6 @@ impl PoleModel {
         Ok(model_poles(&stabilisation.seeds, self.data.functions()))
     }
 
-    pub fn refine(&mut self, stop: Convergence) {
-        let stop = if self.fixed {
-            Convergence::Residues
-        } else {
-            stop
-        };
-        let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
-        let frfs = (&self.data, &self.sides);
-        self.roots = refine(frfs, &mut self.windows, poles, (limits, stop));
-    }
-
-    /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
-    /// repeated pole; close poles remain separate.
-    pub fn residues(&mut self) {
-        for i in 0..self.roots.len() {
-            for j in i + 1..self.roots.len() {
-                let same = self.roots[i].lambda == self.roots[j].lambda;
-                if same && !self.roots[j].parts.is_empty() {
-                    self.apply(PoleEdit::Merge(i, j));
-                }
-            }
-        }
-        self.roots.retain(|pole| !pole.parts.is_empty());
-        mark_unconverged(&mut self.roots);
-        self.refine(Convergence::Residues);
-    }
-
-    /// Refines and removes poles until all remaining poles are accepted.
-    pub fn refine_and_prune(&mut self, stop: Convergence) {
-        self.refine(stop);
-        for _ in 0..MAX_PRUNINGS {
-            let required_edits = self.judge().required_edits(&self.roots);
-            if required_edits.is_empty() {
-                break;
-            }
-            for change in required_edits {
-                self.apply(change);
-            }
-            self.roots.retain(|pole| !pole.parts.is_empty());
-            mark_unconverged(&mut self.roots);
-            self.refine(stop);
-        }
-    }
-
-    /// Applies an edit. A removed pole loses its participation factors; the caller removes it from
-    /// the list.
-    pub fn apply(&mut self, change: PoleEdit) {
-        match change {
-            PoleEdit::Remove(j, reason) => {
-                let lambda = self.roots[j].lambda;
-                self.dropped.push(Dropped { lambda, reason });
-                self.roots[j].parts.clear();
-            }
-            PoleEdit::Merge(i, j) => {
-                let parts = std::mem::take(&mut self.roots[j].parts);
-                let other = self.roots[j].lambda;
-                self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
-                self.roots[i].suspect &= self.roots[j].suspect;
-                self.roots[i].join(parts);
-            }
-            PoleEdit::ReduceMultiplicity(j, count) => self.roots[j].keep_strongest(count),
-        }
-    }
-
-    fn judge(&self) -> AcceptanceTest<'_> {
-        AcceptanceTest {
-            sides: &self.sides,
-            false_alarm_probability: self.options.false_alarm_probability,
-            lines: self.data.lines(),
-            step: self.data.step,
-        }
-    }
-
-    pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
-        pole_metrics((&self.data, &self.sides), &self.roots)
-    }
-
-    /// Estimates the noise variance (where the data state none) and the line correlation from the
-    /// residual. Returns whether the level of an FRF or the correlation changed.
-    pub fn estimate_noise(&mut self) -> bool {
-        mark_unconverged(&mut self.roots);
-        let (levels, correlation) = (self.levels(), self.data.correlation.clone());
-        let mut residual = self.rest();
-        self.data.estimate_noise_and_correlation(&mut residual);
-        self.data.shared = self.data.shared.estimated_from(&self.data, &residual);
-        let changed =
-            |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
-        self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
-    }
-
-    /// Mean noise variance of each FRF.
-    fn levels(&self) -> Vec<f64> {
-        let level = |f: usize| self.data.mean_variance(f, 0..self.data.lines());
-        (0..self.data.functions())
-            .into_par_iter()
-            .map(level)
-            .collect()
-    }
-
-    /// Residual of the poles and the out-of-band terms.
-    pub fn rest(&self) -> Residual {
-        let far = self.data.far();
-        let described = far.beside(&self.data, &self.roots);
-        described.residual(0..self.data.lines())
-    }
-
     /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
     pub fn relative_residual(&self) -> f64 {
         let normalised = self.rest();
@@ -473,72 +311,5 @@ impl PoleModel {
                     .sum::<f64>()
         };
         (0..self.data.functions()).map(of).sum::<f64>() / self.data.functions() as f64
-    }
-
-    /// Standard deviations of real and imaginary part of the residues of a pole, from the noise of
-    /// each FRF and its line correlation. An error of the pole changes all residues of an isolated
-    /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
-    /// repeated pole.
-    fn residue_stds(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Option<Vec<f64>> {
-        let modes = self.roots.iter().filter(|other| !other.is_companion);
-        let near = modes.filter(|other| pole.separation(other) < ISOLATED_BANDWIDTHS);
-        if pole.multiplicity() > 1 || near.count() > 1 {
-            return None;
-        }
-        let correlation_factor = self
-            .data
-            .correlation
-            .amplitude_noise_factor(pole.decay(), self.data.step);
-        let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
-        let stds = pole.residue_variances.iter().map(|v| factor * v.sqrt());
-        Some(stds.collect())
-    }
-
-    pub fn table(&self, (set, band): (&FrfSet, Band), found: &DetectedPeaks) -> PoleTable {
-        let described = self.data.far().beside(&self.data, &self.roots);
-        let is_mode = |pole: &ModelPole| {
-            let hz = pole.lambda.norm() / TAU;
-            !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
-        };
-        let mut pole_metrics = self.pole_metrics();
-        let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
-        let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
-        let modes = with_standing.filter(|(pole, _)| is_mode(pole));
-        modes.for_each(|(pole, metrics)| metrics.band_deviation = narrower_bands.deviation(pole));
-        let modes = self.roots.iter().zip(&pole_metrics);
-        let mut kept: Vec<(&ModelPole, &PoleMetrics)> =
-            modes.filter(|(pole, _)| is_mode(pole)).collect();
-        if let Some(most) = self.options.max_modes {
-            let worth = |(pole, _): &(&ModelPole, &PoleMetrics)| pole.quality.significance();
-            kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-            kept.truncate(most);
-            kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
-        }
-        let evidence = FindingContext {
-            set,
-            data: &self.data,
-            described,
-            band,
-            found,
-            kept: &kept,
-            dropped: &self.dropped,
-            scattered: self.scattered,
-            moved: &self.moved,
-            companions: &strongest_companions(&self.roots),
-        };
-        PoleTable {
-            candidates: kept
-                .iter()
-                .map(|(pole, metrics)| Candidate {
-                    residue_stds: self.residue_stds(pole, metrics),
-                    ..self
-                        .moved
-                        .merged(candidate(pole, metrics), metrics.inflation() > 1.0)
-                })
-                .collect(),
-            findings: evidence.findings(),
-            stabilization: self.listing.clone(),
-            moved: self.moved.clone(),
-        }
     }
 }

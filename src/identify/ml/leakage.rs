@@ -24,7 +24,8 @@ use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::error::IdentifyError;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
-use crate::identify::ml::estimator::{MaximumLikelihood, PoleModel};
+use crate::identify::ml::estimator::MaximumLikelihood;
+use crate::identify::pole_model::PoleModel;
 use crate::identify::sdof::findings::MAX_LEAKAGE_BIAS;
 
 /// Largest distance from a mode, frequency lines, of the lines on which line shapes are compared:

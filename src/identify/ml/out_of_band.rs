@@ -12,7 +12,7 @@ use crate::identify::data::model_pole::{ModelPole, PoleQuality};
 use crate::identify::data::out_of_band_basis::{OutOfBandTerm, OutOfBandTerms};
 use crate::identify::data::residual::OutOfBandFit;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
-use crate::identify::ml::estimator::PoleModel;
+use crate::identify::pole_model::PoleModel;
 
 /// Maximum rounds in which out-of-band terms and poles are fitted alternately.
 const MAX_ROUNDS: usize = 12;

@@ -7,12 +7,12 @@ use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
 use crate::identify::fit::detection_threshold::upper_quantile;
-use crate::identify::ml::acceptance::{PoleEdit, remove_or_reduce};
 use crate::identify::ml::close_pole_test::close_pair_candidates;
-use crate::identify::ml::estimator::PoleModel;
-use crate::identify::ml::findings::{DropReason, Dropped};
 use crate::identify::ml::residual_peaks::residual_peak_poles;
 use crate::identify::noise::line_correlation::LineCorrelation;
+use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::acceptance::{PoleEdit, remove_or_reduce};
+use crate::identify::pole_model::findings::{DropReason, Dropped};
 
 /// Minimum of the limit of trial poles in one search; the limit is a quarter of the number of
 /// poles. More trial poles would mean misfit rather than missing modes.

@@ -8,7 +8,7 @@ use crate::modal::mac;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::fit::detection_threshold::{modes_above_noise, significance};
-use crate::identify::ml::findings::DropReason;
+use crate::identify::pole_model::findings::DropReason;
 
 /// Number of independent resonance widths at each frequency line: trials of noise for the
 /// false-alarm probability.

@@ -2,10 +2,10 @@
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
-use crate::identify::ml::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
-use crate::identify::ml::estimator::PoleModel;
-use crate::identify::ml::findings::{DropReason, Dropped};
-use crate::identify::ml::pole_metrics::{
+use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
+use crate::identify::pole_model::findings::{DropReason, Dropped};
+use crate::identify::pole_model::pole_metrics::{
     Rejection, RejectionPolicy, doubt, phases_scatter, residual_chi_square,
 };
 

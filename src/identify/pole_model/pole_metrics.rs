@@ -73,7 +73,7 @@ pub(in crate::identify) struct PoleMetrics {
     /// sensor produce; 0 where it repeats no other shape.
     pub ghost_limit: f64,
     /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by
-    /// more than noise (`ml::narrower_bands`); 0 before the fit is complete.
+    /// more than noise (`narrower_bands`); 0 before the fit is complete.
     pub band_deviation: f64,
 }
 

@@ -13,7 +13,7 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::data::residual::PredictedResponse;
-use crate::identify::ml::pole_metrics::{
+use crate::identify::pole_model::pole_metrics::{
     MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
 };
 use crate::identify::run_variation::RunShifts;

@@ -16,7 +16,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, combined};
 use crate::identify::fit::detection_threshold::uneven_noise_norm_quantile;
 use crate::identify::fit::mode_strength::Strength;
-use crate::identify::ml::pole_metrics::{MAX_CHI_SQUARE, PoleMetrics};
+use crate::identify::pole_model::pole_metrics::{MAX_CHI_SQUARE, PoleMetrics};
 
 /// Minimum strength of a mode of a repeated pole over that of the strongest mode: the residual of a
 /// single pole is weaker.
@@ -214,7 +214,7 @@ fn separable_factors(values: &RealMatrix) -> (Vec<f64>, Vec<f64>) {
 
 #[cfg(test)]
 mod tests {
-    use crate::identify::ml::multiplicity::*;
+    use crate::identify::pole_model::multiplicity::*;
     use crate::modal::mac;
 
     const OUTPUTS: usize = 9;

@@ -9,8 +9,8 @@
 use crate::finding::{Code, Finding, Place, Severity};
 
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::ml::findings::FindingContext;
-use crate::identify::ml::pole_metrics::{
+use crate::identify::pole_model::findings::FindingContext;
+use crate::identify::pole_model::pole_metrics::{
     MAX_CHI_SQUARE, PoleMetrics, lines_of_pole, reduced_chi_square_by_frf,
 };
 

@@ -201,8 +201,8 @@ mod tests {
     use crate::identify::estimator::{IdentifyOptions, MethodOptions};
     use crate::identify::fit::block_descent::Convergence;
     use crate::identify::identify;
-    use crate::identify::ml::estimator::PoleModel;
-    use crate::identify::ml::narrower_bands::*;
+    use crate::identify::pole_model::PoleModel;
+    use crate::identify::pole_model::narrower_bands::*;
     use crate::identify::synthetic::white_noise;
     use crate::identify::synthetic::{Measurement, Structure};
     use crate::modal::Pole;

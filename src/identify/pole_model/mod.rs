@@ -1,0 +1,281 @@
+//! The poles of a fit, with the tests that keep or remove them, and the candidates and findings
+//! that follow.
+//!
+//! The estimators of rising model order and the maximum likelihood method fit residues or poles
+//! here and decide by the same tests which poles are modes. How a method finds its poles is not
+//! known here.
+//!
+//! Terms: *modal contribution*, the fraction of the response energy near a pole that this pole
+//! explains; *spurious pole*, a pole of the mathematical model that is no mode of the structure;
+//! *multiplicity*, the number of modes that share a pole.
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::axis::Band;
+use crate::frf::FrfSet;
+
+use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::data::peak_detection::DetectedPeaks;
+use crate::identify::data::residual::Residual;
+use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleTable};
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
+use crate::identify::fit::compressed_band::CompressedBand;
+use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
+use crate::identify::run_variation::RunShifts;
+
+pub(in crate::identify) mod acceptance;
+pub(in crate::identify) mod findings;
+mod misfit;
+pub(in crate::identify) mod multiplicity;
+mod narrower_bands;
+pub(in crate::identify) mod pole_metrics;
+mod spurious_poles;
+
+use acceptance::{AcceptanceTest, PoleEdit};
+use findings::{Dropped, FindingContext};
+use narrower_bands::NarrowerBands;
+use pole_metrics::{PoleMetrics, candidate, pole_metrics};
+
+/// Margin beyond the first and last line in which poles may lie, over the range of the lines.
+const POLE_MARGIN_OVER_BAND: f64 = 0.05;
+/// Maximum rounds of pruning after each refinement.
+const MAX_PRUNINGS: usize = 12;
+/// Relative change of a variance below which it is unchanged.
+const MAX_VARIANCE_CHANGE: f64 = 0.1;
+/// Separation from the nearest pole, in sums of half-power bandwidths, above which a pole is
+/// isolated.
+const ISOLATED_BANDWIDTHS: f64 = 1.0;
+
+/// Poles, data and noise model of a fit in progress.
+pub(in crate::identify) struct PoleModel {
+    pub data: BandFrfs,
+    pub sides: FrfMatrix,
+    pub options: MethodOptions,
+    pub roots: Vec<ModelPole>,
+    pub dropped: Vec<Dropped>,
+    /// Number of poles when their phases were found to be scattered.
+    pub scattered: Option<usize>,
+    /// Modes whose frequency shifts between runs.
+    pub moved: RunShifts,
+    /// Poles of all model orders.
+    pub listing: Vec<PoleAtOrder>,
+    /// Whether poles are fixed and residues alone are fitted.
+    pub fixed: bool,
+    /// Compressed bands of the last refinement.
+    windows: Vec<CompressedBand>,
+}
+
+impl PoleModel {
+    pub fn new(data: BandFrfs, sides: FrfMatrix, options: MethodOptions) -> Self {
+        Self {
+            data,
+            sides,
+            options,
+            roots: Vec::new(),
+            dropped: Vec::new(),
+            scattered: None,
+            moved: RunShifts::default(),
+            listing: Vec::new(),
+            fixed: false,
+            windows: Vec::new(),
+        }
+    }
+
+    pub fn limits(&self) -> (f64, f64) {
+        let outside = POLE_MARGIN_OVER_BAND * self.data.range();
+        let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
+        ((first - outside).max(0.5 * first), last + outside)
+    }
+
+    pub fn refine(&mut self, stop: Convergence) {
+        let stop = if self.fixed {
+            Convergence::Residues
+        } else {
+            stop
+        };
+        let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
+        let frfs = (&self.data, &self.sides);
+        self.roots = refine(frfs, &mut self.windows, poles, (limits, stop));
+    }
+
+    /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
+    /// repeated pole; close poles remain separate.
+    pub fn residues(&mut self) {
+        for i in 0..self.roots.len() {
+            for j in i + 1..self.roots.len() {
+                let same = self.roots[i].lambda == self.roots[j].lambda;
+                if same && !self.roots[j].parts.is_empty() {
+                    self.apply(PoleEdit::Merge(i, j));
+                }
+            }
+        }
+        self.roots.retain(|pole| !pole.parts.is_empty());
+        mark_unconverged(&mut self.roots);
+        self.refine(Convergence::Residues);
+    }
+
+    /// Refines and removes poles until all remaining poles are accepted.
+    pub fn refine_and_prune(&mut self, stop: Convergence) {
+        self.refine(stop);
+        for _ in 0..MAX_PRUNINGS {
+            let required_edits = self.acceptance_test().required_edits(&self.roots);
+            if required_edits.is_empty() {
+                break;
+            }
+            for change in required_edits {
+                self.apply(change);
+            }
+            self.roots.retain(|pole| !pole.parts.is_empty());
+            mark_unconverged(&mut self.roots);
+            self.refine(stop);
+        }
+    }
+
+    /// Applies an edit. A removed pole loses its participation factors; the caller removes it from
+    /// the list.
+    pub fn apply(&mut self, change: PoleEdit) {
+        match change {
+            PoleEdit::Remove(j, reason) => {
+                let lambda = self.roots[j].lambda;
+                self.dropped.push(Dropped { lambda, reason });
+                self.roots[j].parts.clear();
+            }
+            PoleEdit::Merge(i, j) => {
+                let parts = std::mem::take(&mut self.roots[j].parts);
+                let other = self.roots[j].lambda;
+                self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
+                self.roots[i].suspect &= self.roots[j].suspect;
+                self.roots[i].join(parts);
+            }
+            PoleEdit::ReduceMultiplicity(j, count) => self.roots[j].keep_strongest(count),
+        }
+    }
+
+    fn acceptance_test(&self) -> AcceptanceTest<'_> {
+        AcceptanceTest {
+            sides: &self.sides,
+            false_alarm_probability: self.options.false_alarm_probability,
+            lines: self.data.lines(),
+            step: self.data.step,
+        }
+    }
+
+    pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
+        pole_metrics((&self.data, &self.sides), &self.roots)
+    }
+
+    /// Estimates the noise variance (where the data state none) and the line correlation from the
+    /// residual. Returns whether the level of an FRF or the correlation changed.
+    pub fn estimate_noise(&mut self) -> bool {
+        mark_unconverged(&mut self.roots);
+        let (levels, correlation) = (self.levels(), self.data.correlation.clone());
+        let mut residual = self.rest();
+        self.data.estimate_noise_and_correlation(&mut residual);
+        self.data.shared = self.data.shared.estimated_from(&self.data, &residual);
+        let changed =
+            |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
+        self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
+    }
+
+    /// Mean noise variance of each FRF.
+    fn levels(&self) -> Vec<f64> {
+        let level = |f: usize| self.data.mean_variance(f, 0..self.data.lines());
+        (0..self.data.functions())
+            .into_par_iter()
+            .map(level)
+            .collect()
+    }
+
+    /// Residual of the poles and the out-of-band terms.
+    pub fn rest(&self) -> Residual {
+        let far = self.data.far();
+        let described = far.beside(&self.data, &self.roots);
+        described.residual(0..self.data.lines())
+    }
+
+    /// Sets the standard deviations of the poles with the estimated noise model.
+    pub fn add_noise_model_uncertainty(&mut self) {
+        let residual = self.data.line_shape.is_smoothed().then(|| self.rest());
+        add_noise_model_uncertainty(&self.data, &mut self.roots, residual.as_ref());
+    }
+
+    /// Standard deviations of real and imaginary part of the residues of a pole, from the noise of
+    /// each FRF and its line correlation. An error of the pole changes all residues of an isolated
+    /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
+    /// repeated pole.
+    fn residue_stds(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Option<Vec<f64>> {
+        let modes = self.roots.iter().filter(|other| !other.is_companion);
+        let near = modes.filter(|other| pole.separation(other) < ISOLATED_BANDWIDTHS);
+        if pole.multiplicity() > 1 || near.count() > 1 {
+            return None;
+        }
+        let correlation_factor = self
+            .data
+            .correlation
+            .amplitude_noise_factor(pole.decay(), self.data.step);
+        let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
+        let stds = pole.residue_variances.iter().map(|v| factor * v.sqrt());
+        Some(stds.collect())
+    }
+
+    /// The table of candidates in a band, with findings. `companions`: poles of modes that have
+    /// companions, and how large these are.
+    pub fn table(
+        &self,
+        set: &FrfSet,
+        band: Band,
+        found: &DetectedPeaks,
+        companions: &[(Complex64, f64)],
+    ) -> PoleTable {
+        let described = self.data.far().beside(&self.data, &self.roots);
+        let is_mode = |pole: &ModelPole| {
+            let hz = pole.lambda.norm() / TAU;
+            !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
+        };
+        let mut pole_metrics = self.pole_metrics();
+        let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
+        let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
+        let modes = with_standing.filter(|(pole, _)| is_mode(pole));
+        modes.for_each(|(pole, metrics)| metrics.band_deviation = narrower_bands.deviation(pole));
+        let modes = self.roots.iter().zip(&pole_metrics);
+        let mut kept: Vec<(&ModelPole, &PoleMetrics)> =
+            modes.filter(|(pole, _)| is_mode(pole)).collect();
+        if let Some(most) = self.options.max_modes {
+            let worth = |(pole, _): &(&ModelPole, &PoleMetrics)| pole.quality.significance();
+            kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+            kept.truncate(most);
+            kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
+        }
+        let evidence = FindingContext {
+            set,
+            data: &self.data,
+            described,
+            band,
+            found,
+            kept: &kept,
+            dropped: &self.dropped,
+            scattered: self.scattered,
+            moved: &self.moved,
+            companions,
+        };
+        PoleTable {
+            candidates: kept
+                .iter()
+                .map(|(pole, metrics)| Candidate {
+                    residue_stds: self.residue_stds(pole, metrics),
+                    ..self
+                        .moved
+                        .merged(candidate(pole, metrics), metrics.inflation() > 1.0)
+                })
+                .collect(),
+            findings: evidence.findings(),
+            stabilization: self.listing.clone(),
+            moved: self.moved.clone(),
+        }
+    }
+}
