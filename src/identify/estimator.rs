@@ -8,7 +8,6 @@ use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::identify::error::IdentifyError;
-use crate::identify::run_variation::RunShifts;
 use crate::modal::{Pole, PoleSelection};
 
 /// Options that an estimator is built with.
@@ -106,8 +105,6 @@ pub struct PoleTable {
     pub findings: Vec<Finding>,
     /// Poles of all model orders, for a method that has orders.
     pub stabilization: Vec<PoleAtOrder>,
-    /// Frequency shifts of modes between measurement runs.
-    pub(in crate::identify) moved: RunShifts,
 }
 
 /// A method that finds poles in a set of FRFs.

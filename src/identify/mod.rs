@@ -28,14 +28,15 @@
 //! | room | holds | may use |
 //! |---|---|---|
 //! | `estimator` | what every method gives | `error` |
+//! | `method` | table of a method with its shifts between runs | `run_variation` `estimator` `error` |
 //! | `data` | FRFs of a band, poles that are fitted to them, residual | `estimator` `error` |
 //! | `noise` | variances, force noise, line correlation | `data` |
 //! | `fit` | nonlinear least squares, covariances | `data` `noise` `error` |
 //! | `run_variation` | frequency shifts between measurement runs | `data` `noise` `fit` `estimator` |
-//! | `sdof` | single-degree-of-freedom methods | `data` `fit` `estimator` `error` |
+//! | `sdof` | single-degree-of-freedom methods | `data` `fit` `method` `estimator` `error` |
 //! | `pole_model` | poles of a fit, their tests, candidates and findings | `data` `noise` `fit` `run_variation` `sdof` `estimator` `error` |
-//! | `mdof` | methods of rising model order | `data` `noise` `fit` `run_variation` `pole_model` `estimator` `error` |
-//! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `pole_model` `mdof` `estimator` `error` |
+//! | `mdof` | methods of rising model order | `data` `noise` `fit` `run_variation` `pole_model` `method` `estimator` `error` |
+//! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `pole_model` `mdof` `method` `estimator` `error` |
 //! | `modes` | modes from poles | `estimator` `error` |
 //! | `mode_indicators` | CMIF, MvMIF | `data` `estimator` `error` |
 //! | `order_selection` | number of modes that the data support | `data` `noise` `estimator` `error` |
@@ -45,6 +46,7 @@ mod error;
 mod estimator;
 mod fit;
 mod mdof;
+mod method;
 mod ml;
 mod mode_indicators;
 mod modes;
@@ -62,8 +64,12 @@ mod synthetic;
 #[cfg(test)]
 mod tests;
 
+use num_complex::Complex64;
+
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
+
+use method::{Method, Outcome};
 
 pub use error::IdentifyError;
 pub use estimator::{
@@ -79,8 +85,14 @@ pub struct Entry {
     pub name: &'static str,
     /// Whether it has a model order.
     pub has_order: bool,
-    /// Builds it.
-    pub build: fn(&MethodOptions) -> Box<dyn PoleEstimator>,
+    build: fn(&MethodOptions) -> Box<dyn Method>,
+}
+
+impl Entry {
+    /// The estimator with its options.
+    pub fn estimator(&self, options: &MethodOptions) -> Box<dyn PoleEstimator> {
+        (self.build)(options)
+    }
 }
 
 /// Every estimator.
@@ -284,10 +296,15 @@ pub fn identification(
     let entry = options.validate()?;
     let prepared = data::prepare::chosen(set, options)?;
     let (set, band) = (prepared.set.as_ref(), prepared.band);
-    let estimator = (entry.build)(&options.estimator);
-    let mut table = estimator.estimate(set, band)?;
+    let method = (entry.build)(&options.estimator);
+    let Outcome {
+        mut table,
+        run_shifts,
+    } = method.outcome(set, band)?;
     if let Some(selection) = &options.selection {
-        table = modes::pole_selection::select_poles((set, band), table, selection)?;
+        let fit_residues =
+            |poles: &[Complex64]| mdof::estimator::fit_at_poles(set, band, poles, run_shifts);
+        table = modes::pole_selection::select_poles(set, band, table, selection, fit_residues)?;
     }
     let findings = prepared.findings.into_iter();
     table
@@ -299,7 +316,7 @@ pub fn identification(
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);
     }
     Ok(Identification {
-        model: modes::modal_model::modal_model(set, band, estimator.name(), table)?,
+        model: modes::modal_model::modal_model(set, band, method.name(), table)?,
         stabilization,
     })
 }

@@ -9,7 +9,7 @@ use crate::frf::FrfSet;
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::error::IdentifyError;
-use crate::identify::mdof::estimator::at_poles;
+use crate::identify::mdof::estimator::fit_at_poles;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
 use crate::identify::run_variation::RunShifts;
@@ -81,5 +81,5 @@ impl Equations {
 /// # Errors
 /// [`IdentifyError`] when set and band do not match.
 pub fn residues(set: &FrfSet, band: Band, poles: &[Complex64]) -> Result<(), IdentifyError> {
-    at_poles((set, band), poles, RunShifts::default()).map(drop)
+    fit_at_poles(set, band, poles, RunShifts::default()).map(drop)
 }

@@ -36,6 +36,7 @@ use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTa
 use crate::identify::fit::block_descent::Convergence;
 use crate::identify::mdof::pole_tracks::StablePole;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, stabilise_weighted};
+use crate::identify::method::Method;
 use crate::identify::pole_model::PoleModel;
 use crate::identify::pole_model::multiplicity::{complete_multiplicities, strongest};
 use crate::identify::run_variation::RunShifts;
@@ -86,31 +87,34 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         let mut table = fit.table(set, band, &found, &[]);
         let references = set.references().len();
         for candidate in &mut table.candidates {
-            complete(candidate, &stable.seeds, (&fit, references));
+            complete(candidate, &stable.seeds, &fit, references);
         }
         table.stabilization = stable.poles;
         Ok(table)
     }
 }
 
+impl<M: MultiModeMethod> Method for MultiModeEstimator<M> {}
+
 /// The modes of given poles, rad/s, in runs aligned by given frequency shifts: residues and
 /// standard deviations are estimated, and no pole is removed.
 ///
 /// # Errors
 /// [`IdentifyError`] when the band does not fit the set.
-pub(in crate::identify) fn at_poles(
-    (set, band): (&FrfSet, Band),
+pub(in crate::identify) fn fit_at_poles(
+    set: &FrfSet,
+    band: Band,
     poles: &[Complex64],
-    moved: RunShifts,
+    run_shifts: RunShifts,
 ) -> Result<PoleTable, IdentifyError> {
     let mut data = BandFrfs::guarded(set, band)?;
-    moved.align_runs(&mut data);
+    run_shifts.align_runs(&mut data);
     let frf_matrix = FrfMatrix::new(set.functions());
     let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
     let functions = data.functions();
     let mut fit = PoleModel::new(data, frf_matrix.as_one_input(), MethodOptions::default());
     fit.fixed = true;
-    fit.moved = moved;
+    fit.moved = run_shifts;
     let single_pole = |pole: &Complex64| ModelPole::single(*pole, &[Complex64::ONE], functions);
     fit.roots = poles.iter().map(single_pole).collect();
     fit.residues();
@@ -127,7 +131,7 @@ pub(in crate::identify) fn at_poles(
     let mut table = fit.table(set, band, &DetectedPeaks::default(), &[]);
     let references = set.references().len();
     for candidate in &mut table.candidates {
-        complete(candidate, &[], (&fit, references));
+        complete(candidate, &[], &fit, references);
     }
     Ok(table)
 }
@@ -147,11 +151,7 @@ fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<Model
 
 /// Completes a candidate with the order of the nearest stable pole, the error of the method in its
 /// standard deviations, and participation factors, where the inputs of the fit are the references.
-fn complete(
-    candidate: &mut Candidate,
-    seeds: &[StablePole],
-    (fit, references): (&PoleModel, usize),
-) {
+fn complete(candidate: &mut Candidate, seeds: &[StablePole], fit: &PoleModel, references: usize) {
     let lambda = candidate.pole.lambda;
     let distance = |seed: &&StablePole| (seed.pole.lambda - lambda).norm();
     let nearest = seeds

@@ -53,6 +53,7 @@ use crate::identify::estimator::{MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Convergence;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
+use crate::identify::method::{Method, Outcome};
 use crate::identify::ml::amplitude_dependence::strongest_companions;
 use crate::identify::ml::trial_poles::MIN_RESIDUAL_GAIN;
 use crate::identify::pole_model::PoleModel;
@@ -80,9 +81,15 @@ impl PoleEstimator for MaximumLikelihood {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
+        Ok(self.outcome(set, band)?.table)
+    }
+}
+
+impl Method for MaximumLikelihood {
+    fn outcome(&self, set: &FrfSet, band: Band) -> Result<Outcome, IdentifyError> {
         let shape = LineShape::of(set);
         let (mut fit, found) = self.fitted(set, band, shape)?;
-        let split = self.check_leakage((set, band), &mut fit)?;
+        let split = self.check_leakage(set, band, &mut fit)?;
         // Poles of leakage are no companions.
         if !shape.is_smoothed() && !fit.may_have_leakage() {
             fit.add_companions();
@@ -95,20 +102,23 @@ impl PoleEstimator for MaximumLikelihood {
         let contradicts = |(unsmoothed, _): &(PoleModel, DetectedPeaks)| {
             unsmoothed.relative_residual() < MAX_CONTRADICTING_RATIO * fit.relative_residual()
         };
-        let mut table = match plain.filter(contradicts) {
+        let (mut table, run_shifts) = match plain.filter(contradicts) {
             Some((mut plain, found)) => {
                 plain.data.leakage = None;
                 let mut table = plain.table(set, band, &found, &[]);
                 let code = Code::WindowContradicted;
                 let finding = Finding::new(Severity::Warning, code, Place::Whole);
                 table.findings.push(finding);
-                table
+                (table, plain.moved)
             }
-            None => fit.table(set, band, &found, &strongest_companions(&fit.roots)),
+            None => {
+                let companions = strongest_companions(&fit.roots);
+                (fit.table(set, band, &found, &companions), fit.moved)
+            }
         };
         table.findings.extend(splits);
         set_orders(&mut table);
-        Ok(table)
+        Ok(Outcome { table, run_shifts })
     }
 }
 

@@ -54,7 +54,8 @@ impl MaximumLikelihood {
     /// # Errors Those of a fit under a window.
     pub(in crate::identify) fn check_leakage(
         &self,
-        (set, band): (&FrfSet, Band),
+        set: &FrfSet,
+        band: Band,
         fit: &mut PoleModel,
     ) -> Result<Vec<SplitMode>, IdentifyError> {
         let shapes = LineShape::unstated(set);

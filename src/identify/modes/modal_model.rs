@@ -122,7 +122,7 @@ fn modes_of_pole(
                 true => shape::shape_of(&term.residues, pole.lambda.im),
                 false => shape::unit_max_shape_of(&term.residues),
             };
-            mode((set, method), candidate, pole, (term.residues, scaled))
+            mode(set, method, candidate, pole, term.residues, scaled)
         });
         shaped.collect()
     } else {
@@ -130,7 +130,7 @@ fn modes_of_pole(
         if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MAX_SHAPE_MISFIT) {
             findings.push(warning(Code::CloseModes, misfit, MAX_SHAPE_MISFIT));
         }
-        vec![mode((set, method), candidate, pole, (residues, scaled))]
+        vec![mode(set, method, candidate, pole, residues, scaled)]
     };
     let damping = pole.damping_ratio();
     if damping <= 0.0 {
@@ -140,10 +140,12 @@ fn modes_of_pole(
 }
 
 fn mode(
-    (set, method): (&FrfSet, &'static str),
+    set: &FrfSet,
+    method: &'static str,
     candidate: &Candidate,
     pole: Pole,
-    (residues, scaled): (Residues, ScaledShape),
+    residues: Residues,
+    scaled: ScaledShape,
 ) -> Mode {
     let ScaledShape {
         shape,

@@ -18,7 +18,6 @@ use crate::modal::{Pole, PoleSelection, SelectedPole};
 
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleStatus, PoleTable};
-use crate::identify::mdof::estimator;
 
 /// Maximum distance of a mode from the selected pole that it belongs to, in decay rates.
 const MATCH_DECAY_RATES: f64 = 0.5;
@@ -48,22 +47,25 @@ impl SelectablePole {
     }
 }
 
-/// The modes of the selected poles.
+/// The modes of the selected poles; `fit_residues` fits the residues of given poles, rad/s.
 ///
 /// # Errors
-/// [`IdentifyError`] as for an estimate.
+/// Those of `fit_residues`.
 pub(in crate::identify) fn select_poles(
-    (set, band): (&FrfSet, Band),
+    set: &FrfSet,
+    band: Band,
     table: PoleTable,
     selection: &PoleSelection,
+    fit_residues: impl FnOnce(&[Complex64]) -> Result<PoleTable, IdentifyError>,
 ) -> Result<PoleTable, IdentifyError> {
-    let mut selectable_poles = selectable_poles((set, band), &table);
+    let mut selectable_poles = selectable_poles(set, band, &table);
     let mut taken: Vec<(SelectedPole, SelectablePole)> = Vec::new();
     let mut missed_selections = Vec::new();
     for wanted in &selection.poles {
         match find_best(
             &selectable_poles,
-            (wanted, &taken),
+            wanted,
+            &taken,
             selection.tolerance_of(wanted),
         ) {
             Ok(position) => taken.push((*wanted, selectable_poles.swap_remove(position))),
@@ -86,7 +88,7 @@ pub(in crate::identify) fn select_poles(
     };
     let others = modes.filter(|mode| !replaced(mode));
     let poles: Vec<Complex64> = chosen.iter().copied().chain(others).collect();
-    let mut result = estimator::at_poles((set, band), &poles, table.moved)?;
+    let mut result = fit_residues(&poles)?;
     let is_chosen = |pole: &Pole| chosen.contains(&pole.lambda);
     result
         .candidates
@@ -114,7 +116,7 @@ pub(in crate::identify) fn select_poles(
 }
 
 /// All poles of a method in the band: those of all orders, and its modes.
-fn selectable_poles((set, band): (&FrfSet, Band), table: &PoleTable) -> Vec<SelectablePole> {
+fn selectable_poles(set: &FrfSet, band: Band, table: &PoleTable) -> Vec<SelectablePole> {
     let (modes, points) = (&table.candidates, table.stabilization.iter());
     let is_mode = |pole: Pole| modes.iter().any(|mode| mode.pole == pole);
     let refined = !modes.is_empty() && !points.clone().any(|point| is_mode(point.pole));
@@ -146,7 +148,8 @@ fn selectable_poles((set, band): (&FrfSet, Band), table: &PoleTable) -> Vec<Sele
 /// Position of the best pole within the tolerance, else the distance of the nearest one, Hz.
 fn find_best(
     selectable_poles: &[SelectablePole],
-    (wanted, taken): (&SelectedPole, &[(SelectedPole, SelectablePole)]),
+    wanted: &SelectedPole,
+    taken: &[(SelectedPole, SelectablePole)],
     tolerance_hz: f64,
 ) -> Result<usize, Option<f64>> {
     let fits = |offer: &SelectablePole| match wanted.order {
@@ -229,7 +232,7 @@ mod tests {
                 selectable(100.0, PoleStatus::Stable),
                 selectable(other_hz, PoleStatus::Alone),
             ];
-            find_best(&offers, (&wanted(other_hz), &[]), 1.0)
+            find_best(&offers, &wanted(other_hz), &[], 1.0)
         };
         assert_eq!(best_near(100.5), Ok(1));
         assert_eq!(best_near(100.15), Ok(1));
@@ -245,7 +248,7 @@ mod tests {
                 order,
                 ..wanted(100.3)
             };
-            find_best(offers, (&wanted, &taken), 1.0)
+            find_best(offers, &wanted, &taken, 1.0)
         };
         let (stable, mode) = (PoleStatus::Stable, PoleStatus::Chosen);
         assert_eq!(best_beside(mode, None, &near(stable)), Err(None));

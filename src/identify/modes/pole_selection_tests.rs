@@ -3,6 +3,7 @@
 use crate::finding::Code;
 use crate::identify::estimator::{IdentifyOptions, PoleStatus};
 use crate::identify::identification;
+use crate::identify::mdof::estimator::fit_at_poles;
 use crate::identify::run_variation::RunShifts;
 use crate::identify::synthetic::{Measurement, Structure, separated_modes};
 use crate::modal::{Pole, PoleSelection, SelectedPole};
@@ -211,9 +212,7 @@ fn fixed_poles_are_all_kept() {
         }
         let set = structure.measured(&how);
         let band = crate::identify::data::band_frfs::whole_band(&set).unwrap();
-        let table =
-            crate::identify::mdof::estimator::at_poles((&set, band), &poles, RunShifts::default())
-                .unwrap();
+        let table = fit_at_poles(&set, band, &poles, RunShifts::default()).unwrap();
         for pole in &poles {
             let kept = table.candidates.iter();
             let kept = kept.filter(|candidate| candidate.pole.lambda == *pole);

@@ -275,7 +275,6 @@ impl PoleModel {
                 .collect(),
             findings: evidence.findings(),
             stabilization: self.listing.clone(),
-            moved: self.moved.clone(),
         }
     }
 }

@@ -24,6 +24,7 @@ use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::residues;
+use crate::identify::method::Method;
 use crate::identify::sdof::findings;
 use crate::identify::sdof::repeated_poles::PairTable;
 use crate::identify::sdof::single_mode_method::{
@@ -84,6 +85,8 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
         })
     }
 }
+
+impl<M: SingleModeMethod> Method for SingleModeEstimator<M> {}
 
 impl<M: SingleModeMethod> SingleModeEstimator<M> {
     fn run_passes(
