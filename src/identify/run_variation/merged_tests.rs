@@ -30,7 +30,7 @@ fn an_frf_is_aligned_from_the_pole_of_its_run_to_the_mean() {
                 let pole = |lambda: Complex64| shape.pole(omega, lambda);
                 a * pole(lambda) + a.conj() * pole(lambda.conj())
             };
-            let aligned = with(mean + shifts[run]) + mode.correction(shape, (f, run), omega);
+            let aligned = with(mean + shifts[run]) + mode.correction(shape, f, run, omega);
             assert!((aligned - with(mean)).norm() < 1e-12, "{f} {omega}");
         }
     }

@@ -26,7 +26,6 @@ use crate::frf::{Function, runs};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
-use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::estimator::Candidate;
 
@@ -35,12 +34,14 @@ mod pole_shift;
 mod resonance;
 mod run_fit;
 pub(in crate::identify) mod separate_responses;
+mod shift_decision;
+mod shifted_mode;
 
 use pole_shift::{Fitted, Poles};
-use resonance::{MAX_SHIFT_FRACTION, Resonance, Screening, ShiftDecision};
+use resonance::Resonance;
+use shift_decision::{MAX_SHIFT_FRACTION, Screening, ShiftDecision};
+use shifted_mode::{MATCH_BANDWIDTHS, ShiftedMode};
 
-/// Distance, half-power bandwidths, below which a pole may belong to a shifted mode.
-const MATCH_BANDWIDTHS: f64 = 1.0;
 /// Groupings of the poles around a strong one: maximum distance in half-power bandwidths and as a
 /// fraction of the frequency. The poles of a group may stand for one mode, or for two that shift
 /// together.
@@ -51,8 +52,6 @@ const GROUP_BANDWIDTHS_AND_FRACTIONS: [(f64, f64); 3] = [
 ];
 /// Maximum number of alignments of the runs.
 const MAX_ROUNDS: usize = 3;
-/// Step of a pole over the scatter below which it has converged.
-const CONVERGED_SHIFT_OVER_SCATTER: f64 = 0.01;
 /// Maximum fits of every resonance; later ones use the shifted poles of the others.
 const MAX_SWEEPS: usize = 3;
 /// Minimum number of runs: fewer may share a profile of shifts by chance.
@@ -72,23 +71,6 @@ pub(in crate::identify) struct RunShifts {
     factors: usize,
     modes: Vec<ShiftedMode>,
     rounds: usize,
-}
-
-/// One mode with an individual pole in every run.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::identify) struct ShiftedMode {
-    /// Mean of the runs, rad/s.
-    pub lambda: Complex64,
-    /// Standard deviation of the frequency between runs, rad/s.
-    pub scatter: f64,
-    /// Standard deviation of the decay rate at the mean, rad/s.
-    pub decay_std: f64,
-    /// Pole of each run less the mean, rad/s, shrunk by its variance.
-    shifts: Vec<Complex64>,
-    /// Standard deviation of the frequency of each run by its noise, rad/s.
-    stds: Vec<f64>,
-    /// Residue of each FRF, m/(N s).
-    residues: Vec<Complex64>,
 }
 
 /// Shifted modes by one grouping of the poles.
@@ -132,7 +114,7 @@ impl RunShifts {
                 let line_shape = data.line_shape;
                 data.correct(*f, |omega| {
                     let correction =
-                        |mode: &ShiftedMode| mode.correction(line_shape, (*f, run), omega);
+                        |mode: &ShiftedMode| mode.correction(line_shape, *f, run, omega);
                     self.modes.iter().map(correction).sum()
                 });
             }
@@ -237,7 +219,7 @@ impl RunShifts {
     /// the one with the largest gain.
     fn shifted_modes(&self, data: &BandFrfs, model_poles: &[ModelPole]) -> Vec<ShiftedMode> {
         let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
-            .map(|reach| groups(model_poles, reach))
+            .map(|(bandwidths, fraction)| groups(model_poles, bandwidths, fraction))
             .into();
         groupings.dedup();
         let alternatives = groupings.into_iter();
@@ -260,7 +242,8 @@ impl RunShifts {
         model_poles: &[ModelPole],
     ) -> Grouping {
         let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, model_poles);
-        let resonance = |group: &Vec<usize>| Resonance::new(data, (model_poles, group), self);
+        let resonance =
+            |group: &Vec<usize>| Resonance::new(data, model_poles, group, &self.runs, &self.modes);
         let resonances: Vec<Option<Resonance>> = groups.par_iter().map(resonance).collect();
         let screen = |(modes, resonance): (&Vec<&ShiftedMode>, &Option<Resonance>)| match resonance
         {
@@ -288,7 +271,7 @@ impl RunShifts {
                 let resonance = resonances[index].as_ref();
                 let resonance = resonance.filter(|_| screenings[index] == Screening::Candidate)?;
                 let other_poles =
-                    |run| poles_of_other_groups(model_poles, (&groups, &poles), (index, run));
+                    |run| poles_of_other_groups(model_poles, &groups, &poles, index, run);
                 let one = |only: usize| vec![vec![model_poles[only].lambda; self.runs.len()]];
                 match (&poles[index], &groups[index][..]) {
                     (Some(poles), _) => {
@@ -320,8 +303,10 @@ impl RunShifts {
             (_, Screening::Unshifted) => Some(Vec::new()),
             (Some(resonance), Screening::Candidate) => resonance.decide(
                 fitted[index].as_ref(),
-                (&self.runs, self.factors),
-                (&group_modes[index], index),
+                &self.runs,
+                self.factors,
+                &group_modes[index],
+                index,
             ),
             (None, Screening::Candidate) => {
                 ShiftDecision::from_known_modes(group_modes[index].iter().copied(), index)
@@ -489,54 +474,9 @@ fn explained_by_mass(mode: &ShiftedMode, runs: &[Vec<usize>]) -> f64 {
     }
 }
 
-impl ShiftedMode {
-    /// Frequency of a run less the mean of all, and the sum of the squares of all.
-    fn centred_shift(&self, run: usize) -> (f64, f64) {
-        let count = self.shifts.len() as f64;
-        let mean = self.shifts.iter().map(|shift| shift.im).sum::<f64>() / count;
-        let squares = self
-            .shifts
-            .iter()
-            .map(|shift| (shift.im - mean).powi(2))
-            .sum();
-        (self.shifts[run].im - mean, squares)
-    }
-
-    /// Whether a pole lies in the resonance of the mode.
-    fn contains_pole(&self, lambda: Complex64) -> bool {
-        (self.lambda.im - lambda.im).abs() < -2.0 * MATCH_BANDWIDTHS * self.lambda.re
-    }
-
-    /// Poles in each run.
-    fn poles(&self) -> Vec<Complex64> {
-        self.shifts
-            .iter()
-            .map(|shift| self.lambda + shift)
-            .collect()
-    }
-
-    /// Whether the step since `before` is below the limit.
-    fn is_converged(&self, before: &Self) -> bool {
-        let near = |(now, then): (Complex64, Complex64)| {
-            (now - then).norm() <= CONVERGED_SHIFT_OVER_SCATTER * self.scatter
-        };
-        self.poles().into_iter().zip(before.poles()).all(near)
-    }
-
-    /// Correction that aligns an FRF of a run from its individual pole to the mean, at one
-    /// frequency, rad/s.
-    fn correction(&self, shape: LineShape, (f, run): (usize, usize), omega: f64) -> Complex64 {
-        let pole = |lambda: Complex64| shape.pole(omega, lambda);
-        let (a, lambda) = (self.residues[f], self.lambda);
-        let run_pole = lambda + self.shifts[run];
-        a * (pole(lambda) - pole(run_pole))
-            + a.conj() * (pole(lambda.conj()) - pole(run_pole.conj()))
-    }
-}
-
 /// Groups of the poles around each strong one, within a number of half-power bandwidths or a
 /// fraction of the frequency, the strong one first.
-fn groups(model_poles: &[ModelPole], (widths, part): (f64, f64)) -> Vec<Vec<usize>> {
+fn groups(model_poles: &[ModelPole], bandwidths: f64, fraction: f64) -> Vec<Vec<usize>> {
     let strength = |j: &usize| model_poles[*j].quality.significance();
     let mut order: Vec<usize> = (0..model_poles.len()).collect();
     order.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
@@ -544,7 +484,7 @@ fn groups(model_poles: &[ModelPole], (widths, part): (f64, f64)) -> Vec<Vec<usiz
     for j in order {
         let same = |group: &&mut Vec<usize>| {
             let strong = &model_poles[group[0]];
-            let reach = (widths * strong.width()).max(part * strong.lambda.im);
+            let reach = (bandwidths * strong.width()).max(fraction * strong.lambda.im);
             (model_poles[j].lambda.im - strong.lambda.im).abs() < reach
         };
         match groups.iter_mut().find(same) {
@@ -558,12 +498,14 @@ fn groups(model_poles: &[ModelPole], (widths, part): (f64, f64)) -> Vec<Vec<usiz
 /// Poles of the other groups in a run: shifted where that is estimated, else the poles of the fit.
 fn poles_of_other_groups(
     model_poles: &[ModelPole],
-    (groups, moved): (&[Vec<usize>], &[Option<Poles>]),
-    (excluded, run): (usize, usize),
+    groups: &[Vec<usize>],
+    shifted: &[Option<Poles>],
+    excluded: usize,
+    run: usize,
 ) -> Vec<Complex64> {
     let others = (0..groups.len()).filter(|group| *group != excluded);
     let poles = |index: usize| -> Vec<Complex64> {
-        match &moved[index] {
+        match &shifted[index] {
             Some(poles) => poles.iter().map(|poles| poles[run]).collect(),
             None => groups[index]
                 .iter()

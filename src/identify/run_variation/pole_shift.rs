@@ -50,14 +50,14 @@ struct Path {
 }
 
 impl Resonance<'_> {
-    /// The FRFs of each run, with the poles `beside` fitted as well.
+    /// The FRFs of each run, with the `other_poles` fitted as well.
     pub fn runs<'a>(
         &'a self,
         runs: &'a [Vec<usize>],
         other_poles: impl Fn(usize) -> Vec<Complex64>,
     ) -> Vec<Run<'a>> {
         (0..runs.len())
-            .map(|run| Run::new(self, (self.values(), &runs[run]), &other_poles(run)))
+            .map(|run| Run::new(self, self.values(), &runs[run], &other_poles(run)))
             .collect()
     }
 

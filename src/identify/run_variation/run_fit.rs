@@ -139,7 +139,8 @@ impl RunFit {
 impl<'a> Run<'a> {
     pub fn new(
         resonance: &'a Resonance<'a>,
-        (values, functions): (&ComplexMatrix, &'a [usize]),
+        values: &ComplexMatrix,
+        functions: &'a [usize],
         other_poles: &[Complex64],
     ) -> Self {
         let others = resonance.basis(other_poles);
@@ -201,7 +202,7 @@ impl<'a> Run<'a> {
         let mut by_two = 0.0;
         for (index, i) in places.iter().enumerate() {
             for j in &places[index + 1..] {
-                let energy = explained_by_two((&products, &power), (*i, *j));
+                let energy = explained_by_two(&products, &power, *i, *j);
                 if let Some(energy) = energy.filter(|energy| *energy > by_two) {
                     (two, by_two) = (Some(vec![trial_poles[*i], trial_poles[*j]]), energy);
                 }
@@ -257,8 +258,10 @@ impl<'a> Run<'a> {
 /// Energy that two profiles explain, `tr(G⁻¹ P)` of their products G with each other and P with the
 /// values; `None` where they are hardly independent.
 fn explained_by_two(
-    (products, power): (&ComplexMatrix, &ComplexMatrix),
-    (i, j): (usize, usize),
+    products: &ComplexMatrix,
+    power: &ComplexMatrix,
+    i: usize,
+    j: usize,
 ) -> Option<f64> {
     let (a, b) = (products[(i, i)].re, products[(j, j)].re);
     let determinant = a * b - products[(i, j)].norm_sqr();
@@ -296,11 +299,11 @@ mod tests {
             .unwrap()
             .q;
         let expected = (basis.adjoint() * &values).squared_norm_l2();
-        let energy = explained_by_two((&products, &power), (0, 1)).expect("they differ");
+        let energy = explained_by_two(&products, &power, 0, 1).expect("they differ");
         assert!(
             (energy / expected - 1.0).abs() < 1e-12,
             "{energy} {expected}"
         );
-        assert_eq!(explained_by_two((&products, &power), (0, 2)), None);
+        assert_eq!(explained_by_two(&products, &power, 0, 2), None);
     }
 }
