@@ -46,11 +46,7 @@ impl Lines {
     /// Transforms for equations up to an order.
     pub fn transformed(&self, order: usize) -> Transformed {
         let whole = 0..self.data.lines();
-        Transformed(Transforms::new(
-            &self.data,
-            &self.sides,
-            (whole, order, &[]),
-        ))
+        Transformed(Transforms::new(&self.data, &self.sides, whole, order, &[]))
     }
 }
 

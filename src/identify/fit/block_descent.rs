@@ -70,7 +70,7 @@ pub(in crate::identify) fn refine(
     (data, sides): (&BandFrfs, &FrfMatrix),
     windows: &mut Vec<CompressedBand>,
     mut roots: Vec<ModelPole>,
-    (limits, stop): ((f64, f64), Convergence),
+    (limits, stop): ([f64; 2], Convergence),
 ) -> Vec<ModelPole> {
     let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
@@ -180,7 +180,7 @@ pub(in crate::identify) fn mark_unconverged(roots: &mut [ModelPole]) {
     }
 }
 
-fn is_in_range(root: &ModelPole, (lo, hi): (f64, f64)) -> bool {
+fn is_in_range(root: &ModelPole, [lo, hi]: [f64; 2]) -> bool {
     let lambda = root.lambda;
     lambda.is_finite() && lambda.re < 0.0 && lambda.im > lo && lambda.im < hi
 }

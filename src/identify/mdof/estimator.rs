@@ -72,8 +72,8 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
             self.options,
         );
         fit.fixed = true;
-        let on = (&fit.data, &fit.sides);
-        let stable = stabilise_weighted(&self.method, on, (&found, fit.limits()))?;
+        let limits = fit.limits();
+        let stable = stabilise_weighted(&self.method, &fit.data, &fit.sides, &found, limits)?;
         fit.roots = model_poles(&stable.seeds, fit.data.functions());
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();

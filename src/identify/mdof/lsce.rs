@@ -80,12 +80,14 @@ impl MultiModeMethod for ComplexExponentials {
 
     fn segments(
         &self,
-        (data, frf_matrix): (&BandFrfs, &FrfMatrix),
-        (found, _): (&DetectedPeaks, &[Complex64]),
+        data: &BandFrfs,
+        frf_matrix: &FrfMatrix,
+        found: &DetectedPeaks,
+        _weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         let segments = split_band(data, |end| {
-            let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
-            let responses = Responses::new((data, frf_matrix), 0..end);
+            let top = highest_order(end, found, frf_matrix.inputs, self.max_order);
+            let responses = Responses::new(data, frf_matrix, 0..end);
             if !responses.has_enough_samples() {
                 return Ok(Vec::new());
             }
@@ -115,12 +117,12 @@ struct Responses {
 }
 
 impl Responses {
-    fn new((data, frf_matrix): (&BandFrfs, &FrfMatrix), lines: Range<usize>) -> Self {
+    fn new(data: &BandFrfs, frf_matrix: &FrfMatrix, lines: Range<usize>) -> Self {
         let count = lines.len();
         let points = circle_points(count, 0);
         let plan = ComplexPlan::inverse(points);
         let edge = ((EDGE_FRACTION * count as f64).round() as usize).max(1);
-        let levels = levels((data, frf_matrix), &lines);
+        let levels = levels(data, frf_matrix, &lines);
         let response = |f: usize| {
             let value =
                 |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / levels[f]);
@@ -148,7 +150,7 @@ impl Responses {
         self.first + MIN_SAMPLES_PER_ORDER + BLOCK_SAMPLES <= self.samples[0].len() / 2
     }
 
-    /// Reduced normal reduced_equations of the recurrence up to an order.
+    /// Reduced normal equations of the recurrence up to an order.
     fn reduced_equations(
         &self,
         frf_matrix: &FrfMatrix,
@@ -172,8 +174,10 @@ impl Responses {
             (0..frf_matrix.inputs).map(|p| sum[(p, p)].re).sum::<f64>() / frf_matrix.inputs as f64;
         Ok(Lscf::of_reduced(
             &sum,
-            (frf_matrix.inputs, order),
-            (scale, self.plane),
+            frf_matrix.inputs,
+            order,
+            scale,
+            self.plane,
         )?)
     }
 
@@ -233,7 +237,7 @@ impl Responses {
 /// Divisor of each FRF: one noise level for all inputs of an output, the root of the inverse of
 /// their mean precision. One level per FRF would change the participation factors from output to
 /// output, which share one recurrence.
-fn levels((data, frf_matrix): (&BandFrfs, &FrfMatrix), lines: &Range<usize>) -> Vec<f64> {
+fn levels(data: &BandFrfs, frf_matrix: &FrfMatrix, lines: &Range<usize>) -> Vec<f64> {
     let mut levels = vec![1.0; data.functions()];
     for output in &frf_matrix.outputs {
         let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());

@@ -53,15 +53,19 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
 
     fn segments(
         &self,
-        (data, frf_matrix): (&BandFrfs, &FrfMatrix),
-        (found, weight_poles): (&DetectedPeaks, &[Complex64]),
+        data: &BandFrfs,
+        frf_matrix: &FrfMatrix,
+        found: &DetectedPeaks,
+        weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         split_band(data, |end| {
-            let top = highest_order((end, found), frf_matrix.inputs, self.max_order);
+            let top = highest_order(end, found, frf_matrix.inputs, self.max_order);
             Lscf::new(&Transforms::new(
                 data,
                 frf_matrix,
-                (0..end, top, weight_poles),
+                0..end,
+                top,
+                weight_poles,
             ))?
             .tables()
         })
@@ -70,7 +74,8 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
 
 /// Highest order of an estimate from the lines below `end`: as stated, or by the number of peaks.
 pub(in crate::identify) fn highest_order(
-    (end, found): (usize, &DetectedPeaks),
+    end: usize,
+    found: &DetectedPeaks,
     inputs: usize,
     stated: Option<usize>,
 ) -> usize {

@@ -52,7 +52,9 @@ impl Transforms {
     pub fn new(
         data: &BandFrfs,
         frf_matrix: &FrfMatrix,
-        (lines, order, weight_poles): (Range<usize>, usize, &[Complex64]),
+        lines: Range<usize>,
+        order: usize,
+        weight_poles: &[Complex64],
     ) -> Self {
         let plan = ComplexPlan::inverse(circle_points(lines.len(), 2 * order + 2));
         let step_s = std::f64::consts::TAU / (plan.len() as f64 * data.step);
@@ -234,7 +236,7 @@ mod tests {
         let set = Structure { modes }.measured(&how);
         let data = BandFrfs::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
         let (frf_matrix, order) = (FrfMatrix::new(set.functions()), 4);
-        let transforms = Transforms::new(&data, &frf_matrix, (0..data.lines(), order, &[]));
+        let transforms = Transforms::new(&data, &frf_matrix, 0..data.lines(), order, &[]);
         let z = |k: usize, lag: i32| {
             let angle = (data.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;
             Complex64::from_polar(1.0, angle * f64::from(lag))

@@ -90,7 +90,7 @@ impl Lscf {
         }
         let diagonal = (0..m).map(|p| transforms.products[p * m + p].at(0, 0).re);
         let scale = diagonal.sum::<f64>() / m as f64;
-        Self::of_reduced(&sum, (m, order), (scale, transforms.plane))
+        Self::of_reduced(&sum, m, order, scale, transforms.plane)
     }
 
     /// The denominators of reduced normal equations `M` of the coefficients `A_0` to `A_n`, square
@@ -101,8 +101,10 @@ impl Lscf {
     /// [`LinalgError::NotPositiveDefinite`].
     pub fn of_reduced(
         sum: &ComplexMatrix,
-        (inputs, order): (usize, usize),
-        (scale, plane): (f64, ZPlane),
+        inputs: usize,
+        order: usize,
+        scale: f64,
+        plane: ZPlane,
     ) -> Result<Self, LinalgError> {
         let free = order * inputs;
         let matrix = linalg::complex_matrix(free, free, |i, j| sum[(inputs + i, inputs + j)]);
@@ -147,8 +149,8 @@ impl Lscf {
     /// # Errors
     /// [`LinalgError::NotConverged`].
     fn poles(&self, order: usize) -> Result<Vec<GlobalPole>, LinalgError> {
-        let (m, n) = (self.inputs, order);
-        let size = m * n;
+        let m = self.inputs;
+        let size = m * order;
         let block = linalg::complex_matrix(size, size, |i, j| self.lower[(i, j)]);
         let right = linalg::complex_matrix(size, m, |i, j| self.right[(i, j)]);
         // Block j - 1 is A_j; A_0 = I.
@@ -173,7 +175,7 @@ impl Lscf {
             .map(|inverse| {
                 let z = inverse.inv();
                 let lambda = z.ln() / self.plane.step_s + Complex64::new(0.0, self.plane.omega_0);
-                let participation = participation(&a, (m, n), z)?;
+                let participation = participation(&a, z)?;
                 Ok(GlobalPole {
                     lambda: self.plane.unwrapped(lambda),
                     participation,
@@ -202,13 +204,10 @@ fn factor(matrix: &ComplexMatrix, scale: f64) -> Result<ComplexMatrix, LinalgErr
     }
 }
 
-/// Participation factors of a pole: the left vector of `A(z)` for its smallest singular value, `Lᵀ
-/// A(z) = 0`.
-fn participation(
-    a: &ComplexMatrix,
-    (m, n): (usize, usize),
-    z: Complex64,
-) -> Result<Vec<Complex64>, LinalgError> {
+/// Participation factors of a pole from the blocks `A_1` to `A_n`: the left vector of `A(z)` for
+/// its smallest singular value, `Lᵀ A(z) = 0`.
+fn participation(a: &ComplexMatrix, z: Complex64) -> Result<Vec<Complex64>, LinalgError> {
+    let m = a.ncols();
     if m == 1 {
         return Ok(vec![Complex64::ONE]);
     }
@@ -220,7 +219,7 @@ fn participation(
         }
     });
     let mut power = Complex64::ONE;
-    for block in 0..n {
+    for block in 0..a.nrows() / m {
         power *= z;
         for i in 0..m {
             for j in 0..m {

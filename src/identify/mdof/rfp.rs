@@ -77,8 +77,10 @@ impl MultiModeMethod for RationalFractions {
 
     fn segments(
         &self,
-        (data, _): (&BandFrfs, &FrfMatrix),
-        (found, weight_poles): (&DetectedPeaks, &[Complex64]),
+        data: &BandFrfs,
+        _frf_matrix: &FrfMatrix,
+        found: &DetectedPeaks,
+        weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         let indicator = DetectionSpectrum::new(data);
         let tops: Vec<f64> = found.peaks.iter().map(|p| data.omega[p.line]).collect();
@@ -96,7 +98,7 @@ impl MultiModeMethod for RationalFractions {
             Ok(BandSegment {
                 from_rad_s: middle(before).unwrap_or(0.0),
                 to_rad_s: middle(tops.get(j + 1)).unwrap_or(f64::INFINITY),
-                tables: window.tables(data, (peaks, highest))?,
+                tables: window.tables(data, peaks, highest)?,
             })
         };
         let peaks: Vec<(usize, &peak_detection::Peak)> = found.peaks.iter().enumerate().collect();
@@ -133,12 +135,8 @@ impl Window {
         let (center, half) = (0.5 * (first + last), 0.5 * (last - first));
         let x: Vec<f64> = omega.iter().map(|w| (w - center) / half).collect();
         let inside = |pole: &&Complex64| pole.im > first && pole.im < last;
-        let pole_noise_factor = |pole: &Complex64| (-Complex64::I * pole - center) / half;
-        let weight_poles: Vec<Complex64> = weight_poles
-            .iter()
-            .filter(inside)
-            .map(pole_noise_factor)
-            .collect();
+        let to_x = |pole: &Complex64| (-Complex64::I * pole - center) / half;
+        let weight_poles: Vec<Complex64> = weight_poles.iter().filter(inside).map(to_x).collect();
         let product = |x: &f64| {
             weight_poles
                 .iter()
@@ -159,7 +157,8 @@ impl Window {
     fn tables(
         &self,
         data: &BandFrfs,
-        (lowest, highest): (usize, usize),
+        lowest: usize,
+        highest: usize,
     ) -> Result<Vec<OrderPoles>, IdentifyError> {
         let max_order =
             (self.x.len() / MIN_LINES_PER_UNKNOWN).saturating_sub(EXTRA_NUMERATOR_DEGREES) / 2;

@@ -39,15 +39,17 @@ pub(in crate::identify) trait MultiModeMethod: Send + Sync {
     /// Whether given poles change the weight of its lines.
     fn weights_lines(&self) -> bool;
 
-    /// Poles over rising orders, by segments of the band; the lines may be weighted by given poles,
-    /// rad/s.
+    /// Poles over rising orders, by segments of the band; the lines are weighted by
+    /// `weight_poles`, rad/s, where there are any.
     ///
     /// # Errors
     /// [`IdentifyError::Linalg`] when a matrix problem has no answer.
     fn segments(
         &self,
-        on: (&BandFrfs, &FrfMatrix),
-        with: (&DetectedPeaks, &[Complex64]),
+        data: &BandFrfs,
+        frf_matrix: &FrfMatrix,
+        found: &DetectedPeaks,
+        weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError>;
 }
 
@@ -76,18 +78,21 @@ pub(in crate::identify) fn rising_orders(highest: usize) -> Vec<usize> {
     (lowest..=highest).step_by(stride).collect()
 }
 
-/// Stable poles of a method within limits, rad/s; the lines may be weighted by given poles.
+/// Stable poles of a method within limits of frequency, rad/s; the lines are weighted by
+/// `weight_poles`, where there are any.
 ///
 /// # Errors
-/// As [`MultiModeMethod::parts`].
+/// As [`MultiModeMethod::segments`].
 pub(in crate::identify) fn stabilise(
     method: &dyn MultiModeMethod,
-    on: (&BandFrfs, &FrfMatrix),
-    (found, limits, weight_poles): (&DetectedPeaks, (f64, f64), &[Complex64]),
+    data: &BandFrfs,
+    frf_matrix: &FrfMatrix,
+    found: &DetectedPeaks,
+    limits: [f64; 2],
+    weight_poles: &[Complex64],
 ) -> Result<StablePoles, IdentifyError> {
-    let data = on.0;
     let (mut seeds, mut poles) = (Vec::new(), Vec::new());
-    for segment in method.segments(on, (found, weight_poles))? {
+    for segment in method.segments(data, frf_matrix, found, weight_poles)? {
         let tables: Vec<OrderPoles> = segment
             .tables
             .into_iter()
@@ -121,13 +126,15 @@ pub(in crate::identify) fn stabilise(
 /// poles before: each pole moves to the matching one of the new estimate.
 ///
 /// # Errors
-/// As [`MultiModeMethod::parts`].
+/// As [`MultiModeMethod::segments`].
 pub(in crate::identify) fn stabilise_weighted(
     method: &dyn MultiModeMethod,
-    on: (&BandFrfs, &FrfMatrix),
-    (found, limits): (&DetectedPeaks, (f64, f64)),
+    data: &BandFrfs,
+    frf_matrix: &FrfMatrix,
+    found: &DetectedPeaks,
+    limits: [f64; 2],
 ) -> Result<StablePoles, IdentifyError> {
-    let mut stable = stabilise(method, on, (found, limits, &[]))?;
+    let mut stable = stabilise(method, data, frf_matrix, found, limits, &[])?;
     let rounds = if method.weights_lines() {
         WEIGHTED_ROUNDS
     } else {
@@ -136,7 +143,7 @@ pub(in crate::identify) fn stabilise_weighted(
     for _ in 0..rounds {
         let weight_poles: Vec<Complex64> =
             stable.seeds.iter().map(|seed| seed.pole.lambda).collect();
-        let again = stabilise(method, on, (found, limits, &weight_poles))?;
+        let again = stabilise(method, data, frf_matrix, found, limits, &weight_poles)?;
         stable.seeds = stable
             .seeds
             .into_iter()
@@ -203,7 +210,7 @@ pub(in crate::identify) fn mark_selected(table: &mut PoleTable) {
     }
 }
 
-fn poles_inside(data: &BandFrfs, poles: Vec<GlobalPole>, (lo, hi): (f64, f64)) -> Vec<GlobalPole> {
+fn poles_inside(data: &BandFrfs, poles: Vec<GlobalPole>, [lo, hi]: [f64; 2]) -> Vec<GlobalPole> {
     let widest = WIDEST * data.range();
     let is_inside = |pole: &GlobalPole| {
         let inside = pole.lambda.im > lo && pole.lambda.im < hi;

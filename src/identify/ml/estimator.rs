@@ -302,8 +302,8 @@ impl PoleModel {
         method: &dyn MultiModeMethod,
         found: &DetectedPeaks,
     ) -> Result<Vec<ModelPole>, IdentifyError> {
-        let frfs = (&self.data, &self.sides);
-        let stabilisation = stabilise(method, frfs, (found, self.limits(), &[]))?;
+        let limits = self.limits();
+        let stabilisation = stabilise(method, &self.data, &self.sides, found, limits, &[])?;
         self.listing.extend(stabilisation.poles);
         Ok(model_poles(&stabilisation.seeds, self.data.functions()))
     }

@@ -86,10 +86,11 @@ impl PoleModel {
         }
     }
 
-    pub fn limits(&self) -> (f64, f64) {
+    /// Range of the frequencies of poles, rad/s.
+    pub fn limits(&self) -> [f64; 2] {
         let outside = POLE_MARGIN_OVER_BAND * self.data.range();
         let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
-        ((first - outside).max(0.5 * first), last + outside)
+        [(first - outside).max(0.5 * first), last + outside]
     }
 
     pub fn refine(&mut self, stop: Convergence) {
