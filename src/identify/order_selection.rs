@@ -150,7 +150,7 @@ pub fn support(
 ) -> Result<OrderSelection, IdentifyError> {
     let mut data = BandFrfs::new(set, band)?;
     let identified = identified_poles(identification, set.added_damping_rad_s);
-    let others = other_stable_poles(identification, (set.added_damping_rad_s, band), &identified);
+    let others = other_stable_poles(identification, set.added_damping_rad_s, band, &identified);
     // The residual of the identified poles gives the noise level and its line correlation.
     let mut first = Fitted::new(&data);
     for lambda in &identified {
@@ -228,7 +228,8 @@ fn identified_poles(identification: &Identification, added_damping_rad_s: f64) -
 /// each at least a decay rate from the others and from the identified poles.
 fn other_stable_poles(
     identification: &Identification,
-    (added_damping_rad_s, band): (f64, Band),
+    added_damping_rad_s: f64,
+    band: Band,
     identified: &[Complex64],
 ) -> Vec<Complex64> {
     let stable = identification.stabilization.iter();

@@ -62,11 +62,11 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
             }
         };
         let table = PairTable::complete(set.functions());
-        let fitted = (resonances.as_slice(), residues.as_slice());
         let valid = set.valid_band;
         let highest_rad_s = valid.map_or(f64::INFINITY, |band| TAU * band.hi_hz);
-        let table = (table.as_ref(), highest_rad_s);
-        let verdicts = findings::verdicts(&data, &found, fitted, table)?;
+        let table = table.as_ref();
+        let verdicts =
+            findings::verdicts(&data, &found, &resonances, &residues, table, highest_rad_s)?;
         let context = findings::Context {
             set,
             data: &data,
@@ -98,7 +98,7 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
             let (poles, residues) = update_residues(data, &mut resonances);
             resonances = (0..resonances.len())
                 .into_par_iter()
-                .map(|j| self.refit(data, (&poles, &residues), &resonances, j))
+                .map(|j| self.refit(data, &poles, &residues, &resonances, j))
                 .collect();
         }
         let (_, residues) = update_residues(data, &mut resonances);
@@ -108,12 +108,14 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
     fn refit(
         &self,
         data: &BandFrfs,
-        (poles, residues): (&[Complex64], &[Vec<Complex64>]),
+        poles: &[Complex64],
+        residues: &[Vec<Complex64>],
         resonances: &[Resonance],
         mode: usize,
     ) -> Resonance {
         let mut resonance = resonances[mode].clone();
-        let lines = window(data, poles, mode, self.method.window());
+        let (half_bandwidths, min_side_lines) = self.method.window();
+        let lines = window(data, poles, mode, half_bandwidths, min_side_lines);
         let isolated = Isolated {
             omega: &data.omega[lines.clone()],
             values: residues::remainder(data, poles, residues, (&[mode], lines.clone())),
@@ -155,7 +157,8 @@ fn update_residues(
             data,
             &poles,
             j,
-            (RESIDUE_HALF_WINDOW_BANDWIDTHS, MIN_RESIDUE_SIDE_LINES),
+            RESIDUE_HALF_WINDOW_BANDWIDTHS,
+            MIN_RESIDUE_SIDE_LINES,
         );
     }
     let windows: Vec<Range<usize>> = resonances.iter().map(|r| r.lines.clone()).collect();
@@ -199,14 +202,15 @@ fn window(
     data: &BandFrfs,
     poles: &[Complex64],
     mode: usize,
-    (half_width, min_side_lines): (f64, usize),
+    half_bandwidths: f64,
+    min_side_lines: usize,
 ) -> Range<usize> {
     let lambda = poles[mode];
     let others = poles.iter().enumerate().filter(|(j, _)| *j != mode);
     let gap = |(_, other): (usize, &Complex64)| 0.5 * (other.im - lambda.im).abs();
     let half_width = others
         .map(gap)
-        .fold(half_width * 2.0 * lambda.re.abs(), f64::min);
+        .fold(half_bandwidths * 2.0 * lambda.re.abs(), f64::min);
     let side = ((half_width / data.step).ceil() as usize).max(min_side_lines);
     let top = ((lambda.im - data.omega[0]) / data.step).round().max(0.0) as usize;
     let top = top.min(data.lines() - 1);

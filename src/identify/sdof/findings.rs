@@ -65,8 +65,10 @@ pub(in crate::identify) struct SdofVerdict {
 pub(in crate::identify) fn verdicts(
     data: &BandFrfs,
     found: &DetectedPeaks,
-    (resonances, residues): (&[Resonance], &[Vec<Complex64>]),
-    (table, highest_rad_s): (Option<&PairTable>, f64),
+    resonances: &[Resonance],
+    residues: &[Vec<Complex64>],
+    table: Option<&PairTable>,
+    highest_rad_s: f64,
 ) -> Result<Vec<SdofVerdict>, IdentifyError> {
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
     let verdict = |mode: usize| {
@@ -87,10 +89,11 @@ pub(in crate::identify) fn verdicts(
             .collect();
         let shape = single_mode_test::second_shape(&isolated, &variance)?;
         let pole = single_mode_test::second_pole(
-            data,
-            &resonances[mode],
+            &data.omega[lines.clone()],
+            poles[mode],
             mode_residues,
-            (&isolated, &variance),
+            &isolated,
+            &variance,
         );
         let residues = match shape {
             Some(_) => {

@@ -20,9 +20,7 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, LinalgError};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::peak_detection::noise_limit;
-use crate::identify::sdof::single_mode_method::Resonance;
 
 /// Maximum ratio of the second to the first singular value that modes far outside the band explain.
 const MAX_SINGULAR_VALUE_RATIO: f64 = 0.02;
@@ -102,17 +100,17 @@ fn without_line(row: &[Complex64]) -> Vec<Complex64> {
 /// Root mean square residual of one pole over the peak where it exceeds its limit; `None` below,
 /// and with too few lines for the test.
 pub(in crate::identify) fn second_pole(
-    data: &BandFrfs,
-    resonance: &Resonance,
+    omega: &[f64],
+    lambda: Complex64,
     residues: &[Complex64],
-    (values, variance): (&[Vec<Complex64>], &[f64]),
+    values: &[Vec<Complex64>],
+    variance: &[f64],
 ) -> Option<Excess> {
     const COLUMNS: usize = 5;
-    let omega = &data.omega[resonance.lines.clone()];
     if omega.len() < COLUMNS + 3 {
         return None;
     }
-    let (lambda, decay) = (resonance.lambda, -resonance.lambda.re);
+    let decay = -lambda.re;
     let span = omega[omega.len() - 1] - omega[0];
     let columns = linalg::complex_matrix(omega.len(), COLUMNS, |i, c| {
         let pole = decay / (Complex64::new(0.0, omega[i]) - lambda);
