@@ -20,7 +20,8 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combined};
 use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
-use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
+use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::gauss_newton::{Block, Fitted, Unknown, fit};
 
 /// Half length of the lines of a block, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 20.0;

@@ -25,7 +25,7 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
-use crate::identify::fit::gauss_newton::FitContext;
+use crate::identify::fit::fit_context::FitContext;
 use crate::identify::fit::variable_projection::Compressed;
 use crate::identify::noise::band_profile::BandProfile;
 

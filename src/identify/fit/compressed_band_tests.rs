@@ -8,7 +8,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
-use crate::identify::fit::gauss_newton::FitContext;
+use crate::identify::fit::fit_context::FitContext;
 use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;

@@ -27,10 +27,10 @@ use rayon::prelude::*;
 use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::band_frfs::BandFrfs;
-use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_allowed_pole};
 use crate::identify::data::residual::courses;
 use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
+use crate::identify::fit::fit_context::FitContext;
 use crate::identify::fit::mode_strength::{Strength, Strengths};
 use crate::identify::fit::shape_covariance::ShapeCovariance;
 use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
@@ -78,19 +78,6 @@ pub(in crate::identify) struct Fitted {
     /// The next Gauss-Newton step, by unknown, poles in decay rates; only for a fit of the residues
     /// alone.
     pub next: Vec<Complex64>,
-}
-
-/// Data and poles around a block.
-pub(in crate::identify) struct FitContext<'a> {
-    pub data: &'a BandFrfs,
-    pub sides: &'a FrfMatrix,
-    /// All poles, and their residues.
-    pub roots: &'a [ModelPole],
-    pub residues: &'a ComplexMatrix,
-    /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
-    pub far: Option<&'a ComplexMatrix>,
-    /// Whether all poles have converged and the shapes need standard deviations.
-    pub last: bool,
 }
 
 /// Fits a block with at most `steps` steps; with none, the residues alone. The compressed band is
