@@ -83,7 +83,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();
         fit.refine_and_prune(Convergence::Coarse);
-        fit.doubt();
+        fit.reject_spurious_poles();
         let mut table = fit.table(set, band, &found, &[]);
         let references = set.references().len();
         for candidate in &mut table.candidates {

@@ -162,7 +162,7 @@ impl MaximumLikelihood {
             let found =
                 peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
             let mut fit = PoleModel::new(data, sides, self.options);
-            fit.first_roots(&found)?;
+            fit.fit_initial_poles(&found)?;
             fit.moved = moved.clone();
             let changed = moved.update_from_fit(&fit.data, &fit.roots);
             fits.push((fit, found));
@@ -188,11 +188,11 @@ impl PoleModel {
     /// Many references allow few orders, and a repeated pole then appears as fewer poles than it
     /// has modes. Where the residual of the poles of all references exceeds the noise, the FRFs are
     /// also fitted as outputs of one input.
-    fn first_roots(&mut self, found: &DetectedPeaks) -> Result<(), IdentifyError> {
+    fn fit_initial_poles(&mut self, found: &DetectedPeaks) -> Result<(), IdentifyError> {
         let lscf = LeastSquaresComplexFrequency {
             max_order: self.options.max_order,
         };
-        let seeds = self.stable_roots(&lscf, found)?;
+        let seeds = self.stable_poles(&lscf, found)?;
         let has_several_inputs = self.sides.inputs > 1;
         let noise = has_several_inputs.then(|| self.data.noise());
         self.roots = seeds.clone();
@@ -220,7 +220,7 @@ impl PoleModel {
     ) -> Result<(), IdentifyError> {
         let one = self.sides.as_one_input();
         let sides = std::mem::replace(&mut self.sides, one);
-        self.roots = distinct_poles(&[by_inputs.clone(), self.stable_roots(lscf, found)?].concat());
+        self.roots = distinct_poles(&[by_inputs.clone(), self.stable_poles(lscf, found)?].concat());
         self.refine_and_prune(Convergence::Coarse);
         if !self.data.variance_measured() {
             self.estimate_noise();
@@ -259,7 +259,7 @@ impl PoleModel {
     /// Rejects spurious poles and refines the others to convergence, with their standard
     /// deviations.
     pub fn complete(&mut self) {
-        self.doubt();
+        self.reject_spurious_poles();
         self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
         self.add_noise_model_uncertainty();
@@ -297,7 +297,7 @@ impl PoleModel {
         }
     }
 
-    fn stable_roots(
+    fn stable_poles(
         &mut self,
         method: &dyn MultiModeMethod,
         found: &DetectedPeaks,

@@ -254,10 +254,11 @@ pub(in crate::identify) enum RejectionPolicy {
 }
 
 /// Reason to reject a pole, if there is one.
-pub(in crate::identify) fn doubt(
+pub(in crate::identify) fn rejection_reason(
     poles: &[ModelPole],
     pole_metrics: &[PoleMetrics],
-    (j, policy): (usize, RejectionPolicy),
+    j: usize,
+    policy: RejectionPolicy,
 ) -> Option<Rejection> {
     let (pole, metrics) = (&poles[j], &pole_metrics[j]);
     let strict = policy == RejectionPolicy::Strict;

@@ -6,7 +6,7 @@ use crate::identify::pole_model::PoleModel;
 use crate::identify::pole_model::acceptance::{MAX_POLE_STD_OVER_DECAY_RATE, remove_or_reduce};
 use crate::identify::pole_model::findings::{DropReason, Dropped};
 use crate::identify::pole_model::pole_metrics::{
-    Rejection, RejectionPolicy, doubt, phases_scatter, residual_chi_square,
+    Rejection, RejectionPolicy, phases_scatter, rejection_reason, residual_chi_square,
 };
 
 /// Maximum rounds of rejection.
@@ -23,14 +23,14 @@ const MIN_CHI_SQUARE_INCREASE: f64 = 10.0;
 const RETEST_BANDWIDTHS: f64 = 2.0;
 
 impl PoleModel {
-    /// Removes spurious poles above the noise, the weakest first: see [`doubt`].
+    /// Removes spurious poles above the noise, the weakest first: see [`rejection_reason`].
     ///
     /// Where the model fits the data, poles are flagged once, with all poles in the model: without
     /// one of them the others fit the data less. Where the model misfits the data at several poles,
     /// all poles are tested again in each round. Where phases scatter, a part of the rejected poles
     /// is removed at a time, as the contribution of the remaining ones rises, and the residual
     /// counts as noise.
-    pub fn doubt(&mut self) {
+    pub fn reject_spurious_poles(&mut self) {
         let rejection_reasons = self.rejection_reasons();
         let policy = if phases_scatter(&self.roots, &self.pole_metrics()) {
             RejectionPolicy::ScatteredPhases
@@ -39,29 +39,29 @@ impl PoleModel {
         } else {
             RejectionPolicy::Standard
         };
-        for (pole, doubt) in self.roots.iter_mut().zip(rejection_reasons) {
-            pole.suspect = policy != RejectionPolicy::Standard || doubt.is_some();
+        for (pole, rejection) in self.roots.iter_mut().zip(rejection_reasons) {
+            pole.suspect = policy != RejectionPolicy::Standard || rejection.is_some();
         }
         for _ in 0..MAX_REJECTION_ROUNDS {
             let pole_metrics = self.pole_metrics();
-            let doubted = |j: usize| {
-                let doubt = doubt(&self.roots, &pole_metrics, (j, policy))?;
-                self.roots[j].suspect.then_some((j, doubt))
+            let rejected = |j: usize| {
+                let rejection = rejection_reason(&self.roots, &pole_metrics, j, policy)?;
+                self.roots[j].suspect.then_some((j, rejection))
             };
             let mut order: Vec<(usize, Rejection)> =
-                (0..self.roots.len()).filter_map(doubted).collect();
+                (0..self.roots.len()).filter_map(rejected).collect();
             order.sort_by(|a, b| {
                 pole_metrics[a.0]
                     .contribution
                     .total_cmp(&pole_metrics[b.0].contribution)
             });
             let mut rejected: Vec<(usize, Rejection)> = Vec::new();
-            for (j, doubt) in order {
+            for (j, rejection) in order {
                 let leans = |(other, _): &(usize, Rejection)| {
                     self.roots[j].separation(&self.roots[*other]) < RETEST_BANDWIDTHS
                 };
                 if !rejected.iter().any(leans) {
-                    rejected.push((j, doubt));
+                    rejected.push((j, rejection));
                 }
             }
             if rejected.is_empty() {
@@ -75,11 +75,11 @@ impl PoleModel {
                 .iter()
                 .map(|(j, _)| (self.roots[*j].clone(), pole_metrics[*j].reduced_chi_square))
                 .collect();
-            for (j, doubt) in rejected {
+            for (j, rejection) in rejected {
                 self.apply(remove_or_reduce(
                     &self.roots,
                     j,
-                    DropReason::Rejected(doubt),
+                    DropReason::Rejected(rejection),
                 ));
             }
             self.roots.retain(|pole| !pole.parts.is_empty());
@@ -156,7 +156,7 @@ impl PoleModel {
     pub fn rejection_reasons(&self) -> Vec<Option<Rejection>> {
         let pole_metrics = self.pole_metrics();
         (0..self.roots.len())
-            .map(|j| doubt(&self.roots, &pole_metrics, (j, RejectionPolicy::Standard)))
+            .map(|j| rejection_reason(&self.roots, &pole_metrics, j, RejectionPolicy::Standard))
             .collect()
     }
 
@@ -166,7 +166,7 @@ impl PoleModel {
         let misses = rejection_reasons
             .iter()
             .flatten()
-            .filter(|doubt| doubt.is_misfit());
+            .filter(|rejection| rejection.is_misfit());
         misses.count() >= MIN_REJECTIONS_MISFIT.max(self.roots.len() / 10)
             || phases_scatter(&self.roots, &self.pole_metrics())
     }
