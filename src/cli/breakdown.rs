@@ -37,7 +37,7 @@ pub fn breakdown(
     spec.table.draws = args.draws.or(spec.table.draws);
     let plan = spec.table.plan().map_err(StudyError::from)?;
     let part = args.cells.unwrap_or(Part::WHOLE);
-    let finished = finished(args, (&plan, part), output)?;
+    let finished = finished(args, &plan, part, output)?;
     for name in &finished.outdated {
         output.text(&format!(
             "{name}: the kept cells are of another spec; computed again"
@@ -89,7 +89,8 @@ pub fn breakdown(
 
 fn finished(
     args: &BreakdownArgs,
-    (plan, part): (&Plan, Part),
+    plan: &Plan,
+    part: Part,
     output: &Output,
 ) -> Result<BreakdownResults, Error> {
     let cells: Box<dyn CellStore + '_> = match &args.output {

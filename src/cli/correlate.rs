@@ -252,7 +252,7 @@ impl Wanted<'_> {
             let all = model.model.coordinate_dofs()?;
             let expanded_modes = expanded(test, &pairing.map, &mass, &all)?;
             let json = modes_to_json(&expanded_modes, None);
-            output.modes(path, (&expanded_modes, &Geometry::default()), &json)?;
+            output.modes(path, &expanded_modes, &Geometry::default(), &json)?;
             expanding = Some(mass);
         }
         if !args.measures && self.reduction.is_none() {
@@ -270,8 +270,13 @@ impl Wanted<'_> {
                 Some(mass) => mass,
                 None => self.mass(dofs, reduction, &columns)?.1,
             };
-            let sides = (test, self.theory);
-            measured.orthogonality = Some(orthogonality(sides, &pairing.map, &mass, &columns)?);
+            measured.orthogonality = Some(orthogonality(
+                test,
+                self.theory,
+                &pairing.map,
+                &mass,
+                &columns,
+            )?);
         }
         Ok(Some(measured))
     }

@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use crate::correlate::{Alignment, DofMap, DofNames, Similarity, align_known, align_nearest};
+use crate::correlate::{
+    Alignment, DofMap, DofNames, LocatedModes, Similarity, align_known, align_nearest,
+};
 use crate::error::Error;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::geometry::Geometry;
@@ -47,12 +49,12 @@ pub fn tied(
     )?;
     let alignment = match &args.align {
         None => None,
-        Some(list) => Some(aligned(list.as_deref(), (first, &theory), tolerance)?),
+        Some(list) => Some(aligned(list.as_deref(), first, &theory, tolerance)?),
     };
     let frame = alignment.as_ref().map(Alignment::similarity);
     let (names, finding) = DofNames::nearest(
-        (&first.modes, &first.geometry),
-        (&theory.modes, &theory.geometry),
+        &located(first),
+        &located(&theory),
         &frame.unwrap_or_else(Similarity::identity),
         tolerance,
     );
@@ -62,6 +64,13 @@ pub fn tied(
         .extend(alignment.as_ref().map(finding_of));
     first.modes.findings.push(finding);
     Ok(named(names, theory, alignment))
+}
+
+fn located(modes: &Theory) -> LocatedModes<'_> {
+    LocatedModes {
+        modes: &modes.modes,
+        geometry: &modes.geometry,
+    }
 }
 
 fn named(names: DofNames, theory: Theory, alignment: Option<Alignment>) -> Tied {
@@ -87,7 +96,8 @@ fn list(path: &Path, argument: &'static str) -> Result<DofNames, Error> {
 /// The test's frame fitted to the theory's by a list of partners, or by the nearest points.
 fn aligned(
     path: Option<&Path>,
-    (test, theory): (&Theory, &Theory),
+    test: &Theory,
+    theory: &Theory,
     tolerance_m: f64,
 ) -> Result<Alignment, Error> {
     let Some(path) = path else {

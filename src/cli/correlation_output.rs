@@ -40,6 +40,30 @@ impl Printed {
             json,
         }
     }
+
+    /// The files at a path: these blocks in the chosen language; CSV, which programs read, in
+    /// English, with a file for each table.
+    fn files(&self, path: &Path, blocks: &[Block]) -> Vec<(PathBuf, String)> {
+        let extension = path
+            .extension()
+            .and_then(|extension| extension.to_str())
+            .unwrap_or("")
+            .to_lowercase();
+        let Some(renderer) = renderer_for_extension(&extension) else {
+            return vec![(path.to_owned(), self.json.clone())];
+        };
+        if renderer.name() != "csv" {
+            return vec![(path.to_owned(), renderer.render(blocks))];
+        }
+        let table = |at: usize| renderer.render(&self.blocks[at..=at]);
+        if let [only] = self.tables.as_slice() {
+            return vec![(path.to_owned(), table(*only))];
+        }
+        let tables = (1..).zip(&self.tables);
+        tables
+            .map(|(number, at)| (numbered(path, number), table(*at)))
+            .collect()
+    }
 }
 
 /// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
@@ -47,8 +71,7 @@ impl Printed {
 pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
     let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
     if let Some(path) = &args.output {
-        let both = (blocks.as_slice(), printed.blocks.as_slice());
-        for (path, text) in files(path, (both, &printed.tables), &printed.json) {
+        for (path, text) in printed.files(path, blocks) {
             output.file(path, text);
         }
     }
@@ -71,31 +94,4 @@ fn formatted(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
         }
     }
     blocks
-}
-
-/// The files of the table: blocks in the chosen language, but CSV, which programs read, in English.
-fn files(
-    path: &Path,
-    ((blocks, english), tables): ((&[Block], &[Block]), &[usize]),
-    json: &str,
-) -> Vec<(PathBuf, String)> {
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or("")
-        .to_lowercase();
-    let Some(renderer) = renderer_for_extension(&extension) else {
-        return vec![(path.to_owned(), json.to_owned())];
-    };
-    if renderer.name() != "csv" {
-        return vec![(path.to_owned(), renderer.render(blocks))];
-    }
-    let table = |at: usize| renderer.render(&english[at..=at]);
-    if let [only] = tables {
-        return vec![(path.to_owned(), table(*only))];
-    }
-    let tables = (1..).zip(tables);
-    tables
-        .map(|(number, at)| (numbered(path, number), table(*at)))
-        .collect()
 }

@@ -77,7 +77,7 @@ pub fn identify(
         for node in &mut geometry.nodes {
             node.displacement_system = None;
         }
-        output.modes(path, (&modes, &geometry), &json)?;
+        output.modes(path, &modes, &geometry, &json)?;
     }
     output.blocks(&[modes_block(&name, &modes)]);
     if let Some(path) = &args.stabilization {

@@ -173,7 +173,8 @@ impl Output {
     pub fn modes(
         &mut self,
         path: &Path,
-        (model, geometry): (&ModalModel, &Geometry),
+        model: &ModalModel,
+        geometry: &Geometry,
         json: &str,
     ) -> Result<(), IoError> {
         let (bytes, lost) = modes_file(path, model, geometry, json)?;

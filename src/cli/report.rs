@@ -37,7 +37,7 @@ const ORDER: &str = "order.json";
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
     let (run, beside) = (stored(&args.folder)?, beside(&args.folder)?);
-    let mut files = pages(&run, &beside, (output.language(), args.png));
+    let mut files = pages(&run, &beside, output.language(), args.png);
     // An update that lacks something is on the page as far as it goes.
     let updated = beside.updated;
     let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
@@ -63,7 +63,8 @@ fn stored(folder: &Path) -> Result<RunReport, Error> {
 pub(super) fn rebuilt(
     folder: &Path,
     updated: &Value,
-    form: (Language, bool),
+    language: Language,
+    png: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     match folder.join(DATA).exists() {
         true => {
@@ -71,7 +72,7 @@ pub(super) fn rebuilt(
                 updated: Some(updated.clone()),
                 ..studies(folder)?
             };
-            Ok(pages(&stored(folder)?, &beside, form))
+            Ok(pages(&stored(folder)?, &beside, language, png))
         }
         false => Ok(Vec::new()),
     }
@@ -97,7 +98,8 @@ fn in_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)
 pub(super) fn report_files(
     scene: &Scene,
     result: &SceneResult,
-    (folder, language): (&Path, Language),
+    folder: &Path,
+    language: Language,
     png: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let frf_file = |index: usize| {
@@ -120,7 +122,7 @@ pub(super) fn report_files(
         provenance,
     };
     let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
-    files.extend(pages(&report, &beside(folder)?, (language, png)));
+    files.extend(pages(&report, &beside(folder)?, language, png));
     Ok(files)
 }
 
@@ -128,7 +130,8 @@ pub(super) fn report_files(
 fn pages(
     report: &RunReport,
     beside: &Beside,
-    (language, png): (Language, bool),
+    language: Language,
+    png: bool,
 ) -> Vec<(String, Vec<u8>)> {
     let page = report_page(report, beside, language);
     let mut files = vec![(PAGE.to_owned(), page.into_bytes())];

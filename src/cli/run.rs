@@ -32,10 +32,11 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         files.extend(report_files(
             &scene,
             &result,
-            (folder, output.language()),
+            folder,
+            output.language(),
             args.png,
         )?);
-        into_folder(folder, files, (&scene, output))?;
+        into_folder(folder, files, &scene, output)?;
     }
     output.translated(&blocks);
     match &result.table {
@@ -56,7 +57,8 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
 pub(super) fn into_folder(
     folder: &Path,
     files: Vec<(String, Vec<u8>)>,
-    (scene, output): (&Scene, &mut Output),
+    scene: &Scene,
+    output: &mut Output,
 ) -> Result<(), Error> {
     let files: Vec<(PathBuf, Vec<u8>)> = files
         .into_iter()

@@ -50,7 +50,7 @@ pub fn theory(
     }
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
-        output.modes(path, (&result.modes, &result.geometry), &json)?;
+        output.modes(path, &result.modes, &result.geometry, &json)?;
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();

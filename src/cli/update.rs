@@ -46,11 +46,12 @@ pub fn update(
             .into_iter()
             .map(|(name, text)| (name, text.into_bytes()))
             .collect();
-        let form = (output.language(), args.png);
-        files.extend(rebuilt(folder, &serde_json::json!(updated), form)?);
+        let updated_json = serde_json::json!(updated);
+        let language = output.language();
+        files.extend(rebuilt(folder, &updated_json, language, args.png)?);
         let synthetic = outcome.tests.iter().any(TestResult::is_synthetic);
         files.extend(update_figures(&updated, synthetic, args.png));
-        into_folder(folder, files, (&scene, output))?;
+        into_folder(folder, files, &scene, output)?;
     }
     output.translated(&blocks);
     output.json(|| json::update_to_json(&outcome));

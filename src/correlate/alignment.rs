@@ -313,7 +313,7 @@ fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
     let from = |starts: Vec<Similarity>, points: &[Vector3]| {
         let runs = starts.into_par_iter();
         let fits: Vec<Option<Alignment>> = runs
-            .map(|start| iterated(start, points, (theory, &tree)))
+            .map(|start| iterated(start, points, theory, &tree))
             .collect();
         let mut fits: Vec<Alignment> = fits.into_iter().flatten().collect();
         fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
@@ -452,7 +452,8 @@ fn starts(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
 fn iterated(
     start: Similarity,
     test: &[Vector3],
-    (theory, tree): (&[Vector3], &PointTree),
+    theory: &[Vector3],
+    tree: &PointTree,
 ) -> Option<Alignment> {
     let mut fit = start;
     let mut partners: Vec<usize> = Vec::new();

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
 
-use super::chance::{ChanceLevel, MIN_DOFS_OF_SHAPE, Setting, effective_part};
+use super::chance::{ChanceLevel, ChanceSetting, MIN_DOFS_OF_SHAPE, effective_dof_fraction};
 use super::global_stiffness_factor::{Unlike, common_factor};
 use super::modal_contribution::{ModalContribution, shares};
 use super::model_roots::{Root, elastic_modes, elastic_roots};
@@ -63,7 +63,7 @@ pub(super) struct CandidateTable {
     pub roots: Vec<Root>,
     candidates: Vec<Vec<Candidate>>,
     /// Effective degrees of freedom over their number.
-    effective_part: f64,
+    effective_fraction: f64,
 }
 
 impl CandidateTable {
@@ -83,7 +83,7 @@ impl CandidateTable {
             .map(|r| {
                 let near = |i: &usize| off(*i, r) <= options.max_frequency_error;
                 let near: Vec<usize> = modes.iter().copied().filter(near).collect();
-                let shares_of_near = shares((theory, shapes), &near, (r, &roots));
+                let shares_of_near = shares(theory, shapes, &near, r, &roots);
                 let found = near.into_iter().zip(shares_of_near);
                 found.filter_map(|(i, share)| Some((i, share?))).collect()
             })
@@ -97,12 +97,12 @@ impl CandidateTable {
                 _ => Likeness::Unknown,
             };
             let frequency_error = options.error_reference.error(hz, root.hz);
-            candidate((frequency_error, off(i, r)), likeness, options)
+            candidate(frequency_error, off(i, r), likeness, options)
         };
         let row = |&i: &usize| (0..roots.len()).map(|r| candidate(i, r)).collect();
         Self {
             candidates: modes.iter().map(row).collect(),
-            effective_part: effective_part(&shapes.of_roots(&roots)),
+            effective_fraction: effective_dof_fraction(&shapes.of_roots(&roots)),
             modes,
             roots,
         }
@@ -125,7 +125,8 @@ impl CandidateTable {
     pub fn pairs(
         &self,
         root_of: &[Option<usize>],
-        (shapes, reversed): (&Shapes, bool),
+        shapes: &Shapes,
+        reversed: bool,
         options: &PairOptions,
     ) -> Result<Vec<Pair>, CorrelateError> {
         let mut choice = Choice {
@@ -150,7 +151,7 @@ impl CandidateTable {
                 1 => Vec::new(),
                 _ => shapes.angles_deg(&modes, &root.modes)?,
             };
-            let partner = |&i: &usize| self.partner((i, r), &choice);
+            let partner = |&i: &usize| self.partner(i, r, &choice);
             pairs.push(Pair {
                 theory: root.modes.clone(),
                 partners: rows.iter().map(partner).collect(),
@@ -163,10 +164,10 @@ impl CandidateTable {
         Ok(pairs)
     }
 
-    fn partner(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Partner {
+    fn partner(&self, i: usize, r: usize, choice: &Choice<'_>) -> Partner {
         let chosen = self.candidates[i][r];
         let cost = chosen.cost.expect("only allowed pairs are assigned");
-        let chance_level = self.chance_level((i, r), choice);
+        let chance_level = self.chance_level(i, r, choice);
         let mac = choice.shapes.compare(self.modes[i], &self.roots[r].modes).1;
         Partner {
             test: self.modes[i],
@@ -194,7 +195,7 @@ impl CandidateTable {
                         reversed: chosen.mac,
                     }
                 }
-                _ => self.verdict((i, r), choice),
+                _ => self.verdict(i, r, choice),
             },
         }
     }
@@ -203,7 +204,7 @@ impl CandidateTable {
     /// has enough degrees of freedom in common.
     fn correlated(&self, i: usize, choice: &Choice<'_>) -> Option<bool> {
         if let Some(r) = choice.root_of[i] {
-            let level = self.chance_level((i, r), choice)?;
+            let level = self.chance_level(i, r, choice)?;
             let mac = choice.shapes.compare(self.modes[i], &self.roots[r].modes).1;
             return Some(mac? >= level.mac);
         }
@@ -227,25 +228,24 @@ impl CandidateTable {
     }
 
     /// `None` where fewer degrees of freedom than a pair by shape needs are in common.
-    fn chance_level(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Option<ChanceLevel> {
+    fn chance_level(&self, i: usize, r: usize, choice: &Choice<'_>) -> Option<ChanceLevel> {
         let root = &self.roots[r].modes;
         let [test, root] = choice.shapes.common(&[self.modes[i]], root);
         let row = &self.candidates[i];
         let within = |off: f64| row.iter().filter(|candidate| candidate.off <= off).count();
         (test[0].len() >= MIN_DOFS_OF_SHAPE).then(|| {
-            ChanceLevel::new(&Setting {
-                test: &test[0],
-                root: &root,
-                effective_part: self.effective_part,
+            let setting = ChanceSetting {
+                effective_fraction: self.effective_fraction,
                 roots: within(choice.options.max_frequency_error),
                 rank: within(row[r].off),
                 others_correlate: Self::others_correlate(i, choice),
-            })
+            };
+            ChanceLevel::new(&test[0], &root, &setting)
         })
     }
 
     /// The verdict on a pair that is correlated.
-    fn verdict(&self, (i, r): (usize, usize), choice: &Choice<'_>) -> Verdict {
+    fn verdict(&self, i: usize, r: usize, choice: &Choice<'_>) -> Verdict {
         let cost = self.candidates[i][r].cost.unwrap_or(ALONE);
         let options = choice.options;
         match self.rival(i, r, choice.root_of) {
@@ -255,7 +255,7 @@ impl CandidateTable {
                     cost_difference: rival_cost - cost,
                 }
             }
-            _ => self.by_share((i, r), choice.root_of, options),
+            _ => self.by_share(i, r, choice.root_of, options),
         }
     }
 
@@ -263,7 +263,8 @@ impl CandidateTable {
     /// and nothing else of either side could hold half.
     fn by_share(
         &self,
-        (i, r): (usize, usize),
+        i: usize,
+        r: usize,
         root_of: &[Option<usize>],
         options: &PairOptions,
     ) -> Verdict {
@@ -340,7 +341,8 @@ impl CandidateTable {
     pub fn findings(
         &self,
         test: &ModalModel,
-        (root_of, pairs): (&[Option<usize>], &[Pair]),
+        root_of: &[Option<usize>],
+        pairs: &[Pair],
         options: &PairOptions,
     ) -> Vec<Finding> {
         let partners = || pairs.iter().flat_map(|pair| &pair.partners);
@@ -414,7 +416,8 @@ enum Likeness {
 }
 
 fn candidate(
-    (frequency_error, off): (f64, f64),
+    frequency_error: f64,
+    off: f64,
     likeness: Likeness,
     options: &PairOptions,
 ) -> Candidate {

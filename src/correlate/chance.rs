@@ -44,40 +44,41 @@ pub struct ChanceLevel {
     pub effective_dofs: f64,
     /// Roots of the theory within the frequency gate of the test mode.
     pub roots: usize,
-    /// Place of the root among them by its distance in frequency, from 1.
+    /// Rank of the root among them by its distance in frequency, from 1.
     pub rank: usize,
     /// Probability that an independent shape reaches the level of any of them.
     pub significance: f64,
 }
 
-/// Quantities that determine the chance level of a pair.
-pub(super) struct Setting<'a> {
-    /// Test shape at the common degrees of freedom.
-    pub test: &'a [Complex64],
-    /// Shapes of the root there.
-    pub root: &'a [Vec<Complex64>],
+/// Quantities besides the shapes that determine the chance level of a pair.
+pub(super) struct ChanceSetting {
     /// Effective degrees of freedom over their number.
-    pub effective_part: f64,
+    pub effective_fraction: f64,
     /// Roots within the frequency gate.
     pub roots: usize,
-    /// Place of this root among them by the distance in frequency, from 1.
+    /// Rank of the root among them by the distance in frequency, from 1.
     pub rank: usize,
     /// Whether most other modes of the test reach their levels.
     pub others_correlate: bool,
 }
 
 impl ChanceLevel {
-    /// The level of a pair.
+    /// The level of a pair, of the test shape and the shapes of the root at the common degrees of
+    /// freedom.
     ///
     /// # Reference
     /// Muirhead (1982), Aspects of Multivariate Statistical Theory, theorem 1.5.7 (squared cosine
     /// of a random direction).
-    pub(super) fn new(setting: &Setting<'_>) -> Self {
-        let dofs = setting.test.len();
-        let effective_dofs = setting.effective_part * dofs as f64;
-        let multiplicity = setting.root.len() as f64;
-        let of_root = setting.root.iter().map(|shape| components(shape));
-        let beta = components(setting.test).max(of_root.fold(2.0, f64::min));
+    pub(super) fn new(
+        test: &[Complex64],
+        root: &[Vec<Complex64>],
+        setting: &ChanceSetting,
+    ) -> Self {
+        let dofs = test.len();
+        let effective_dofs = setting.effective_fraction * dofs as f64;
+        let multiplicity = root.len() as f64;
+        let of_root = root.iter().map(|shape| components(shape));
+        let beta = components(test).max(of_root.fold(2.0, f64::min));
         let (inside, outside) = (
             0.5 * beta * multiplicity,
             0.5 * beta * (effective_dofs - multiplicity),
@@ -119,7 +120,7 @@ fn components(shape: &[Complex64]) -> f64 {
 /// For independent shapes of random signs `w_i · w_j` is the mean of their MAC, `1/n` where all
 /// sensors move alike. Of one shape it is `(3/(w · w) − 2)/n`, since `w · w` of a normal one has
 /// the mean `3/(n + 2)`.
-pub(super) fn effective_part(shapes: &[Vec<Option<Complex64>>]) -> f64 {
+pub(super) fn effective_dof_fraction(shapes: &[Vec<Option<Complex64>>]) -> f64 {
     let count = shapes.first().map_or(0, Vec::len);
     let mut sum = vec![0.0; count];
     let (mut diagonal, mut modes) = (0.0, 0.0);
@@ -131,9 +132,9 @@ pub(super) fn effective_part(shapes: &[Vec<Option<Complex64>>]) -> f64 {
         }
         modes += 1.0;
         for (d, sum) in sum.iter_mut().enumerate() {
-            let part = square(d) / length;
-            *sum += part;
-            diagonal += part * part;
+            let weight = square(d) / length;
+            *sum += weight;
+            diagonal += weight * weight;
         }
     }
     let effective = if modes < 2.0 {
@@ -155,15 +156,13 @@ mod tests {
             (0..shape.len()).map(value).collect::<Vec<Complex64>>()
         };
         let root: Vec<_> = (0..multiplicity).map(unit).collect();
-        let setting = Setting {
-            test: shape,
-            root: &root,
-            effective_part: 1.0,
+        let setting = ChanceSetting {
+            effective_fraction: 1.0,
             roots,
             rank,
             others_correlate: false,
         };
-        ChanceLevel::new(&setting).mac
+        ChanceLevel::new(shape, &root, &setting).mac
     }
 
     fn real(count: usize) -> Vec<Complex64> {
@@ -213,14 +212,18 @@ mod tests {
                 .collect()
         };
         let all: Vec<_> = (1..6).map(|mode| sine(mode, 1.0)).collect();
-        assert!(effective_part(&all) > 0.95, "{}", effective_part(&all));
+        assert!(
+            effective_dof_fraction(&all) > 0.95,
+            "{}",
+            effective_dof_fraction(&all)
+        );
         let half: Vec<_> = (1..6).map(|mode| sine(mode, 1e-3)).collect();
         assert!(
-            (effective_part(&half) - 0.5).abs() < 0.03,
+            (effective_dof_fraction(&half) - 0.5).abs() < 0.03,
             "{}",
-            effective_part(&half)
+            effective_dof_fraction(&half)
         );
-        assert!(effective_part(&half[..1]) < 0.95);
-        assert!((effective_part(&[]) - 1.0).abs() < 1e-15);
+        assert!(effective_dof_fraction(&half[..1]) < 0.95);
+        assert!((effective_dof_fraction(&[]) - 1.0).abs() < 1e-15);
     }
 }

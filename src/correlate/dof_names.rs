@@ -27,6 +27,30 @@ pub struct DofNames {
 /// the test's axis lies between the theory's.
 pub type Reading = Vec<(Dof, f64)>;
 
+/// Modes with the positions of their points.
+#[derive(Clone, Copy, Debug)]
+pub struct LocatedModes<'a> {
+    /// The modes.
+    pub modes: &'a ModalModel,
+    /// The nodes at which their points are.
+    pub geometry: &'a Geometry,
+}
+
+impl<'a> LocatedModes<'a> {
+    fn positions(&self) -> BTreeMap<&'a str, Vector3> {
+        let nodes = self.geometry.nodes.iter();
+        nodes.map(|node| (node.point.as_str(), node.at_m)).collect()
+    }
+
+    /// Every degree of freedom at which a mode has a value, in order.
+    fn dofs(&self) -> BTreeSet<Dof> {
+        let shapes = self.modes.modes.iter().map(|mode| &mode.shape);
+        shapes
+            .flat_map(|shape| shape.iter().map(|(dof, _)| dof.clone()))
+            .collect()
+    }
+}
+
 impl DofNames {
     /// Reads a list: a line for each pair, the test's degree of freedom and the theory's, separated
     /// by a comma. A heading `test,theory`, blank lines and lines that begin with `#` are passed
@@ -97,21 +121,21 @@ impl DofNames {
     /// The finding tells the largest distance. Degrees of freedom without a position or a node near
     /// enough stay without a partner.
     pub fn nearest(
-        test: (&ModalModel, &Geometry),
-        theory: (&ModalModel, &Geometry),
+        test: &LocatedModes<'_>,
+        theory: &LocatedModes<'_>,
         frame: &Similarity,
         tolerance_m: f64,
     ) -> (Self, Finding) {
-        let test_nodes = positions(test.1);
-        let theory_nodes = positions(theory.1);
+        let test_nodes = test.positions();
+        let theory_nodes = theory.positions();
         let mut of_point: BTreeMap<String, BTreeSet<Axis>> = BTreeMap::new();
-        for dof in dofs(theory.0) {
+        for dof in theory.dofs() {
             let axes = of_point.entry(dof.point().to_owned()).or_default();
             axes.insert(dof.axis());
         }
         let mut names = Self::default();
         let mut largest = 0.0_f64;
-        for dof in dofs(test.0) {
+        for dof in test.dofs() {
             let Some(at) = test_nodes.get(dof.point()) else {
                 continue;
             };
@@ -172,11 +196,6 @@ impl DofNames {
     }
 }
 
-fn positions(geometry: &Geometry) -> BTreeMap<&str, Vector3> {
-    let nodes = geometry.nodes.iter();
-    nodes.map(|node| (node.point.as_str(), node.at_m)).collect()
-}
-
 /// A test's positive axis in the theory's: which of the theory's axes, and the part along each.
 fn along(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
     let Some(unit) = axis.unit_vector() else {
@@ -189,14 +208,6 @@ fn along(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
     let turned = frame.rotation * Vector3::from(unit);
     let parts = of_kind.into_iter().zip(turned.iter().copied());
     parts.filter(|(_, part)| part.abs() > AXIS_NEEDED).collect()
-}
-
-/// Every degree of freedom at which a mode has a value, in order.
-fn dofs(model: &ModalModel) -> BTreeSet<Dof> {
-    let shapes = model.modes.iter().map(|mode| &mode.shape);
-    shapes
-        .flat_map(|shape| shape.iter().map(|(dof, _)| dof.clone()))
-        .collect()
 }
 
 #[cfg(test)]
@@ -277,11 +288,14 @@ mod tests {
             ("13:+Z", 8.0),
         ]);
         let (names, finding) = DofNames::nearest(
-            (&test, &geometry(&[("1", 0.0), ("2", 0.104), ("3", 0.2)])),
-            (
-                &theory,
-                &geometry(&[("11", 0.001), ("12", 0.1), ("13", 0.25)]),
-            ),
+            &LocatedModes {
+                modes: &test,
+                geometry: &geometry(&[("1", 0.0), ("2", 0.104), ("3", 0.2)]),
+            },
+            &LocatedModes {
+                modes: &theory,
+                geometry: &geometry(&[("11", 0.001), ("12", 0.1), ("13", 0.25)]),
+            },
             &Similarity::identity(),
             0.01,
         );
@@ -308,9 +322,17 @@ mod tests {
             ..Geometry::default()
         };
         let nodes = of(vec![at("1", [2.0, 0.0, 0.0]), at("2", [500.0, 0.0, 0.0])]);
+        let test = LocatedModes {
+            modes: &test,
+            geometry: &nodes,
+        };
         let place = [2e-3 * cos, 0.5, -2e-3 * sin];
         let other = of(vec![at("7", place), at("8", [0.5 * cos, 0.5, -0.5 * sin])]);
-        let (names, _) = DofNames::nearest((&test, &nodes), (&theory, &other), &frame, 1e-6);
+        let located = LocatedModes {
+            modes: &theory,
+            geometry: &other,
+        };
+        let (names, _) = DofNames::nearest(&test, &located, &frame, 1e-6);
         // Point 8 has no z component and cannot give the reading of 2:+X.
         let found = values(&names.rename(&theory));
         assert_eq!(found.len(), 2);

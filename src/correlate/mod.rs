@@ -51,7 +51,7 @@ pub use alignment::{Alignment, Similarity, align_known, align_nearest, fit_simil
 pub use assignment::assign;
 pub use chance::ChanceLevel;
 pub use dof_map::{DofMap, DofPair};
-pub use dof_names::{DofNames, Reading};
+pub use dof_names::{DofNames, LocatedModes, Reading};
 pub use error::CorrelateError;
 pub use expansion::expanded;
 pub use footnote::Footnote;

@@ -56,9 +56,11 @@ pub(super) struct ModalContribution {
 /// (coordinates of a measured shape); Fox and Kapoor (1968), AIAA Journal 6, eq. 21 (mixing of
 /// first order).
 pub(super) fn shares(
-    (theory, shapes): (&ModalModel, &Shapes),
+    theory: &ModalModel,
+    shapes: &Shapes,
     modes: &[usize],
-    (r, roots): (usize, &[Root]),
+    r: usize,
+    roots: &[Root],
 ) -> Vec<Option<ModalContribution>> {
     let apart = |j: &usize| {
         let ratio = theory.modes[*j].frequency_hz / roots[r].hz;
@@ -87,7 +89,7 @@ pub(super) fn shares(
                 .collect();
             let moves = squared(&columns[..of_root].concat()) > 0.0;
             let explanation = moves.then(|| {
-                scale(theory, (&near, of_root), &mut columns);
+                scale(theory, &near, of_root, &mut columns);
                 Explanation::new(columns, of_root, &reach)
             });
             prepared.push((places, explanation));
@@ -110,7 +112,7 @@ fn at(values: &[Option<Complex64>], places: &[usize]) -> Vec<Complex64> {
 
 /// Shapes of unit modal mass, over the length of the first `first` of them, where all masses are
 /// known; else of unit length each.
-fn scale(theory: &ModalModel, (modes, first): (&[usize], usize), columns: &mut [Vec<Complex64>]) {
+fn scale(theory: &ModalModel, modes: &[usize], first: usize, columns: &mut [Vec<Complex64>]) {
     let mass = |j: &usize| modal_mass_kg(&theory.modes[*j]);
     let Some(masses) = modes.iter().map(mass).collect::<Option<Vec<f64>>>() else {
         columns.iter_mut().for_each(|column| to_unit_length(column));
@@ -296,7 +298,7 @@ mod tests {
         let map = DofMap::of_models(&test, theory);
         let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
         let roots = elastic_roots(theory);
-        let of = |r| shares((theory, &shapes), &[0], (r, &roots))[0].map(|share| share.part);
+        let of = |r| shares(theory, &shapes, &[0], r, &roots)[0].map(|share| share.part);
         (0..roots.len()).map(of).collect()
     }
 
@@ -382,7 +384,7 @@ mod tests {
             let map = DofMap::of_models(&test, theory);
             let shapes = Shapes::new(&test, theory, &map, &PairOptions::default()).unwrap();
             let roots = elastic_roots(theory);
-            shares((theory, &shapes), &[0], (0, &roots))[0].unwrap().std
+            shares(theory, &shapes, &[0], 0, &roots)[0].unwrap().std
         };
         // Both coordinates are known to d = 0.15/sqrt(6) of the shape, and 2|gamma| = 2 * 0.8 *
         // 0.6.

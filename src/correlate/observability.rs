@@ -176,9 +176,10 @@ pub fn observability(
 }
 
 pub(super) struct Sight<'a> {
-    theory: &'a ModalModel,
-    frfs: &'a [FrfSet],
-    roots: Vec<Root>,
+    pub theory: &'a ModalModel,
+    pub frfs: &'a [FrfSet],
+    /// The elastic roots, ascending.
+    pub roots: Vec<Root>,
     /// In ascending order.
     pairs: Vec<(Dof, Dof)>,
     test_damping: Option<f64>,
@@ -212,11 +213,6 @@ impl<'a> Sight<'a> {
     /// The most that any mode has at a point.
     pub fn largest(&self, dof: &Dof) -> f64 {
         largest(self.theory, dof)
-    }
-
-    /// The elastic roots, ascending.
-    pub fn roots(&self) -> &[Root] {
-        &self.roots
     }
 
     fn judge(&self, r: usize) -> Option<Observability> {

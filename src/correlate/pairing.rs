@@ -89,7 +89,7 @@ pub fn pair(
     check_model("theory", theory)?;
     let map = DofMap::of_models(test, theory);
     let shapes = Shapes::new(test, theory, &map, options)?;
-    let reversed = detect((test, theory), &map, &shapes, options);
+    let reversed = detect(test, theory, &map, &shapes, options);
     let table = CandidateTable::new(
         test,
         theory,
@@ -104,9 +104,9 @@ pub fn pair(
     if has_shapes {
         findings.extend(map.findings(options.min_dofs));
     }
-    let pairs = table.pairs(&root_of, (&shapes, !reversed.is_empty()), options)?;
+    let pairs = table.pairs(&root_of, &shapes, !reversed.is_empty(), options)?;
     findings.extend(reversed_findings(&reversed, false));
-    findings.extend(table.findings(test, (&root_of, &pairs), options));
+    findings.extend(table.findings(test, &root_of, &pairs, options));
     findings.extend(pairs.iter().filter_map(|pair| alike(pair, test)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {

@@ -95,15 +95,17 @@ pub struct RankedHit {
 /// Kammer (1991), Journal of Guidance, Control, and Dynamics 14, eq. 11 (effective independence);
 /// Ewins (2000), Modal Testing, 2nd ed. (driving-point residues).
 pub fn placement(
-    (theory, test, frfs): (&ModalModel, &ModalModel, &[FrfSet]),
+    theory: &ModalModel,
+    test: &ModalModel,
+    frfs: &[FrfSet],
     band: Option<Band>,
     candidates: &Candidates,
 ) -> Result<Placement, NotJudged> {
     let sight = Sight::new(theory, test, frfs);
     let all = AllPoints::new(frfs, candidates);
-    let targets = (0..sight.roots().len())
-        .filter(|r| band.is_none_or(|band| band.contains(sight.roots()[*r].hz)))
-        .map(|r| Target::new((&sight, r), (theory, frfs), &all))
+    let targets = (0..sight.roots.len())
+        .filter(|r| band.is_none_or(|band| band.contains(sight.roots[*r].hz)))
+        .map(|r| Target::new(&sight, r, &all))
         .collect::<Result<Vec<_>, _>>()?;
     let nothing = Added::default();
     let mut added = nothing.clone();
@@ -157,18 +159,19 @@ fn next(targets: &[Target<'_>], all: &AllPoints, added: &Added) -> Option<(NewPo
     let single: Vec<NewPoints> = (all.new_hits.iter().map(hit))
         .chain(all.new_sensors.iter().map(sensor))
         .collect();
-    best(targets, (all, added), single).or_else(|| {
+    best(targets, all, added, single).or_else(|| {
         let both = targets
             .iter()
             .filter_map(|target| target.best_pair(all, added));
-        best(targets, (all, added), both.collect())
+        best(targets, all, added, both.collect())
     })
 }
 
 /// The step that shows most modes, and of those the first that shows them best.
 fn best(
     targets: &[Target<'_>],
-    (all, added): (&AllPoints, &Added),
+    all: &AllPoints,
+    added: &Added,
     steps: Vec<NewPoints>,
 ) -> Option<(NewPoints, Shown)> {
     let before: Vec<usize> = targets

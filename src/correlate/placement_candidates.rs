@@ -8,7 +8,6 @@ use num_complex::Complex64;
 
 use crate::dof::Dof;
 use crate::frf::FrfSet;
-use crate::modal::ModalModel;
 
 use super::model_roots::Root;
 use super::observability::{
@@ -119,17 +118,13 @@ pub(super) struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    pub fn new(
-        (sight, r): (&'a Sight<'_>, usize),
-        (theory, frfs): (&ModalModel, &[FrfSet]),
-        all: &AllPoints,
-    ) -> Result<Self, NotJudged> {
-        let root = &sight.roots()[r];
+    pub fn new(sight: &'a Sight<'_>, r: usize, all: &AllPoints) -> Result<Self, NotJudged> {
+        let root = &sight.roots[r];
         let ratio = sight.damping(root).ok_or(NotJudged::DampingRatio)?.ratio;
-        let first = frfs.first().ok_or(NotJudged::Variance)?;
-        let heights = Heights::new((root.hz, ratio), frfs).ok_or(NotJudged::Variance)?;
+        let first = sight.frfs.first().ok_or(NotJudged::Variance)?;
+        let heights = Heights::new(root.hz, ratio, sight.frfs).ok_or(NotJudged::Variance)?;
         let row = |dof: &Dof| -> Result<Row, NotJudged> {
-            let value = |j: &usize| over_root_mass(&theory.modes[*j], dof);
+            let value = |j: &usize| over_root_mass(&sight.theory.modes[*j], dof);
             let row = root.modes.iter().map(value);
             let row: Row = row.collect::<Result<_, _>>()?;
             // What rounding leaves of a point that stands still is nothing.
@@ -170,7 +165,8 @@ impl<'a> Target<'a> {
     /// The pairs of some responses and hits, and whether each counts.
     fn looks(
         &self,
-        (responses, hits): (Vec<usize>, Vec<usize>),
+        responses: Vec<usize>,
+        hits: Vec<usize>,
         counts: impl Fn(usize, usize) -> bool,
     ) -> Looks {
         let product = |(r, h): (usize, usize)| {
@@ -207,10 +203,11 @@ impl<'a> Target<'a> {
         let [responses, hits] = all.counts_of_test();
         let both =
             |measured: usize, new: &[usize]| (0..measured).chain(new.iter().copied()).collect();
-        let points = (both(responses, &added.sensors), both(hits, &added.hits));
-        self.looks(points, |r, h| {
-            r >= responses || h >= hits || all.measured[r][h]
-        })
+        self.looks(
+            both(responses, &added.sensors),
+            both(hits, &added.hits),
+            |r, h| r >= responses || h >= hits || all.measured[r][h],
+        )
     }
 
     /// Powers of the pivots over what is needed, as long as they reach it.
@@ -238,7 +235,7 @@ impl<'a> Target<'a> {
     /// Modes that a single hit shows, with the test's sensors.
     pub fn seen_alone(&self, all: &AllPoints, hit: usize) -> usize {
         let [responses, _] = all.counts_of_test();
-        let looks = self.looks(((0..responses).collect(), vec![hit]), |_, _| true);
+        let looks = self.looks((0..responses).collect(), vec![hit], |_, _| true);
         self.reached(looks).len()
     }
 
@@ -248,12 +245,12 @@ impl<'a> Target<'a> {
         if seen == self.root.modes.len() {
             return None;
         }
-        let every = (
+        let counted = self.with(all, added);
+        let mut looks = self.looks(
             (0..all.responses.len()).collect(),
             (0..all.hits.len()).collect(),
+            |r, h| counted.counts(r, h),
         );
-        let counted = self.with(all, added);
-        let mut looks = self.looks(every, |r, h| counted.counts(r, h));
         for _ in 0..seen {
             looks.eliminate()?;
         }
@@ -340,7 +337,7 @@ struct Heights {
 
 impl Heights {
     /// `None` where no function has a variance at the root.
-    fn new((hz, damping_ratio): (f64, f64), frfs: &[FrfSet]) -> Option<Self> {
+    fn new(hz: f64, damping_ratio: f64, frfs: &[FrfSet]) -> Option<Self> {
         let mut of_response: BTreeMap<Dof, Vec<f64>> = BTreeMap::new();
         for set in frfs {
             let peak = Peak::new(hz, damping_ratio, set);

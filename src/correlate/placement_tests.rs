@@ -30,7 +30,9 @@ fn placed(theory: &ModalModel, test: &[(&str, &str)], points: &[&str]) -> Placem
     let band = Band::new(10.0, 900.0).expect("10 is below 900");
     let frfs = receptances(test, QUIET);
     placement(
-        (theory, &ModalModel::default(), &frfs),
+        theory,
+        &ModalModel::default(),
+        &frfs,
         Some(band),
         &candidates,
     )
@@ -169,8 +171,8 @@ fn each_response_is_compared_with_the_noise_of_its_quantity() {
             hits: Vec::new(),
             sensors: Vec::new(),
         };
-        let known = (&theory, &ModalModel::default(), frfs.concat());
-        let plan = placement((known.0, known.1, &known.2), None, &candidates)
+        let test = ModalModel::default();
+        let plan = placement(&theory, &test, &frfs.concat(), None, &candidates)
             .expect("the theory has modes");
         plan.roots[0]
             .peak_over_noise_db
@@ -222,7 +224,9 @@ fn without_masses_damping_or_noise_nothing_is_planned() {
     let frfs = receptances(&[("1:+Z", "1:+Z")], QUIET);
     let planned = |theory: &ModalModel, frfs: &[crate::frf::FrfSet]| {
         placement(
-            (theory, &ModalModel::default(), frfs),
+            theory,
+            &ModalModel::default(),
+            frfs,
             Some(band),
             &candidates,
         )

@@ -45,7 +45,7 @@ impl<'a> TestSight<'a> {
         let cell = match self.test.pair_of(root) {
             Some(pair) => {
                 let still = observability.is_some_and(|known| known.still);
-                self.paired_cell(pair, (root, still), options)
+                self.paired_cell(pair, root, still, options)
             }
             None => self.missed_cell(r, options),
         };
@@ -58,7 +58,8 @@ impl<'a> TestSight<'a> {
     fn paired_cell(
         &self,
         pair: &Pair,
-        (root, still): (&Root, bool),
+        root: &Root,
+        still: bool,
         options: &PairOptions,
     ) -> TestCell {
         let test = self.test;

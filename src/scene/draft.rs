@@ -94,7 +94,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     let mut dofs = BTreeSet::new();
     for (index, group) in groups(files).iter().enumerate() {
         let (content, files) = group;
-        text += &test_text(*content, files, (index, plan.band), &mut dofs);
+        text += &test_text(*content, files, index, plan.band, &mut dofs);
     }
     text += &model_text(plan.model);
     let mut geometry = plan.geometry.cloned().unwrap_or_default();
@@ -138,7 +138,8 @@ fn names(catalog: &Catalog) -> Vec<(&str, usize)> {
 fn test_text(
     content: Content,
     files: &[&DraftFile],
-    (index, band): (usize, Option<Band>),
+    index: usize,
+    band: Option<Band>,
     dofs: &mut BTreeSet<Dof>,
 ) -> String {
     let band = match band {

@@ -37,7 +37,8 @@ pub struct PlacedTest {
 /// [`SceneError::Value`] for an unknown test and for a pattern that no sensor has.
 pub(super) fn placement_plans(
     stated: Vec<PlacementTable>,
-    (tests, sensors): (&[TestPlan], &[Sensor]),
+    tests: &[TestPlan],
+    sensors: &[Sensor],
     path: &str,
 ) -> Result<Vec<PlacementPlan>, SceneError> {
     let plan = |table: PlacementTable| {
@@ -50,8 +51,8 @@ pub(super) fn placement_plans(
         Ok(PlacementPlan {
             test: table.test,
             candidates: Candidates {
-                hits: points(&table.hits, sensors, (path, "[[placement]] hits"))?,
-                sensors: points(&table.sensors, sensors, (path, "[[placement]] sensors"))?,
+                hits: points(&table.hits, sensors, path, "[[placement]] hits")?,
+                sensors: points(&table.sensors, sensors, path, "[[placement]] sensors")?,
             },
         })
     };
@@ -63,7 +64,8 @@ pub(super) fn placement_plans(
 fn points(
     patterns: &[String],
     sensors: &[Sensor],
-    (path, key): (&str, &str),
+    path: &str,
+    key: &str,
 ) -> Result<Vec<Dof>, SceneError> {
     let fits = |pattern: &str, dof: &Dof| match pattern.strip_suffix('*') {
         Some(start) => dof.to_string().starts_with(start),
@@ -94,12 +96,16 @@ pub(super) fn placed_tests(
 ) -> Vec<PlacedTest> {
     let placed = plans.iter().filter_map(|plan| {
         let test = tests.iter().find(|test| test.name == plan.test)?;
-        let known = (theory, &test.modes, test.frfs.as_slice());
-        let placement = placement(known, test.modes.band, &plan.candidates);
         Some(PlacedTest {
             test: plan.test.clone(),
             candidates: plan.candidates.clone(),
-            placement,
+            placement: placement(
+                theory,
+                &test.modes,
+                &test.frfs,
+                test.modes.band,
+                &plan.candidates,
+            ),
         })
     });
     placed.collect()

@@ -118,7 +118,7 @@ impl Scene {
             return Err(value_error(&name, "[[placement]]", got, "a [model]"));
         }
         Ok(Self {
-            placement: placement_plans(typed.placement, (&tests, &sensors), &name)?,
+            placement: placement_plans(typed.placement, &tests, &sensors, &name)?,
             tests,
             sensors,
             hammer: hammer_options(&typed.frf, &name)?,

@@ -130,7 +130,7 @@ pub fn measures(
         frequency_mac: frequency_mac(&mac, options),
         scale_factors: scale_factors(&mac, &shapes, pairing),
         coordinates: coordinates(&pairing.map, &pairs),
-        clusters: clusters((test, theory), &shapes, pairing)?,
+        clusters: clusters(test, theory, &shapes, pairing)?,
         orthogonality: None,
         mac,
     })

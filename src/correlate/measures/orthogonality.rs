@@ -205,7 +205,8 @@ pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) 
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have.
 pub fn orthogonality(
-    (test, theory): (&ModalModel, &ModalModel),
+    test: &ModalModel,
+    theory: &ModalModel,
     map: &DofMap,
     reduced: &ReducedMass,
     columns: &[usize],
@@ -229,8 +230,8 @@ pub fn orthogonality(
     let rigid_hz = highest_rigid_hz(theory);
     columns.retain(|&j| theory.modes[j].frequency_hz > rigid_hz);
     columns.sort_unstable();
-    let of_test = Scaled::all((test, &rows), &reduced.mass, test_value);
-    let of_theory = Scaled::all((theory, &columns), &reduced.mass, theory_value);
+    let of_test = Scaled::all(test, &rows, &reduced.mass, test_value);
+    let of_theory = Scaled::all(theory, &columns, &reduced.mass, theory_value);
     let kept: Vec<Vec<Complex64>> = of_theory.iter().map(|mode| mode.shape.clone()).collect();
     let outside = |mode: &Scaled| {
         let inside = subspace_mac(&mode.shape, &kept)?;
@@ -260,7 +261,8 @@ struct Scaled {
 
 impl Scaled {
     fn all(
-        (model, modes): (&ModalModel, &[usize]),
+        model: &ModalModel,
+        modes: &[usize],
         mass: &RealMatrix,
         value: impl Fn(&ModeShape) -> Option<Vec<Complex64>>,
     ) -> Vec<Self> {

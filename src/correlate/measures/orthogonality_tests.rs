@@ -80,7 +80,7 @@ fn orthogonality_of(
     let names = orthogonality_dofs(test, theory, &map);
     assert_eq!(names, reduced.dofs);
     let columns: Vec<usize> = (0..theory.modes.len()).collect();
-    orthogonality((test, theory), &map, reduced, &columns).unwrap()
+    orthogonality(test, theory, &map, reduced, &columns).unwrap()
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn serep_and_guyan_detect_shape_errors_and_serep_reports_the_part_outside() {
     let of = |reduction: Reduction, kept: &[usize]| {
         let modes = real_matrix(4, kept.len(), |i, j| vectors[(i, kept[j])]);
         let reduced = reduced_mass(&matrices, &sensors, reduction, &modes).unwrap();
-        orthogonality((&test, &theory), &map, &reduced, kept).unwrap()
+        orthogonality(&test, &theory, &map, &reduced, kept).unwrap()
     };
     let kept = serep_modes(&theory, &names, &[0, 1]);
     assert_eq!(kept, [0, 1, 2, 3]);
@@ -213,7 +213,7 @@ fn rigid_body_modes_and_unrequested_columns_are_left_out() {
     let mut test = theory.clone();
     test.modes[0].frequency_hz = 0.0;
     let map = DofMap::of_models(&test, &theory);
-    let found = orthogonality((&test, &theory), &map, &reduced, &[2, 1]).unwrap();
+    let found = orthogonality(&test, &theory, &map, &reduced, &[2, 1]).unwrap();
     let numbers =
         |names: &[ModeName]| -> Vec<usize> { names.iter().map(|name| name.mode).collect() };
     assert_eq!(

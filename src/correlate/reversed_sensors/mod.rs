@@ -123,17 +123,18 @@ pub fn reversed_sensors(
     super::model_roots::check_model("theory", theory)?;
     let map = DofMap::of_models(test, theory);
     let shapes = Shapes::new(test, theory, &map, options)?;
-    Ok(detect((test, theory), &map, &shapes, options))
+    Ok(detect(test, theory, &map, &shapes, options))
 }
 
 /// The same of shapes that are known.
 pub(super) fn detect(
-    (test, theory): (&ModalModel, &ModalModel),
+    test: &ModalModel,
+    theory: &ModalModel,
     map: &DofMap,
     shapes: &Shapes,
     options: &PairOptions,
 ) -> Vec<ReversedSensor> {
-    let overlaps = Overlaps::new((test, theory), shapes, options);
+    let overlaps = Overlaps::new(test, theory, shapes, options);
     if overlaps.modes() < MIN_PAIRS {
         return Vec::new();
     }
@@ -228,7 +229,7 @@ impl Search {
             if choice.cost >= before.cost {
                 return None;
             }
-            let direction = self.direction((signed, before), number, &choice)?;
+            let direction = self.direction(signed, before, number, &choice)?;
             Some((number, choice, direction))
         });
         tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)))
@@ -237,7 +238,8 @@ impl Search {
     /// Direction as measured of a hypothesis that passes all but the test of chance.
     fn direction(
         &self,
-        (signed, before): (&Signed, &Choice),
+        signed: &Signed,
+        before: &Choice,
         hypothesis: usize,
         choice: &Choice,
     ) -> Option<f64> {

@@ -3,7 +3,7 @@
 
 use num_complex::Complex64;
 
-use super::super::chance::{ChanceLevel, Setting, effective_part};
+use super::super::chance::{ChanceLevel, ChanceSetting, effective_dof_fraction};
 use super::super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::super::shapes::{MIN_SHAPE_DOFS, Shapes};
 use super::super::subspace::orthonormal;
@@ -61,12 +61,13 @@ pub(super) struct View {
 
 impl Overlaps {
     pub(super) fn new(
-        (test, theory): (&ModalModel, &ModalModel),
+        test: &ModalModel,
+        theory: &ModalModel,
         shapes: &Shapes,
         options: &PairOptions,
     ) -> Self {
         let roots = elastic_roots(theory);
-        let part = effective_part(&shapes.of_roots(&roots));
+        let effective_fraction = effective_dof_fraction(&shapes.of_roots(&roots));
         let offset =
             |hz: f64, root: &Root| (hz - root.hz).abs() / root.hz / options.max_frequency_error;
         let row = |i: usize| {
@@ -81,11 +82,16 @@ impl Overlaps {
             };
             let of = |(r, root): &(usize, &Root)| {
                 let offset = offset(hz, root);
-                let setting = (part, near.len(), rank(offset));
+                let setting = ChanceSetting {
+                    effective_fraction,
+                    roots: near.len(),
+                    rank: rank(offset),
+                    others_correlate: false,
+                };
                 Some(Near {
                     root: *r,
                     offset,
-                    ..Near::new(shapes, (i, &root.modes), setting)?
+                    ..Near::new(shapes, i, &root.modes, &setting)?
                 })
             };
             near.iter().filter_map(of).collect()
@@ -156,7 +162,7 @@ impl Overlaps {
 
     fn macs(&self, signed: &Signed, members: &[usize]) -> Vec<Vec<f64>> {
         let of =
-            |(near, overlap): (&Near, &Vec<Complex64>)| near.mac(overlap, (&signed.signs, members));
+            |(near, overlap): (&Near, &Vec<Complex64>)| near.mac(overlap, &signed.signs, members);
         let row = |(row, overlaps): (&Vec<Near>, &Vec<Vec<Complex64>>)| {
             row.iter().zip(overlaps).map(of).collect()
         };
@@ -174,11 +180,7 @@ impl Overlaps {
 impl Near {
     /// `None` where fewer degrees of freedom than a MAC needs are in common, or one side does not
     /// move there.
-    fn new(
-        shapes: &Shapes,
-        (i, root): (usize, &[usize]),
-        (part, roots, rank): (f64, usize, usize),
-    ) -> Option<Self> {
+    fn new(shapes: &Shapes, i: usize, root: &[usize], setting: &ChanceSetting) -> Option<Self> {
         let places = shapes.places(&[i], root);
         let [test, modes] = shapes.common(&[i], root);
         let length = test[0].iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
@@ -186,14 +188,7 @@ impl Near {
         if places.len() < MIN_SHAPE_DOFS || length <= 0.0 || basis.is_empty() {
             return None;
         }
-        let level = ChanceLevel::new(&Setting {
-            test: &test[0],
-            root: &modes,
-            effective_part: part,
-            roots,
-            rank,
-            others_correlate: false,
-        });
+        let level = ChanceLevel::new(&test[0], &modes, setting);
         let spread = |values: &[Complex64], scale: f64| {
             let mut all = vec![Complex64::ZERO; shapes.test[i].len()];
             for (&d, value) in places.iter().zip(values) {
@@ -224,7 +219,7 @@ impl Near {
     }
 
     /// MAC with the signs of some sensors changed.
-    fn mac(&self, overlap: &[Complex64], (signs, members): (&[f64], &[usize])) -> f64 {
+    fn mac(&self, overlap: &[Complex64], signs: &[f64], members: &[usize]) -> f64 {
         let of = |(basis, all): (&Vec<Complex64>, &Complex64)| {
             let term = |&d: &usize| basis[d].conj() * self.test[d] * signs[d];
             let changed: Complex64 = members.iter().map(term).sum();

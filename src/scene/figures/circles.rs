@@ -10,7 +10,7 @@ use crate::identify::circle_detail;
 use crate::modal::{ModalModel, Mode};
 
 use super::super::test_result::TestResult;
-use super::curves::{contribution, one_set, terms};
+use super::curves::{modal_terms, one_set};
 use super::rounding::rounded;
 
 /// Half width of the fitted band, half-power bandwidths.
@@ -77,7 +77,7 @@ fn best_function(set: &FrfSet, mode: &Mode) -> Option<usize> {
 fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<CircleFigure> {
     let mode = &modes.modes[index];
     let i = best_function(set, mode)?;
-    let terms = terms((set, i), modes)?;
+    let terms = modal_terms(set, i, modes)?;
     let pole = mode.pole()?;
     let in_data = pole.lambda - set.added_damping_rad_s;
     let axis = set.axis();
@@ -94,9 +94,8 @@ fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<Circl
     let alone = |k: &usize| {
         let s = Complex64::new(set.added_damping_rad_s, axis.rad_s(*k));
         let others = terms.iter().enumerate().filter(|(j, _)| *j != index);
-        let others: Complex64 = others.map(|(_, term)| contribution(term, s)).sum();
-        let (lambda, a) = terms[index];
-        set.values(i)[*k] / s.powi(d) - others - a.conj() / (s - lambda.conj())
+        let others: Complex64 = others.map(|(_, term)| term.value(s)).sum();
+        set.values(i)[*k] / s.powi(d) - others - terms[index].conjugate_value(s)
     };
     let values: Vec<Complex64> = lines.iter().map(alone).collect();
     let omega: Vec<f64> = lines.iter().map(|k| axis.rad_s(*k)).collect();

@@ -82,7 +82,7 @@ pub(super) fn frf_figure(set: &FrfSet, modes: &ModalModel, points: usize) -> Opt
         return None;
     }
     let fitted = axis.lines(&band);
-    let curve = |i: &usize| curve((set, *i), modes, (&lines, &fitted), points);
+    let curve = |i: &usize| curve(set, *i, modes, &lines, &fitted, points);
     Some(FrfFigure {
         start_hz: axis.start_hz,
         step_hz: axis.step_hz,
@@ -113,9 +113,11 @@ pub(super) fn chosen(set: &FrfSet, lines: &Range<usize>) -> Vec<usize> {
 }
 
 fn curve(
-    (set, i): (&FrfSet, usize),
+    set: &FrfSet,
+    i: usize,
     modes: &ModalModel,
-    (lines, fitted): (&Range<usize>, &Range<usize>),
+    lines: &Range<usize>,
+    fitted: &Range<usize>,
     points: usize,
 ) -> Curve {
     let function = &set.functions()[i];
@@ -126,7 +128,7 @@ fn curve(
     kept.extend(arcs);
     kept.sort_unstable();
     kept.dedup();
-    let fit = fit((set, i), modes, fitted, &kept);
+    let fit = fit(set, i, modes, fitted, &kept);
     let of_fit = |part: fn(Complex64) -> f64| {
         let each = fit.iter().map(|value| value.map(part));
         each.collect::<Vec<Option<f64>>>()
@@ -199,17 +201,18 @@ pub(super) fn kept_lines(values: &[f64], lines: Range<usize>, points: usize) -> 
 /// conj. + U + L/s²]`, `U` and `L` by least squares of relative errors over the band. Empty where a
 /// mode has no residue of this function.
 fn fit(
-    (set, i): (&FrfSet, usize),
+    set: &FrfSet,
+    i: usize,
     modes: &ModalModel,
     band: &Range<usize>,
     kept: &[usize],
 ) -> Vec<Option<Complex64>> {
-    let Some(terms) = terms((set, i), modes) else {
+    let Some(terms) = modal_terms(set, i, modes) else {
         return Vec::new();
     };
     let d = set.functions()[i].kind.derivative_order();
     let s = |k: usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
-    let modal = |s: Complex64| terms.iter().map(|term| contribution(term, s)).sum();
+    let modal = |s: Complex64| terms.iter().map(|term| term.value(s)).sum();
     let stride = band.len().div_ceil(FITTED_LINES).max(1);
     let used: Vec<usize> = band
         .clone()
@@ -253,23 +256,35 @@ fn fit(
     kept.iter().map(value).collect()
 }
 
-/// λ and residue of every mode for one function; `None` where one is not known.
-pub(super) fn terms(
-    (set, i): (&FrfSet, usize),
-    modes: &ModalModel,
-) -> Option<Vec<(Complex64, Complex64)>> {
+/// Partial fraction of a mode in one FRF.
+pub(super) struct ModalTerm {
+    lambda: Complex64,
+    residue: Complex64,
+}
+
+impl ModalTerm {
+    /// `A/(s − λ) + A*/(s − λ*)`.
+    pub(super) fn value(&self, s: Complex64) -> Complex64 {
+        self.residue / (s - self.lambda) + self.conjugate_value(s)
+    }
+
+    /// `A*/(s − λ*)`.
+    pub(super) fn conjugate_value(&self, s: Complex64) -> Complex64 {
+        self.residue.conj() / (s - self.lambda.conj())
+    }
+}
+
+/// The term of every mode in FRF `i`; `None` where a pole or residue is not known.
+pub(super) fn modal_terms(set: &FrfSet, i: usize, modes: &ModalModel) -> Option<Vec<ModalTerm>> {
     let function = &set.functions()[i];
     let pair = (function.response.clone(), function.reference.clone());
     let term = |mode: &crate::modal::Mode| {
-        let residue = *mode.residues.get(&pair)?;
-        Some((mode.pole()?.lambda, residue))
+        Some(ModalTerm {
+            residue: *mode.residues.get(&pair)?,
+            lambda: mode.pole()?.lambda,
+        })
     };
     modes.modes.iter().map(term).collect()
-}
-
-/// `A/(s − λ) + A*/(s − λ*)`.
-pub(super) fn contribution((lambda, a): &(Complex64, Complex64), s: Complex64) -> Complex64 {
-    a / (s - lambda) + a.conj() / (s - lambda.conj())
 }
 
 /// The only set of a test; a test on several axes is not fitted and not drawn.
