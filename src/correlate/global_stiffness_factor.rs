@@ -12,7 +12,7 @@ const MIN_TEST_MODES: usize = 3;
 const MIN_FRACTION_OF_TEST_MODES: f64 = 0.6;
 
 /// Test modes against roots of the theory.
-pub(super) struct Unlike<'a> {
+pub(super) struct MacTable<'a> {
     /// Frequencies of the test modes, Hz.
     pub test_hz: &'a [f64],
     /// Frequencies of the roots, Hz, and how many modes share each.
@@ -30,15 +30,15 @@ pub(super) struct Unlike<'a> {
 /// lie within the gate about their median, and the mean itself is beyond it, all stiffnesses times
 /// `exp(2 mean ln r)` would bring them together. The spread is the standard deviation of that
 /// factor from mode to mode.
-pub(super) fn common_factor(modes: &Unlike<'_>, paired: usize) -> Option<Finding> {
-    let count = modes.test_hz.len();
+pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Option<Finding> {
+    let count = table.test_hz.len();
     if 2 * paired > count {
         return None;
     }
-    let mut ratios = clear_ratios(modes);
+    let mut ratios = clear_ratios(table);
     ratios.sort_by(f64::total_cmp);
     let median = *ratios.get(ratios.len() / 2)?;
-    ratios.retain(|ratio| ((ratio - median).exp() - 1.0).abs() <= modes.gate);
+    ratios.retain(|ratio| ((ratio - median).exp() - 1.0).abs() <= table.gate);
     let kept = ratios.len() as f64;
     if ratios.len() < MIN_TEST_MODES || kept < MIN_FRACTION_OF_TEST_MODES * count as f64 {
         return None;
@@ -48,17 +48,17 @@ pub(super) fn common_factor(modes: &Unlike<'_>, paired: usize) -> Option<Finding
     let std = (squares / (kept - 1.0)).sqrt();
     let factor = (2.0 * mean).exp();
     let finding = Finding::new(Severity::Warning, Code::CommonFactor, Place::Whole);
-    let beyond = (mean.exp() - 1.0).abs() > modes.gate;
+    let beyond = (mean.exp() - 1.0).abs() > table.gate;
     beyond.then(|| finding.value(factor, "").limit(2.0 * std * factor))
 }
 
 /// `ln(test / theory)` of the frequencies of all test modes that are like one root alone.
-fn clear_ratios(unlike: &Unlike<'_>) -> Vec<f64> {
-    let chosen: Vec<Option<usize>> = unlike.mac.iter().map(|row| clear_root(row)).collect();
-    let rows = chosen.iter().zip(unlike.test_hz);
+fn clear_ratios(table: &MacTable<'_>) -> Vec<f64> {
+    let chosen: Vec<Option<usize>> = table.mac.iter().map(|row| clear_root(row)).collect();
+    let rows = chosen.iter().zip(table.test_hz);
     let ratio = |(root, hz): (&Option<usize>, &f64)| {
         let root = (*root)?;
-        let (root_hz, modes) = unlike.roots[root];
+        let (root_hz, modes) = table.roots[root];
         let claims = chosen.iter().filter(|other| **other == Some(root)).count();
         (claims <= modes).then(|| (hz / root_hz).ln())
     };

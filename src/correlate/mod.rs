@@ -62,7 +62,7 @@ pub use observability::{
 };
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{Pairing, pair};
-pub use partner::{Basis, Competitor, NearMiss, Pair, Partner, UnpairedRoot, Verdict};
+pub use partner::{Basis, Competitor, NearMiss, Pair, PairVerdict, Partner, UnpairedRoot};
 pub use placement::{Placement, PlannedRoot, RankedHit, Step, placement};
 pub use placement_candidates::Candidates;
 pub use subspace::{principal_angles_deg, subspace_mac};

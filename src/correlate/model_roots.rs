@@ -5,21 +5,19 @@ use crate::modal::ModalModel;
 
 use super::CorrelateError;
 
-/// Frequencies of one root agree to this part, where no group numbers say so: files hold seven
-/// digits.
-const SAME_ROOT: f64 = 1e-6;
+/// Maximum relative spacing of modes of one root without a group number: files hold seven digits.
+const MAX_SPACING_OF_ONE_ROOT: f64 = 1e-6;
 
-/// A rigid-body mode of finished modes over the root above it. Rounding leaves an eigenvalue of 0
-/// at some 1e-16 of the highest of the whole model, which is 1e8 to 1e10 times the lowest elastic
-/// one: 1e-3 to 1e-4 of its frequency or less.
-const RIGID: f64 = 1e-3;
+/// Maximum frequency of a rigid-body mode over that of the next root, in modes from a file.
+/// Rounding makes of an eigenvalue 0 some 1e-16 of the highest of the model, which is 1e8 to 1e10
+/// times the lowest elastic one: 1e-3 to 1e-4 of its frequency or less.
+const MAX_RIGID_OVER_NEXT_HZ: f64 = 1e-3;
 
-/// Rigid-body modes of one body: those at 0 and what rounding left of others are no more together.
+/// Rigid-body modes of one body: those at 0 Hz and those that rounding moved from 0.
 const MAX_RIGID_BODY_MODES: usize = 6;
 
-/// No rigid-body mode lies above this, Hz: a test with a hammer measures nothing as low, so that no
-/// mode is lost with it.
-const HIGHEST_RIGID_HZ: f64 = 0.1;
+/// Maximum frequency of a rigid-body mode, Hz: a hammer test measures no mode as low.
+const MAX_RIGID_HZ: f64 = 0.1;
 
 /// One elastic root of a theory with all modes that share it.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,27 +30,23 @@ pub(super) struct Root {
 
 /// The highest frequency of a rigid-body mode, Hz; 0 where none has another.
 ///
-/// A model that was solved here has its rigid-body modes at exactly 0. In finished modes, with
-/// those at 0 among the lowest six, the modes above 0 that come before the first rise by a factor
-/// of a thousand are what rounding left of 0, if they are at most 0.1 Hz, where a test with a
-/// hammer measures nothing. A stiff mode far above the others says nothing of these.
+/// The eigensolver of `theory` returns rigid-body modes at exactly 0. In modes from a file, of the
+/// lowest six, those above 0 Hz before the first rise by a factor of a thousand are rigid-body modes
+/// that rounding moved from 0, if they are at most 0.1 Hz. A rise between higher modes shows no
+/// rigid-body modes.
 pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
     let mut lowest: Vec<f64> = theory.modes.iter().map(|mode| mode.frequency_hz).collect();
     lowest.sort_by(f64::total_cmp);
-    // The rise after the sixth is one to the seventh.
+    // The rise after the sixth mode needs the seventh.
     lowest.truncate(MAX_RIGID_BODY_MODES + 1);
     let mut rises = lowest.windows(2).filter(|next| next[0] > 0.0);
-    let rise = rises.find(|next| next[0] <= RIGID * next[1]);
+    let rise = rises.find(|next| next[0] <= MAX_RIGID_OVER_NEXT_HZ * next[1]);
     let below = rise.map_or(0.0, |next| next[0]);
-    if below <= HIGHEST_RIGID_HZ {
-        below
-    } else {
-        0.0
-    }
+    if below <= MAX_RIGID_HZ { below } else { 0.0 }
 }
 
 /// The elastic roots in ascending frequency; modes of one group number or one frequency are one
-/// root, rigid-body modes are left out.
+/// root; rigid-body modes are left out.
 pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
     let root = |modes: Vec<usize>| {
         let sum: f64 = modes.iter().map(|&j| theory.modes[j].frequency_hz).sum();
@@ -71,7 +65,7 @@ pub(super) fn elastic_roots(theory: &ModalModel) -> Vec<Root> {
         .collect();
     roots.sort_by(|a, b| a.hz.total_cmp(&b.hz).then_with(|| a.modes.cmp(&b.modes)));
     roots.dedup_by(|next, root| {
-        let same = next.hz - root.hz <= SAME_ROOT * root.hz;
+        let same = next.hz - root.hz <= MAX_SPACING_OF_ONE_ROOT * root.hz;
         if same {
             root.modes.append(&mut next.modes);
             root.modes.sort_unstable();
@@ -87,7 +81,7 @@ pub(super) fn elastic_modes(model: &ModalModel) -> Vec<usize> {
     (0..model.modes.len()).filter(above).collect()
 }
 
-/// Every frequency is finite and not negative, every shape value finite.
+/// Checks that every frequency is finite and not negative, and every shape value finite.
 pub(super) fn check_model(name: &'static str, model: &ModalModel) -> Result<(), CorrelateError> {
     for (number, mode) in (1..).zip(&model.modes) {
         let got_hz = mode.frequency_hz;

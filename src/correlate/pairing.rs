@@ -1,7 +1,7 @@
 //! Pairing of test modes with the roots of a theory.
 //!
-//! All pairs are decided together: an assignment of smallest total cost, in which a mode may stay
-//! alone. Complex test shapes are used without conversion to real ones.
+//! All pairs are found together, as the assignment of smallest total cost, in which a mode may stay
+//! unpaired. Complex test shapes are used without conversion to real ones.
 
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::modal::ModalModel;
@@ -13,24 +13,24 @@ use super::reversed_sensors::{ReversedSensor, detect, reversed_findings, signs};
 use super::shapes::Shapes;
 use super::{CorrelateError, DofMap, PairOptions};
 
-/// Who belongs to whom between one test and one theory. Indices are those of the two models' mode
-/// lists.
+/// Assignment of the modes of a test to the roots of a theory. Indices are those of the two models'
+/// mode lists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pairing {
-    /// The common degrees of freedom.
+    /// Common degrees of freedom.
     pub map: DofMap,
-    /// MAC of every test mode (row) with every theory mode (column) alone; `None` where one has
+    /// MAC of every test mode (row) with every single theory mode (column); `None` where one has
     /// no shape there or fewer than two degrees of freedom are common.
     pub mac: Vec<Vec<Option<f64>>>,
     /// Roots with partners, in ascending theory frequency.
     pub pairs: Vec<Pair>,
-    /// Roots without, in ascending frequency.
+    /// Roots without partners, in ascending frequency.
     pub unpaired_theory: Vec<UnpairedRoot>,
     /// Test modes without a partner, ascending.
     pub unpaired_test: Vec<usize>,
     /// Rigid-body modes of the theory, which are never paired.
     pub rigid_theory: usize,
-    /// The highest frequency of one, Hz; 0 where there is none.
+    /// The highest frequency of a rigid-body mode, Hz; 0 where there is none.
     pub highest_rigid_hz: f64,
     /// Number of theory modes.
     pub theory_modes: usize,
@@ -44,28 +44,26 @@ pub struct Pairing {
 /// Pairs the modes of a test with those of a theory.
 ///
 /// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference
-/// of errors is, and the share `a` of a test shape that a root holds when all roots explain it
-/// together (formula in `modal_contribution`), a pair is allowed when `u <= 1` and `a >= 0.6
-/// min_mac` or the MAC at the sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 -
-/// a)/(1 - 0.6 min_mac)` up to 1: what the frequency says of mixed shapes is in `a` already. With
-/// fewer than three degrees of freedom in common it costs `u`: a MAC over one component is 1 for
-/// any two shapes, and over two independent shapes reach 0.9 in a fifth of all cases. Leaving a
-/// test mode and a theory mode over costs 1 together, so that a pair inside its gates is made
-/// rather than not, and a missed mode moves no other row as long as moving costs more than that.
-/// The sum is made smallest over all pairs at once.
+/// of errors is, and the modal contribution `a` of a root to a test shape (formula in
+/// `modal_contribution`), a pair is allowed when `u <= 1` and `a >= 0.6 min_mac` or the MAC at the
+/// sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)` up to 1: the
+/// weight of the frequency is small because `a` includes the frequencies. With fewer than three
+/// degrees of freedom in common a pair costs `u`: the MAC over one component is 1 for any two
+/// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. An unpaired
+/// test mode costs 1, so that a pair inside its gates is always preferred, and an unpaired mode
+/// changes another pair only where that costs less. The assignment minimises the sum over all pairs.
 ///
 /// A pair with three degrees of freedom in common or more rests on frequency and shape
 /// ([`Basis::Shape`](super::Basis::Shape)): its MAC has to reach the
 /// [`ChanceLevel`](super::ChanceLevel), else it is uncorrelated. With fewer it rests on frequency
 /// alone. A pair is ambiguous when, for either side, another allowed partner costs less than
-/// `ambiguous_margin` more; claimed when another root holds half of the shape by the same
-/// reckoning, or this root half of another; and mixed when `a` less its standard deviation is below
-/// `min_mac`.
+/// `ambiguous_margin` more; its shape is contested when another root contributes half of it, or this
+/// root half of another shape; and mixed when `a` less its standard deviation is below `min_mac`.
 ///
 /// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`])
 /// are reversed while pairs are chosen; MAC and chance level are of the shapes as measured. The
-/// shares are then those of the reversed shapes, so that the MAC as measured has to reach `min_mac`
-/// as well, else the pair is ambiguous.
+/// contributions are then those to the reversed shapes, so that the MAC as measured has to reach
+/// `min_mac` as well, else the pair is ambiguous.
 ///
 /// Modes of one repeated root of the theory (same group number) are one partner that takes as many
 /// test modes as it has modes, by [`subspace_mac`](super::subspace_mac). Rigid-body modes of the
@@ -107,7 +105,7 @@ pub fn pair(
     let pairs = table.pairs(&root_of, &shapes, !reversed.is_empty(), options)?;
     findings.extend(reversed_findings(&reversed, false));
     findings.extend(table.findings(test, &root_of, &pairs, options));
-    findings.extend(pairs.iter().filter_map(|pair| alike(pair, test)));
+    findings.extend(pairs.iter().filter_map(|pair| similar_partners(pair, test)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
     Ok(Pairing {
         mac: shapes.mac_matrix(),
@@ -123,10 +121,14 @@ pub fn pair(
     })
 }
 
-/// The finding of partners of a repeated root whose shapes are alike, at the highest of them.
-fn alike(pair: &Pair, test: &ModalModel) -> Option<Finding> {
-    let share = pair.least_direction?;
+/// The finding on partners of a repeated root with similar shapes, at the highest of them.
+fn similar_partners(pair: &Pair, test: &ModalModel) -> Option<Finding> {
+    let contribution = pair.weakest_direction?;
     let place = Place::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
     let finding = Finding::new(Severity::Warning, Code::AlikePartners, place);
-    Some(finding.value(share, "").limit(MIN_DIRECTION_CONTRIBUTION))
+    Some(
+        finding
+            .value(contribution, "")
+            .limit(MIN_DIRECTION_CONTRIBUTION),
+    )
 }

@@ -203,12 +203,12 @@ fn two_partners_as_good_are_ambiguous_from_either_side() {
     let from_test = paired(&model(one.clone()), &model(twins.clone()));
     let verdict = &from_test.pairs[0].partners[0].verdict;
     assert!(
-        matches!(verdict, Verdict::Ambiguous { rival: Competitor::Theory(modes), .. } if modes == &[1])
+        matches!(verdict, PairVerdict::Ambiguous { competitor: Competitor::Theory(modes), .. } if modes == &[1])
     );
     let from_theory = paired(&model(twins), &model(one));
     let verdict = &from_theory.pairs[0].partners[0].verdict;
     assert!(
-        matches!(verdict, Verdict::Ambiguous { rival: Competitor::Test(1), cost_difference } if *cost_difference > 0.0)
+        matches!(verdict, PairVerdict::Ambiguous { competitor: Competitor::Test(1), cost_difference } if *cost_difference > 0.0)
     );
     assert!(codes(&from_test).contains(&Code::Ambiguous));
 }
@@ -217,7 +217,7 @@ fn two_partners_as_good_are_ambiguous_from_either_side() {
 fn the_margin_decides_which_pairs_are_ambiguous() {
     let theory = model(vec![mode(100.0, &[]), mode(104.0, &[])]);
     let test = model(vec![mode(100.0, &[])]);
-    // The rival lies 4 % off, which costs 4/104 / 0.2 = 0.192.
+    // The competitor lies 4 % off, which costs 4/104 / 0.2 = 0.192.
     for (margin, expected) in [(0.19, false), (0.195, true)] {
         let options = PairOptions {
             ambiguous_margin: margin,
@@ -225,7 +225,7 @@ fn the_margin_decides_which_pairs_are_ambiguous() {
         };
         let verdict = &pair(&test, &theory, &options).unwrap().pairs[0].partners[0].verdict;
         assert_eq!(
-            matches!(verdict, Verdict::Ambiguous { .. }),
+            matches!(verdict, PairVerdict::Ambiguous { .. }),
             expected,
             "{margin}"
         );
@@ -450,5 +450,5 @@ fn rounding_errors_at_nodes_are_no_shape() {
     modes[1..].iter_mut().for_each(|mode| mode.group = Some(1));
     let found = paired(&model(vec![mode(1002.0, &shape(1))]), &model(modes));
     assert_eq!(numbers(&found), [(1, 1)]);
-    assert_eq!(found.pairs[0].partners[0].verdict, Verdict::Paired);
+    assert_eq!(found.pairs[0].partners[0].verdict, PairVerdict::Paired);
 }

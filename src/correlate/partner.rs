@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::chance::ChanceLevel;
 
-/// Minimum contribution of the partners of a repeated root to each of its directions; similar
-/// shapes have less.
+/// Minimum contribution of the partners of a repeated root to each of its directions; that of
+/// partners with similar shapes is smaller.
 pub(super) const MIN_DIRECTION_CONTRIBUTION: f64 = 0.25;
 
-/// Who else fits as well.
+/// Another partner of one side of a pair.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Competitor {
     /// Another root of the theory, by the indices of its modes.
@@ -17,16 +17,16 @@ pub enum Competitor {
     Test(usize),
 }
 
-/// Verdict on a pair.
+/// Judgement of a pair.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Verdict {
-    /// No other partner of either side is as good.
+pub enum PairVerdict {
+    /// No other partner of either side fits as well.
     Paired,
     /// The MAC is below the chance level: independent shapes correlate as well.
     Uncorrelated {
         /// MAC of the pair.
         mac: f64,
-        /// Level that it does not reach.
+        /// The chance level.
         level: ChanceLevel,
         /// MAC with the reversed sensors corrected, where that reaches the level.
         reversed: Option<f64>,
@@ -42,23 +42,23 @@ pub enum Verdict {
     /// A competitor costs at most the margin more.
     Ambiguous {
         /// The competitor of lowest cost.
-        rival: Competitor,
+        competitor: Competitor,
         /// Its cost minus the pair's; negative when the competitor alone is better and the
         /// assignment of all modes decided against it.
         cost_difference: f64,
     },
-    /// Another root explains half of the test shape or more, or the root as much of another test
-    /// shape: both cannot be right.
+    /// Another root contributes half of the test shape or more, or the root as much of another test
+    /// shape.
     ContestedShape {
         /// The competitor with the largest contribution.
-        rival: Competitor,
+        competitor: Competitor,
         /// Its contribution, or that of the root to it.
-        share: f64,
+        contribution: f64,
     },
     /// The contribution of the root to the test shape, less its standard deviation, is too small.
     MixedShape {
         /// Contribution of the paired root.
-        share: f64,
+        contribution: f64,
         /// Its standard deviation.
         std: f64,
     },
@@ -89,8 +89,8 @@ pub struct Partner {
     pub basis: Basis,
     /// Cost of the pair, from 0 to 1.
     pub cost: f64,
-    /// How sure it is.
-    pub verdict: Verdict,
+    /// Verdict on the pair.
+    pub verdict: PairVerdict,
 }
 
 /// A root of the theory with its partners.
@@ -103,12 +103,12 @@ pub struct Pair {
     /// Principal angles between the test modes and the subspace of a repeated root, ascending,
     /// degrees; `None` for a simple root or without shapes.
     pub angles_deg: Option<Vec<f64>>,
-    /// Share of the least direction of the root that several test modes hold together where that is
-    /// below a quarter (60 degrees): two of them may be one mode.
-    pub least_direction: Option<f64>,
+    /// Contribution of several test modes to the direction of the root that they represent worst,
+    /// where it is below a quarter (60 degrees): two of them may be one mode.
+    pub weakest_direction: Option<f64>,
 }
 
-/// A mode within the frequency gate that was refused for its shape.
+/// A test mode within the frequency gate that was rejected for its MAC.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearMiss {
     /// Index of the test mode.
@@ -122,6 +122,6 @@ pub struct NearMiss {
 pub struct UnpairedRoot {
     /// Indices of the theory modes.
     pub theory: Vec<usize>,
-    /// The test mode nearest in frequency, when it was refused for its MAC.
+    /// The test mode nearest in frequency, when it was rejected for its MAC.
     pub near_miss: Option<NearMiss>,
 }

@@ -15,7 +15,8 @@ const MIN_SINGULAR_VALUE: f64 = 0.1;
 /// Minimum number of common degrees of freedom of a meaningful MAC.
 pub(super) const MIN_SHAPE_DOFS: usize = 2;
 
-/// Values of every mode at the common degrees of freedom, signs turned and rotations weighed.
+/// Values of every mode at the common degrees of freedom, along the theory's directions, with
+/// rotations times the length that [`PairOptions`] states.
 pub(super) struct Shapes {
     pub test: Vec<Vec<Option<Complex64>>>,
     pub theory: Vec<Vec<Option<Complex64>>>,
@@ -40,7 +41,7 @@ impl Shapes {
         })
     }
 
-    /// The same with the test's values times these signs.
+    /// These shapes with the test's values multiplied by signs.
     pub fn reversed(&self, signs: &[f64]) -> Self {
         let signed = |shape: &Vec<Option<Complex64>>| {
             let values = shape.iter().zip(signs);
@@ -54,14 +55,14 @@ impl Shapes {
         }
     }
 
-    /// Shapes of all modes of some roots of the theory.
+    /// Theory shapes of all modes of some roots.
     pub fn of_roots(&self, roots: &[Root]) -> Vec<Vec<Option<Complex64>>> {
         let modes = roots.iter().flat_map(|root| &root.modes);
         modes.map(|&j| self.theory[j].clone()).collect()
     }
 
-    /// The degrees of freedom at which all of these modes have a value.
-    pub fn places(&self, test: &[usize], theory: &[usize]) -> Vec<usize> {
+    /// Indices of the degrees of freedom at which all of these modes have a value.
+    pub fn common_dofs(&self, test: &[usize], theory: &[usize]) -> Vec<usize> {
         let all = || {
             let test = test.iter().map(|&i| &self.test[i]);
             test.chain(theory.iter().map(|&j| &self.theory[j]))
@@ -74,44 +75,44 @@ impl Shapes {
 
     /// The test and theory vectors on the degrees of freedom at which all of these modes have a
     /// value.
-    pub fn common(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
-        let kept = self.places(test, theory);
+    pub fn common_values(&self, test: &[usize], theory: &[usize]) -> [Vec<Vec<Complex64>>; 2] {
+        let dofs = self.common_dofs(test, theory);
         let vector =
-            |values: &Vec<Option<Complex64>>| kept.iter().filter_map(|&d| values[d]).collect();
+            |values: &Vec<Option<Complex64>>| dofs.iter().filter_map(|&d| values[d]).collect();
         [
             test.iter().map(|&i| vector(&self.test[i])).collect(),
             theory.iter().map(|&j| vector(&self.theory[j])).collect(),
         ]
     }
 
-    /// Whether a test mode and a root have the degrees of freedom in common that a MAC needs, and
-    /// the MAC there (`None` for a zero vector).
-    pub fn compare(&self, test: usize, theory: &[usize]) -> (bool, Option<f64>) {
-        let [vector, span] = self.common(&[test], theory);
+    /// MAC of a test mode with a root; `None` with too few degrees of freedom in common, and for a
+    /// zero vector.
+    pub fn mac(&self, test: usize, theory: &[usize]) -> Option<f64> {
+        let [vector, span] = self.common_values(&[test], theory);
         let comparable = vector[0].len() >= MIN_SHAPE_DOFS;
         let mac = comparable.then(|| subspace_mac(&vector[0], &span));
-        (comparable, mac.flatten())
+        mac.flatten()
     }
 
-    /// Principal angles between test modes and a root; none where there are too few degrees of
-    /// freedom for a MAC.
+    /// Principal angles between test modes and a root; none with too few degrees of freedom for a
+    /// MAC.
     pub fn angles_deg(&self, test: &[usize], theory: &[usize]) -> Result<Vec<f64>, CorrelateError> {
-        let [test, theory] = self.common(test, theory);
+        let [test, theory] = self.common_values(test, theory);
         match test[0].len() {
             0..MIN_SHAPE_DOFS => Ok(Vec::new()),
             _ => principal_angles_deg(&test, &theory),
         }
     }
 
-    /// Share of the least direction of a root that test modes hold together, `cos²` of the largest
-    /// principal angle: 0 where they have fewer directions than modes. `None` for one mode, where
-    /// these degrees of freedom do not separate the directions of the root (its unit shapes have a
-    /// singular value below [`MIN_SINGULAR_VALUE`]), or where they are no more than the modes of
-    /// the root.
+    /// Contribution of test modes to the direction of a root that they represent worst, `cos²` of
+    /// the largest principal angle: 0 where they span fewer directions than modes. `None` for one
+    /// test mode, where the degrees of freedom do not separate the directions of the root (its unit
+    /// shapes have a singular value below [`MIN_SINGULAR_VALUE`]), and where they are no more than
+    /// the modes of the root.
     ///
     /// # Errors
     /// [`CorrelateError::Linalg`].
-    pub fn least_direction(
+    pub fn weakest_direction(
         &self,
         test: &[usize],
         theory: &[usize],
@@ -119,7 +120,7 @@ impl Shapes {
         if test.len() < 2 {
             return Ok(None);
         }
-        let [modes, root] = self.common(test, theory);
+        let [modes, root] = self.common_values(test, theory);
         let dofs = modes[0].len();
         if dofs <= theory.len() {
             return Ok(None);
@@ -142,14 +143,14 @@ impl Shapes {
         ))
     }
 
-    /// At how many degrees of freedom a test and a theory mode have values.
-    pub fn common_count(&self, test: usize, theory: usize) -> usize {
+    /// Number of degrees of freedom at which a test and a theory mode both have values.
+    pub fn common_dof_count(&self, test: usize, theory: usize) -> usize {
         let both = self.test[test].iter().zip(&self.theory[theory]);
         both.filter(|(a, b)| a.is_some() && b.is_some()).count()
     }
 
-    /// The number of degrees of freedom, where every mode of both has a value at each.
-    pub fn count_of_all(&self) -> Option<usize> {
+    /// The number of degrees of freedom where every mode has a value at each of them.
+    pub fn full_dof_count(&self) -> Option<usize> {
         let mut all = self.test.iter().chain(&self.theory);
         let count = self.test.first().and(self.theory.first())?.len();
         all.all(|shape| shape.iter().all(Option::is_some))
@@ -159,20 +160,16 @@ impl Shapes {
     /// MAC of every test mode with every theory mode; one product of matrices where all modes have
     /// all values.
     pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
-        if let (Some(test), Some(theory)) = (whole(&self.test), whole(&self.theory)) {
+        if let (Some(test), Some(theory)) = (full_matrix(&self.test), full_matrix(&self.theory)) {
             return mac_of_product(&test, &theory);
         }
-        let row = |i| {
-            (0..self.theory.len())
-                .map(|j| self.compare(i, &[j]).1)
-                .collect()
-        };
+        let row = |i| (0..self.theory.len()).map(|j| self.mac(i, &[j])).collect();
         (0..self.test.len()).map(row).collect()
     }
 }
 
-/// Shapes as columns, where none misses a value and there are enough for a MAC.
-fn whole(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
+/// Shapes as columns, where all values are there and enough of them for a MAC.
+fn full_matrix(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
     let points = shapes.first()?.len();
     let full = |shape: &Vec<Option<Complex64>>| shape.iter().all(Option::is_some);
     let value = |p: usize, c: usize| shapes[c][p].unwrap_or_default();
@@ -180,7 +177,7 @@ fn whole(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
         .then(|| complex_matrix(points, shapes.len(), value))
 }
 
-/// `|a^H b|²/(a^H a · b^H b)` of all columns, a of the rows.
+/// `|a^H b|²/(a^H a · b^H b)` of every column `a` of `rows` and `b` of `columns`.
 fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Option<f64>>> {
     let squares = |of: &ComplexMatrix| -> Vec<f64> {
         let column = |c: usize| (0..of.nrows()).map(|p| of[(p, c)].norm_sqr()).sum();
@@ -196,8 +193,8 @@ fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Opti
     (0..a.len()).map(row).collect()
 }
 
-/// A theory's values with exact zeros where a mode stands still: below a part of the largest value
-/// that any mode has there, only rounding is left, and rounding has every shape.
+/// A theory's values with zeros at the nodes of modes: a value below 1e-10 of the largest of any
+/// mode there is rounding, which correlates with every shape.
 pub(super) fn without_rounding(
     mut modes: Vec<Vec<Option<Complex64>>>,
 ) -> Vec<Vec<Option<Complex64>>> {

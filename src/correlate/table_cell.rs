@@ -10,8 +10,8 @@ use super::chance::MIN_DOFS_OF_SHAPE;
 use super::model_roots::Root;
 use super::table_row::{PairedTest, Status, TestCell};
 use super::{
-    Basis, ChanceLevel, Competitor, ErrorReference, Observability, Pair, PairOptions, Partner,
-    Verdict, observability,
+    Basis, ChanceLevel, Competitor, ErrorReference, Observability, Pair, PairOptions, PairVerdict,
+    Partner, observability,
 };
 
 /// Test modes nearer than this part of their frequency are one root: what comes from one pole is
@@ -70,8 +70,8 @@ impl<'a> TestSight<'a> {
             .partners
             .iter()
             .find_map(|p| self.doubt(&p.verdict, options));
-        let alike = pair.least_direction.map(|share| {
-            let percent = 100.0 * share;
+        let alike = pair.weakest_direction.map(|contribution| {
+            let percent = 100.0 * contribution;
             format!(
                 "the test shapes are similar: they span {percent:.0} % of one direction of the repeated root, so that one mode may be there twice"
             )
@@ -129,31 +129,34 @@ impl<'a> TestSight<'a> {
         }
     }
 
-    fn doubt(&self, verdict: &Verdict, options: &PairOptions) -> Option<String> {
-        let (rival, cost_difference) = match verdict {
-            Verdict::Paired => return None,
-            Verdict::Uncorrelated {
+    fn doubt(&self, verdict: &PairVerdict, options: &PairOptions) -> Option<String> {
+        let (competitor, cost_difference) = match verdict {
+            PairVerdict::Paired => return None,
+            PairVerdict::Uncorrelated {
                 mac,
                 level,
                 reversed,
             } => {
                 return Some(below_chance(*mac, level) + &with_reversed(*reversed));
             }
-            Verdict::RestsOnReversal { mac, reversed } => {
+            PairVerdict::RestsOnReversal { mac, reversed } => {
                 let gate = options.min_mac;
                 let measured = format!("the MAC of {mac:.3} as measured is below the gate, {gate}");
                 return Some(measured + &with_reversed(*reversed));
             }
-            Verdict::MixedShape { share, std } => {
+            PairVerdict::MixedShape { contribution, std } => {
                 return Some(format!(
                     "the root contributes {:.0} ± {:.0} % of the test shape when all roots explain it together",
-                    100.0 * share,
+                    100.0 * contribution,
                     100.0 * std
                 ));
             }
-            Verdict::ContestedShape { rival, share } => {
-                let (who, percent) = (self.name_of(rival)?, 100.0 * share);
-                return Some(match rival {
+            PairVerdict::ContestedShape {
+                competitor,
+                contribution,
+            } => {
+                let (who, percent) = (self.name_of(competitor)?, 100.0 * contribution);
+                return Some(match competitor {
                     Competitor::Theory(_) => {
                         format!("{who} could contribute {percent:.0} % of the test shape as well")
                     }
@@ -162,12 +165,12 @@ impl<'a> TestSight<'a> {
                     }
                 });
             }
-            Verdict::Ambiguous {
-                rival,
+            PairVerdict::Ambiguous {
+                competitor,
                 cost_difference,
-            } => (rival, cost_difference),
+            } => (competitor, cost_difference),
         };
-        let who = self.name_of(rival)?;
+        let who = self.name_of(competitor)?;
         Some(if *cost_difference < 0.0 {
             format!("{who} alone would fit better (cost {cost_difference:+.3})")
         } else {
@@ -175,8 +178,8 @@ impl<'a> TestSight<'a> {
         })
     }
 
-    fn name_of(&self, rival: &Competitor) -> Option<String> {
-        Some(match rival {
+    fn name_of(&self, competitor: &Competitor) -> Option<String> {
+        Some(match competitor {
             Competitor::Theory(modes) => {
                 let root = self.roots.iter().find(|root| root.modes == *modes)?;
                 format!("the theory's root at {:.2} Hz", root.hz)
@@ -247,7 +250,7 @@ impl<'a> TestSight<'a> {
 }
 
 fn uncorrelated(partner: &Partner) -> bool {
-    matches!(partner.verdict, Verdict::Uncorrelated { .. })
+    matches!(partner.verdict, PairVerdict::Uncorrelated { .. })
 }
 
 /// Addition to the reason of a pair: its MAC with the reversed sensors corrected.

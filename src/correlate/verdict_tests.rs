@@ -22,7 +22,7 @@ fn the_mac_of_whole_sets_equals_that_of_each_pair() {
         let map = DofMap::of_models(test, &theory);
         let shapes =
             Shapes::new(test, &theory, &map, &PairOptions::default()).expect("finite shapes");
-        let single = |i: usize, j: usize| shapes.compare(i, &[j]).1;
+        let single = |i: usize, j: usize| shapes.mac(i, &[j]);
         for (i, row) in shapes.mac_matrix().iter().enumerate() {
             for (j, mac) in row.iter().enumerate() {
                 let apart = mac.zip(single(i, j)).map(|(a, b)| (a - b).abs());
@@ -44,7 +44,7 @@ fn the_mac_of_whole_sets_equals_that_of_each_pair() {
 }
 
 /// The verdict of the first mode against two roots of which it is a sum of these parts.
-fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [Vec<f64>; 2]) -> (Verdict, Vec<Finding>) {
+fn verdict_of(parts: [f64; 2], hz: [f64; 2], shapes: [Vec<f64>; 2]) -> (PairVerdict, Vec<Finding>) {
     let points = shapes[0].iter().zip(&shapes[1]);
     let sum: Vec<f64> = points.map(|(x, y)| parts[0] * x + parts[1] * y).collect();
     let theory = model(vec![mode(hz[0], &shapes[0]), mode(hz[1], &shapes[1])]);
@@ -67,10 +67,10 @@ fn half_of_a_shape_within_its_deviation_is_mixed() {
         verdict_of(parts, [100.0, 104.0], shapes)
     };
     let points = || [wave(1), wave(2)];
-    assert_eq!(of(0.64, points()).0, Verdict::Paired);
+    assert_eq!(of(0.64, points()).0, PairVerdict::Paired);
     let (verdict, findings) = of(0.52, points());
     assert!(
-        matches!(verdict, Verdict::MixedShape { share, std } if (share - 0.52).abs() < 0.01 && (std - 0.03).abs() < 0.005),
+        matches!(verdict, PairVerdict::MixedShape { contribution, std } if (contribution - 0.52).abs() < 0.01 && (std - 0.03).abs() < 0.005),
         "{verdict:?}"
     );
     // The value compared with the limit.
@@ -90,7 +90,7 @@ fn mac_below_the_chance_level_is_ambiguous_with_mac_level_and_dofs() {
     // Six points and two roots in reach: independent shapes reach 0.789 with the nearest.
     let (verdict, findings) = verdict_of([0.8, 0.6], [100.0, 104.0], [shape(1), shape(2)]);
     assert!(
-        matches!(&verdict, Verdict::Uncorrelated { mac, level, .. }
+        matches!(&verdict, PairVerdict::Uncorrelated { mac, level, .. }
             if (mac - 0.64).abs() < 1e-12 && (level.mac - 0.789).abs() < 1e-3 && (level.dofs, level.roots, level.rank) == (6, 2, 1)),
         "{verdict:?}"
     );
@@ -143,7 +143,7 @@ fn two_degrees_of_freedom_pair_by_frequency_alone_and_three_by_shape() {
         let partner = &found.pairs[0].partners[0];
         assert_eq!(
             (partner.basis, &partner.verdict),
-            (basis, &Verdict::Paired),
+            (basis, &PairVerdict::Paired),
             "{points}"
         );
         assert_eq!(partner.chance_level.is_some(), basis == Basis::Shape);
@@ -166,7 +166,7 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
             .all(|finding| finding.code != Code::Ambiguous)
     );
     assert!(
-        matches!(&verdict, Verdict::ContestedShape { rival: Competitor::Theory(modes), share } if modes == &[1] && *share > 0.8),
+        matches!(&verdict, PairVerdict::ContestedShape { competitor: Competitor::Theory(modes), contribution } if modes == &[1] && *contribution > 0.8),
         "{verdict:?}"
     );
     let theory = model(vec![mode(100.0, &shape(1))]);
@@ -178,8 +178,8 @@ fn two_far_roots_of_one_shape_both_claim_a_mode() {
     assert!(
         matches!(
             verdict,
-            Verdict::ContestedShape {
-                rival: Competitor::Test(1),
+            PairVerdict::ContestedShape {
+                competitor: Competitor::Test(1),
                 ..
             }
         ),
@@ -205,7 +205,7 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
     for second in [turned.clone(), nearly] {
         let test = model(vec![mode(99.0, &turned), mode(101.0, &second)]);
         let pairing = paired(&test, &repeated());
-        assert!(of_both(&pairing).least_direction.expect("alike") < 0.3);
+        assert!(of_both(&pairing).weakest_direction.expect("alike") < 0.3);
         let found_finding = pairing.findings.iter();
         let found_finding: Vec<_> = found_finding
             .filter(|finding| finding.code == Code::AlikePartners)
@@ -217,7 +217,7 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
     let other = blend(-0.258_819, 0.965_926);
     let test = model(vec![mode(99.0, &turned), mode(101.0, &other)]);
     let pairing = paired(&test, &repeated());
-    assert!(of_both(&pairing).least_direction.is_none());
+    assert!(of_both(&pairing).weakest_direction.is_none());
     // Sensors that see one direction of the root alone tell nothing of the other.
     let one = |values: Vec<f64>| values[..4].to_vec();
     let blind = model(vec![
@@ -230,5 +230,5 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
         mode(101.0, &one(shape(1))),
     ]);
     let pairing = paired(&test, &blind);
-    assert!(of_both(&pairing).least_direction.is_none());
+    assert!(of_both(&pairing).weakest_direction.is_none());
 }

@@ -1,7 +1,7 @@
 //! Pairing of test modes with a model of wrong stiffnesses is compared with pairing by frequency,
 //! by MAC and by index alone.
 
-use modalign::correlate::{PairOptions, Verdict, assign, pair};
+use modalign::correlate::{PairOptions, PairVerdict, assign, pair};
 use rayon::prelude::*;
 
 use super::machines::{Family, Machine, SENSORS};
@@ -84,7 +84,7 @@ fn by_tool(machine: &Machine) -> Choice {
     for mode_pair in &pairing.pairs {
         let root = machine.theory.modes[mode_pair.theory[0]].group.unwrap() as usize;
         for partner in &mode_pair.partners {
-            choice[partner.test] = (Some(root), partner.verdict == Verdict::Paired);
+            choice[partner.test] = (Some(root), partner.verdict == PairVerdict::Paired);
         }
     }
     choice

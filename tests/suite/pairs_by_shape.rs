@@ -2,7 +2,7 @@
 //! are named and lose no mode.
 
 use modalign::correlate::measures::{reversed_sensors, turned};
-use modalign::correlate::{Basis, PairOptions, Pairing, Verdict, pair};
+use modalign::correlate::{Basis, PairOptions, PairVerdict, Pairing, pair};
 use modalign::dof::Dof;
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
 use num_complex::Complex64;
@@ -57,7 +57,7 @@ fn random_shapes_do_not_pair_by_shape() {
         let pairing = paired(&test, &theory);
         named += usize::from(!pairing.reversed.is_empty());
         let partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
-        let sure = partners.filter(|partner| partner.verdict == Verdict::Paired);
+        let sure = partners.filter(|partner| partner.verdict == PairVerdict::Paired);
         let count = sure
             .inspect(|partner| assert_eq!(partner.basis, Basis::Shape, "{number}"))
             .count();
@@ -103,8 +103,8 @@ fn correlated_shapes_pair_by_shape() {
                     .filter(|partner| truth[partner.test] == root);
                 for partner in right {
                     match partner.verdict {
-                        Verdict::Paired => kept += 1,
-                        Verdict::Uncorrelated { .. } => lost += 1,
+                        PairVerdict::Paired => kept += 1,
+                        PairVerdict::Uncorrelated { .. } => lost += 1,
                         _ => (),
                     }
                 }
@@ -138,7 +138,7 @@ fn stray_shape_among_correlated_ones_rarely_pairs() {
                 let pairing = paired(&test, &twin.theory);
                 let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
                 let sure = partners
-                    .any(|partner| partner.test == stray && partner.verdict == Verdict::Paired);
+                    .any(|partner| partner.test == stray && partner.verdict == PairVerdict::Paired);
                 all += 1;
                 by_shape += usize::from(sure);
             }

@@ -139,7 +139,7 @@ impl PairedModels<'_> {
         if tests.is_empty() {
             return Ok(None);
         }
-        let [of_test, of_theory] = shapes.common(&tests, cluster);
+        let [of_test, of_theory] = shapes.common_values(&tests, cluster);
         let dofs = of_test[0].len();
         let modes = tests.len().max(cluster.len());
         let angles = if 2 * modes <= dofs {

@@ -69,9 +69,9 @@ impl MacMatrix {
             rows: ModeName::all(rows),
             columns: ModeName::all(columns),
             mac: shapes.mac_matrix(),
-            dofs: match shapes.count_of_all() {
+            dofs: match shapes.full_dof_count() {
                 Some(count) => DofRange::over(std::iter::once(count)),
-                None => DofRange::over(pairs.map(|(i, j)| shapes.common_count(i, j))),
+                None => DofRange::over(pairs.map(|(i, j)| shapes.common_dof_count(i, j))),
             },
         }
     }

@@ -157,7 +157,7 @@ fn scale_factors(matrix: &MacMatrix, shapes: &Shapes, pairing: &Pairing) -> Vec<
     let simple = pairing.pairs.iter().filter(|pair| pair.theory.len() == 1);
     let factor = |pair: &super::Pair| {
         let (i, j) = (pair.partners[0].test, pair.theory[0]);
-        let [test, theory] = shapes.common(&[i], &[j]);
+        let [test, theory] = shapes.common_values(&[i], &[j]);
         let s: Complex64 = modal_scale_factor(&theory[0], &test[0])?;
         Some(ScaleFactor {
             test: matrix.rows[i],

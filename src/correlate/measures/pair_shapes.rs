@@ -30,7 +30,7 @@ impl PairShapes {
     }
 
     fn new(shapes: &Shapes, test: usize, theory: &[usize]) -> Option<Self> {
-        let [vector, span] = shapes.common(&[test], theory);
+        let [vector, span] = shapes.common_values(&[test], theory);
         let shape = unit(&vector[0])?;
         let partner = unit(&projection(&shape, &span))?;
         let mut both = shape.into_iter().zip(partner);

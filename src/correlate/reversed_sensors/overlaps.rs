@@ -3,15 +3,13 @@
 
 use num_complex::Complex64;
 
+use super::super::candidates::FREQUENCY_WEIGHT;
 use super::super::chance::{ChanceLevel, ChanceSetting, effective_dof_fraction};
 use super::super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::super::shapes::{MIN_SHAPE_DOFS, Shapes};
 use super::super::subspace::orthonormal;
 use super::super::{PairOptions, assign};
 use crate::modal::ModalModel;
-
-/// Weight of the frequency beside the shape, as in pairing.
-const FREQUENCY_WEIGHT: f64 = 0.1;
 
 /// A root within the frequency gate of a test mode. Values where either has none are 0.
 pub(super) struct Near {
@@ -181,8 +179,8 @@ impl Near {
     /// `None` where fewer degrees of freedom than a MAC needs are in common, or one side does not
     /// move there.
     fn new(shapes: &Shapes, i: usize, root: &[usize], setting: &ChanceSetting) -> Option<Self> {
-        let places = shapes.places(&[i], root);
-        let [test, modes] = shapes.common(&[i], root);
+        let places = shapes.common_dofs(&[i], root);
+        let [test, modes] = shapes.common_values(&[i], root);
         let length = test[0].iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         let basis = orthonormal(&modes);
         if places.len() < MIN_SHAPE_DOFS || length <= 0.0 || basis.is_empty() {

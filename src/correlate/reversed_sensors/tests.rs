@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use num_complex::Complex64;
 
 use super::super::measures::models::{dof, model};
-use super::super::{PairedTest, Status, Verdict, compare, pair};
+use super::super::{PairVerdict, PairedTest, Status, compare, pair};
 use super::*;
 use crate::modal::InputFile;
 
@@ -337,7 +337,7 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
         let corrected = turned(&test, &reversed);
         let pairing = pair(&corrected, &theory, &options).expect("shapes at 40 sensors");
         let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
-        assert!(partners.all(|partner| partner.verdict == Verdict::Paired));
+        assert!(partners.all(|partner| partner.verdict == PairVerdict::Paired));
     }
 }
 
