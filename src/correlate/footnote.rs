@@ -215,7 +215,7 @@ fn borrowed_damping(cell: &TestCell) -> Option<f64> {
     let damping = known.damping.filter(|damping| damping.from_test)?;
     let by_damping = match cell.status {
         Status::MissedExpected => true,
-        Status::NotObservable | Status::MissedUnexpected => !known.still && known.noise.is_ok(),
+        Status::NotObservable | Status::MissedUnexpected => !known.at_nodes && known.noise.is_ok(),
         _ => false,
     };
     by_damping.then_some(damping.ratio)

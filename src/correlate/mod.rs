@@ -57,8 +57,8 @@ pub use expansion::expanded;
 pub use footnote::Footnote;
 pub(crate) use model_roots::highest_rigid_hz;
 pub use observability::{
-    AgainstNoise, LARGEST_STD_OF_SPACING, NotJudged, Observability, PEAK_OVER_NOISE_DB,
-    RootDamping, observability,
+    MAX_FREQUENCY_STD_OVER_SPACING, MIN_PEAK_OVER_NOISE_DB, NotAssessed, Observability,
+    PeakDetectability, RootDamping, observability,
 };
 pub use options::{ErrorReference, PairOptions};
 pub use pairing::{Pairing, pair};

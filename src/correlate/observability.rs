@@ -1,8 +1,8 @@
 //! Observability assesses whether a test can detect a root of the theory with its sensors,
 //! excitation points and noise.
 //!
-//! A judgement needs shapes of the theory at the points of the test. What the test does not say
-//! (noise, damping) or the theory does not (modal mass) is left open, and an open question never
+//! The assessment needs shapes of the theory at the points of the test. Where noise, damping or
+//! modal mass is not known, the observability is unknown, and an unknown observability never
 //! excuses a missed root.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,8 +18,8 @@ use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::model_roots::{Root, elastic_roots};
 
-/// Maximum strength of a root at a pair that counts as a node, over the product of the largest
-/// values of any mode at its response and at its reference.
+/// Maximum strength of a root at a pair with a node, over the product of the largest values of any
+/// mode at its response and at its reference.
 ///
 /// An eigenvector is known to about 1e-14 of its largest component, five decades below. At equal
 /// damping the peaks of two accelerances are as far apart as their strengths, here 180 dB, while a
@@ -27,26 +27,26 @@ use super::model_roots::{Root, elastic_roots};
 pub(super) const NODE_FRACTION_OF_LARGEST: f64 = 1e-9;
 
 /// Minimum height of a detectable peak over the noise, dB.
-pub const PEAK_OVER_NOISE_DB: f64 = 10.0;
+pub const MIN_PEAK_OVER_NOISE_DB: f64 = 10.0;
 
-/// Largest standard deviation of a natural frequency, as a part of the spacing to the nearest root.
-pub const LARGEST_STD_OF_SPACING: f64 = 0.25;
+/// Maximum standard deviation of a natural frequency, over the spacing to the nearest root.
+pub const MAX_FREQUENCY_STD_OVER_SPACING: f64 = 0.25;
 
 /// Observability of one elastic root of the theory by a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observability {
     /// (response, reference) pairs of the test.
     pub pairs: usize,
-    /// Those of them at which the theory has shape values.
+    /// Pairs at which the theory has shape values.
     pub pairs_in_theory: usize,
-    /// Whether every sensor or hit stands still: no pair sees the root.
-    pub still: bool,
-    /// Damping ratio that was used; `None` when neither side knows one.
+    /// Whether every pair has a node of the root.
+    pub at_nodes: bool,
+    /// Damping ratio that was used; `None` when neither test nor theory has one.
     pub damping: Option<RootDamping>,
     /// Distance to the nearest other elastic root, Hz; `None` for an only one.
     pub spacing_hz: Option<f64>,
-    /// The peak against the noise, or why that is not known.
-    pub noise: Result<AgainstNoise, NotJudged>,
+    /// The peak over the noise, or why it was not assessed.
+    pub noise: Result<PeakDetectability, NotAssessed>,
 }
 
 /// The damping ratio of a root.
@@ -58,23 +58,22 @@ pub struct RootDamping {
     pub from_test: bool,
 }
 
-/// A root's peak against the noise of the functions.
+/// The peak of a root over the noise of the FRFs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AgainstNoise {
-    /// (response, reference) at which the peak stands highest over the noise.
+pub struct PeakDetectability {
+    /// (response, reference) with the highest peak over the noise.
     pub best_pair: (Dof, Dof),
     /// Peak over the root mean square of the noise there, dB; infinite without noise.
     pub peak_over_noise_db: f64,
-    /// Smallest standard deviation (Cramér-Rao) with which all pairs together can know the natural
-    /// frequency, Hz.
+    /// Cramér-Rao bound of the standard deviation of the natural frequency from all pairs, Hz.
     pub frequency_std_hz: f64,
-    /// Whether noise and strength were known at every pair, so that no other pair can see more.
+    /// Whether noise and strength are known at every pair, so that no pair can have a higher peak.
     pub complete: bool,
 }
 
 /// Reason why a root was not compared with the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotJudged {
+pub enum NotAssessed {
     /// The theory has no modal mass.
     ModalMass,
     /// Neither the theory nor the test has a damping ratio.
@@ -83,37 +82,38 @@ pub enum NotJudged {
     Variance,
 }
 
-impl fmt::Display for NotJudged {
+impl fmt::Display for NotAssessed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            NotJudged::ModalMass => "the model has no modal mass",
-            NotJudged::DampingRatio => "no damping ratio is known",
-            NotJudged::Variance => "the test has no FRF with a variance there",
+            NotAssessed::ModalMass => "the model has no modal mass",
+            NotAssessed::DampingRatio => "no damping ratio is known",
+            NotAssessed::Variance => "the test has no FRF with a variance there",
         })
     }
 }
 
 impl Observability {
-    /// Whether the test could have seen the root: at one pair its peak stands 10 dB over the noise,
-    /// and the Cramér-Rao deviation of its frequency is under a quarter of the spacing to the
-    /// nearest root. `None` when that is not known.
+    /// Whether the test could have detected the root: at one pair its peak is 10 dB above the noise,
+    /// and the Cramér-Rao bound of its frequency is below a quarter of the spacing to the nearest
+    /// root. `None` when that is not known.
     pub fn observable(&self) -> Option<bool> {
-        if self.still {
+        if self.at_nodes {
             return Some(false);
         }
         let noise = self.noise.as_ref().ok()?;
-        let seen = noise.peak_over_noise_db >= PEAK_OVER_NOISE_DB && self.tells_apart(noise);
+        let seen =
+            noise.peak_over_noise_db >= MIN_PEAK_OVER_NOISE_DB && self.separates_roots(noise);
         (seen || noise.complete).then_some(seen)
     }
 
-    fn tells_apart(&self, noise: &AgainstNoise) -> bool {
+    fn separates_roots(&self, noise: &PeakDetectability) -> bool {
         self.spacing_hz
-            .is_none_or(|spacing| noise.frequency_std_hz < LARGEST_STD_OF_SPACING * spacing)
+            .is_none_or(|spacing| noise.frequency_std_hz < MAX_FREQUENCY_STD_OVER_SPACING * spacing)
     }
 
     /// The numbers behind [`Self::observable`], as a clause.
     pub(super) fn reason(&self) -> String {
-        if self.still {
+        if self.at_nodes {
             return "every sensor or hit stands still in this root".to_owned();
         }
         let noise = match &self.noise {
@@ -127,8 +127,10 @@ impl Observability {
         let peak =
             format!("its peak would stand {db:.1} dB over the noise at {response}|{reference}");
         let mut text = match self.spacing_hz {
-            _ if db < PEAK_OVER_NOISE_DB => format!("{peak}, {PEAK_OVER_NOISE_DB} dB are needed"),
-            Some(spacing) if !self.tells_apart(noise) => format!(
+            _ if db < MIN_PEAK_OVER_NOISE_DB => {
+                format!("{peak}, {MIN_PEAK_OVER_NOISE_DB} dB are needed")
+            }
+            Some(spacing) if !self.separates_roots(noise) => format!(
                 "its frequency could be known to {std:.3} Hz at best, a quarter of the {spacing:.3} Hz to the next root is needed"
             ),
             _ => peak,
@@ -140,17 +142,16 @@ impl Observability {
     }
 }
 
-/// Observability of every elastic root, in ascending frequency of the roots; `None` where
-/// nothing is known: the test has no (response, reference) pairs, or the theory no shape at any of
-/// them.
+/// Observability of every elastic root, in ascending frequency; `None` where the test has no
+/// (response, reference) pairs, or the theory no shape at any of them.
 ///
 /// Pairs are those of the test's FRFs when there are any, else those of the residues of its modes.
 /// The strength of a root at a pair is `g = sum phi_response phi_reference / m` over its modes,
 /// with modal masses `m`; for a repeated root it does not depend on the basis. Its receptance
 /// `g/(w^2 - omega^2 + 2 i zeta w omega)` has the peak `|g|/(2 zeta w^2)`, times `w` for a mobility
 /// and `w^2` for an accelerance. An exponential window that is still in the values adds its decay
-/// rate `a`: the peak is then `|g|/(2 w delta)` with `delta = zeta w + a`. The noise beside it is
-/// the root mean square of the variance on the lines within `w ± delta`, at least the nearest line.
+/// rate `a`: the peak is then `|g|/(2 w delta)` with `delta = zeta w + a`. The noise is the
+/// root mean square of the variance on the lines within `w ± delta`, at least the nearest line.
 ///
 /// The bound on the frequency: `A/(i omega - lambda)` with unknown complex `A` in complex noise of
 /// variance `sigma^2` per line, white over the peak, lines `dw` apart. The Fisher information of
@@ -171,11 +172,12 @@ pub fn observability(
     test: &ModalModel,
     frfs: &[FrfSet],
 ) -> Vec<Option<Observability>> {
-    let sight = Sight::new(theory, test, frfs);
-    (0..sight.roots.len()).map(|r| sight.judge(r)).collect()
+    let model = ObservabilityModel::new(theory, test, frfs);
+    (0..model.roots.len()).map(|r| model.assess(r)).collect()
 }
 
-pub(super) struct Sight<'a> {
+/// A test and a theory with the quantities that all roots have in common.
+pub(super) struct ObservabilityModel<'a> {
     pub theory: &'a ModalModel,
     pub frfs: &'a [FrfSet],
     /// The elastic roots, ascending.
@@ -183,15 +185,15 @@ pub(super) struct Sight<'a> {
     /// In ascending order.
     pairs: Vec<(Dof, Dof)>,
     test_damping: Option<f64>,
-    /// Strength up to which a root stands still, at every pair.
-    still: Vec<f64>,
+    /// Maximum strength of a root at a node, for every pair.
+    node_limits: Vec<f64>,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> ObservabilityModel<'a> {
     pub fn new(theory: &'a ModalModel, test: &ModalModel, frfs: &'a [FrfSet]) -> Self {
         let roots = elastic_roots(theory);
-        let pairs = pairs(test, frfs);
-        let largest = |dof: &Dof| largest(theory, dof);
+        let pairs = dof_pairs(test, frfs);
+        let largest = |dof: &Dof| largest_value(theory, dof);
         let scales: BTreeMap<&Dof, f64> = pairs
             .iter()
             .flat_map(|(response, reference)| [response, reference])
@@ -201,7 +203,7 @@ impl<'a> Sight<'a> {
             NODE_FRACTION_OF_LARGEST * scales[response] * scales[reference]
         };
         Self {
-            still: pairs.iter().map(limit).collect(),
+            node_limits: pairs.iter().map(limit).collect(),
             test_damping: median(test.modes.iter().filter_map(positive_damping).collect()),
             theory,
             frfs,
@@ -210,12 +212,12 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// The most that any mode has at a point.
+    /// The largest mass-normalised value of any mode at a point.
     pub fn largest(&self, dof: &Dof) -> f64 {
-        largest(self.theory, dof)
+        largest_value(self.theory, dof)
     }
 
-    fn judge(&self, r: usize) -> Option<Observability> {
+    fn assess(&self, r: usize) -> Option<Observability> {
         let root = &self.roots[r];
         let of_pair = |pair| strength(self.theory, &root.modes, pair);
         let strengths: Vec<Option<f64>> = self.pairs.iter().map(of_pair).collect();
@@ -223,15 +225,15 @@ impl<'a> Sight<'a> {
         if known == 0 {
             return None;
         }
-        let still = |(g, limit): (&Option<f64>, &f64)| g.is_some_and(|g| g <= *limit);
+        let at_node = |(g, limit): (&Option<f64>, &f64)| g.is_some_and(|g| g <= *limit);
         let damping = self.damping(root);
         Some(Observability {
             pairs: self.pairs.len(),
             pairs_in_theory: known,
-            still: strengths.iter().zip(&self.still).all(still),
+            at_nodes: strengths.iter().zip(&self.node_limits).all(at_node),
             damping,
             spacing_hz: self.spacing_hz(r),
-            noise: self.against_noise(root, damping),
+            noise: self.peak_detectability(root, damping),
         })
     }
 
@@ -249,9 +251,10 @@ impl<'a> Sight<'a> {
         })
     }
 
-    fn stands_still(&self, pair: &(Dof, Dof), strength: f64) -> bool {
+    /// Whether a pair has a node of the root with this strength.
+    fn is_at_node(&self, pair: &(Dof, Dof), strength: f64) -> bool {
         let at = self.pairs.binary_search(pair);
-        at.is_ok_and(|at| strength <= self.still[at])
+        at.is_ok_and(|at| strength <= self.node_limits[at])
     }
 
     /// Distance of a root to the nearest other, Hz.
@@ -262,16 +265,16 @@ impl<'a> Sight<'a> {
             .min_by(f64::total_cmp)
     }
 
-    fn against_noise(
+    fn peak_detectability(
         &self,
         root: &Root,
         damping: Option<RootDamping>,
-    ) -> Result<AgainstNoise, NotJudged> {
+    ) -> Result<PeakDetectability, NotAssessed> {
         let masses = root.modes.iter().map(|&j| &self.theory.modes[j]);
         if masses.map(modal_mass_kg).any(|mass| mass.is_none()) {
-            return Err(NotJudged::ModalMass);
+            return Err(NotAssessed::ModalMass);
         }
-        let ratio = damping.ok_or(NotJudged::DampingRatio)?.ratio;
+        let ratio = damping.ok_or(NotAssessed::DampingRatio)?.ratio;
         let mut best: Option<(f64, (Dof, Dof))> = None;
         let (mut per_variance, mut complete) = (0.0, true);
         for set in self.frfs {
@@ -281,7 +284,7 @@ impl<'a> Sight<'a> {
                 let strength = strength(self.theory, &root.modes, &pair);
                 let squared = strength.and_then(|g| peak.over_noise_squared(set, i, g));
                 let Some(squared) = squared else {
-                    complete &= strength.is_some_and(|g| self.stands_still(&pair, g));
+                    complete &= strength.is_some_and(|g| self.is_at_node(&pair, g));
                     continue;
                 };
                 per_variance += squared / peak.variance_of_unit_peak();
@@ -290,8 +293,8 @@ impl<'a> Sight<'a> {
                 }
             }
         }
-        let (highest, best_pair) = best.ok_or(NotJudged::Variance)?;
-        Ok(AgainstNoise {
+        let (highest, best_pair) = best.ok_or(NotAssessed::Variance)?;
+        Ok(PeakDetectability {
             best_pair,
             peak_over_noise_db: 10.0 * highest.log10(),
             frequency_std_hz: per_variance.sqrt().recip() / TAU,
@@ -327,7 +330,7 @@ impl Peak {
     fn over_noise_squared(&self, set: &FrfSet, i: usize, g: f64) -> Option<f64> {
         let noise = self.noise_squared(set, i)?;
         let peak = self.height_squared(set, i, g);
-        // A root that stands still does not rise over the absence of noise.
+        // Of a root at a node there is no peak even where the noise is zero.
         Some(if peak > 0.0 { peak / noise } else { 0.0 })
     }
 
@@ -360,7 +363,8 @@ impl Peak {
     }
 }
 
-fn pairs(test: &ModalModel, frfs: &[FrfSet]) -> Vec<(Dof, Dof)> {
+/// (response, reference) pairs of the FRFs, else of the residues of the test's modes, ascending.
+fn dof_pairs(test: &ModalModel, frfs: &[FrfSet]) -> Vec<(Dof, Dof)> {
     let functions = frfs.iter().flat_map(FrfSet::functions);
     let measured = functions.map(|f| (f.response.clone(), f.reference.clone()));
     let mut found: BTreeSet<(Dof, Dof)> = measured.collect();
@@ -372,8 +376,8 @@ fn pairs(test: &ModalModel, frfs: &[FrfSet]) -> Vec<(Dof, Dof)> {
 }
 
 /// `|sum phi_response phi_reference / m|` over some modes, 1/kg for translations; `None` where one
-/// has no value. An unknown modal mass counts as 1: such a strength
-/// shows only whether a root responds at all.
+/// has no value. An unknown modal mass counts as 1: such a strength shows only whether the pair has
+/// a node.
 fn strength(
     theory: &ModalModel,
     modes: &[usize],
@@ -381,7 +385,7 @@ fn strength(
 ) -> Option<f64> {
     let of_mode = |&j: &usize| {
         let mode = &theory.modes[j];
-        let product = reading(&mode.shape, response)? * reading(&mode.shape, reference)?;
+        let product = theory_value(&mode.shape, response)? * theory_value(&mode.shape, reference)?;
         Some(product / modal_mass_kg(mode).unwrap_or(1.0))
     };
     let sum: Option<Complex64> = modes.iter().map(of_mode).sum();
@@ -390,27 +394,30 @@ fn strength(
 
 /// Component of a theory shape at a sensor (or hit) of the test: matched by point and axis, with
 /// both signs, repeated measurements like the first.
-fn reading(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
+fn theory_value(shape: &ModeShape, dof: &Dof) -> Option<Complex64> {
     let same = |candidate: &Dof| candidate.point() == dof.point() && candidate.axis() == dof.axis();
     let found = shape.iter().find(|(candidate, _)| same(candidate));
     found.map(|(candidate, value)| value * candidate.sign() * dof.sign())
 }
 
-/// The most that any mode has at a point over the square root of its modal mass, 1/√kg for a
-/// translation; where a mass is not known, it counts as 1.
-fn largest(theory: &ModalModel, dof: &Dof) -> f64 {
+/// The largest value of any mode at a point, over the square root of its modal mass, 1/√kg for a
+/// translation; an unknown mass counts as 1.
+fn largest_value(theory: &ModalModel, dof: &Dof) -> f64 {
     let of = |mode: &Mode| {
         let mass = modal_mass_kg(mode).unwrap_or(1.0);
-        reading(&mode.shape, dof).map(|value| value.norm() / mass.sqrt())
+        theory_value(&mode.shape, dof).map(|value| value.norm() / mass.sqrt())
     };
     theory.modes.iter().filter_map(of).fold(0.0, f64::max)
 }
 
 /// Component of a mode at a point over the square root of its modal mass, 1/√kg for a translation;
 /// `None` without a shape there.
-pub(super) fn over_root_mass(mode: &Mode, dof: &Dof) -> Result<Option<Complex64>, NotJudged> {
-    let mass = modal_mass_kg(mode).ok_or(NotJudged::ModalMass)?;
-    Ok(reading(&mode.shape, dof).map(|value| value / mass.sqrt()))
+pub(super) fn mass_normalised_value(
+    mode: &Mode,
+    dof: &Dof,
+) -> Result<Option<Complex64>, NotAssessed> {
+    let mass = modal_mass_kg(mode).ok_or(NotAssessed::ModalMass)?;
+    Ok(theory_value(&mode.shape, dof).map(|value| value / mass.sqrt()))
 }
 
 /// Modal mass, kg for a translation; `None` where it is not known.

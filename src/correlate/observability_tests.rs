@@ -122,7 +122,7 @@ fn sensors_on_the_node_of_a_mode_cannot_see_it() {
         "the test states no band; every sensor or hit stands still in this root"
     );
     let known = table.rows[1].tests[0].observability.as_ref().unwrap();
-    assert!(known.still && (known.pairs, known.pairs_in_theory) == (1, 1));
+    assert!(known.at_nodes && (known.pairs, known.pairs_in_theory) == (1, 1));
     let summary = &table.summary[0];
     assert_eq!((summary.missed, summary.not_observable), (0, 1));
     assert!(!table.footnotes.contains(&Footnote::ObservabilityNotJudged));
@@ -150,11 +150,11 @@ fn residues_of_the_test_name_the_pairs_where_there_are_no_frfs() {
     assert_eq!(judged(&test), None);
     let residue = |text| (pairs(text).remove(0), Complex64::I);
     test.modes[0].residues = [residue(&[("1:+Z", "2:+Z")])].into();
-    assert!(judged(&test).unwrap().still);
+    assert!(judged(&test).unwrap().at_nodes);
     test.modes[1].residues = [residue(&[("1:+Z", "3:+Z#2")])].into();
     let moving = judged(&test).unwrap();
-    assert_eq!((moving.still, moving.pairs), (false, 2));
-    assert_eq!(moving.noise, Err(NotJudged::Variance));
+    assert_eq!((moving.at_nodes, moving.pairs), (false, 2));
+    assert_eq!(moving.noise, Err(NotAssessed::Variance));
     let table = compared(&three(), &test, &[]);
     assert_eq!(statuses(&table)[1], Status::MissedUnexpected);
     assert!(table.footnotes.contains(&Footnote::ObservabilityNotJudged));
@@ -393,7 +393,7 @@ fn a_repeated_root_is_seen_alike_in_every_basis() {
     let apart = receptances(&[("1:+Z", "2:+Z")], 1e-14);
     for angle in [0.0, 1.1] {
         let known = observability(&repeated(angle, [0.8, 0.3]), &model(vec![]), &apart);
-        assert!(known[1].as_ref().unwrap().still, "{known:?}");
+        assert!(known[1].as_ref().unwrap().at_nodes, "{known:?}");
     }
 }
 
@@ -403,7 +403,13 @@ fn a_repeated_root_that_is_zero_at_the_sensors_is_not_observable() {
     let sets = receptances(&[("3:+Z", "3:+Z")], 0.0);
     let table = compared(&repeated(0.4, [0.0, 0.0]), &test, &sets);
     assert_eq!(statuses(&table), [Status::Paired, Status::NotObservable]);
-    assert!(table.rows[1].tests[0].observability.as_ref().unwrap().still);
+    assert!(
+        table.rows[1].tests[0]
+            .observability
+            .as_ref()
+            .unwrap()
+            .at_nodes
+    );
 }
 
 #[test]
@@ -415,7 +421,7 @@ fn a_rigid_body_mode_shows_that_the_points_do_not_stand_still_by_themselves() {
     ]);
     let sets = receptances(&[("1:+Z", "1:+Z")], 0.0);
     let known = observability(&theory, &model(vec![]), &sets);
-    assert!(known.len() == 1 && known[0].as_ref().unwrap().still);
+    assert!(known.len() == 1 && known[0].as_ref().unwrap().at_nodes);
 }
 
 #[test]
@@ -482,7 +488,7 @@ fn without_modal_masses_only_standing_still_is_judged() {
     let moving = judged(&[("1:+Z", "1:+Z")]);
     assert_eq!(
         (moving.observable(), moving.noise),
-        (None, Err(NotJudged::ModalMass))
+        (None, Err(NotAssessed::ModalMass))
     );
     assert_eq!(judged(&[("2:+Z", "1:+Z")]).observable(), Some(false));
 }

@@ -1,11 +1,11 @@
-//! Placement selects the minimum number of excitation and response points that show all roots that
-//! any of the candidates can show.
+//! Placement selects the minimum number of excitation and response points that detect all roots that
+//! any candidates can detect.
 //!
 //! A root of m modes with unit modal masses has the strengths `G = Φ_R Φ_Hᵀ` at the responses R and
-//! hits H. As many of its modes are seen as G, eliminated with complete pivoting over the pairs
-//! that are measured, has pivots that stand over the noise: for a single root, that is its best
-//! pair, for a repeated one the independent looks at it. Points are added one by one, each time the
-//! one that shows most; where no single one shows more, a hit and a sensor together.
+//! hits H. The number of its detected modes is the number of pivots of G above the noise, with
+//! complete pivoting over the measured pairs: the best pair of a single root, the independent pairs
+//! of a repeated one. Points are added one by one, each time the one that detects most; where no
+//! single one detects more, a hit and a sensor together.
 
 use std::f64::consts::TAU;
 
@@ -17,29 +17,31 @@ use crate::dof::Dof;
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
-use super::observability::{NotJudged, Sight};
-use super::placement_candidates::{Added, AllPoints, Candidates, NewPoints, Row, Target, squared};
+use super::observability::{NotAssessed, ObservabilityModel};
+use super::placement_candidates::{
+    AddedPoints, AllPoints, Candidates, NewPoints, ShapeRow, TargetRoot, squared_length,
+};
 use super::subspace::orthonormal;
 
 /// Points to add to a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// Points in the order in which they are worth adding.
+    /// Points, the most useful first.
     pub steps: Vec<Step>,
     /// The elastic roots of the band, ascending.
     pub roots: Vec<PlannedRoot>,
-    /// The points that can be hit, those first that show most with the sensors there are.
+    /// The candidate excitation points, those first that detect most with the present sensors.
     pub ranking: Vec<RankedHit>,
 }
 
-/// One or two points that are added together.
+/// A point, or an excitation point and a sensor, to be added.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// To hit.
+    /// Excitation point.
     pub hit: Option<Dof>,
-    /// To carry a sensor.
+    /// Sensor.
     pub sensor: Option<Dof>,
-    /// Indices into [`Placement::roots`], and how many modes of each are seen beside those before.
+    /// Indices into [`Placement::roots`], each with the number of modes that the step adds.
     pub shown: Vec<(usize, usize)>,
 }
 
@@ -50,46 +52,46 @@ pub struct PlannedRoot {
     pub modes: Vec<usize>,
     /// Natural frequency, Hz.
     pub hz: f64,
-    /// Modes that the test sees.
+    /// Number of modes that the test detects.
     pub seen: usize,
-    /// Modes seen with all points that were added.
+    /// Number of modes detected with all added points.
     pub planned: usize,
-    /// Peak over noise with every point there is, dB: of the last mode when so many are seen, else
-    /// of the next; `None` where no other moves.
+    /// Peak over noise with all candidates, dB, of the first mode that is not detected, else of the
+    /// last; `None` where the points have nodes of it.
     pub peak_over_noise_db: Option<f64>,
-    /// Whether every point that can be hit stands still in it, and every that can carry a sensor.
-    pub still: [bool; 2],
+    /// Whether all excitation points are at nodes of the root, and whether all sensors are.
+    pub at_nodes: [bool; 2],
 }
 
 /// Value of an excitation point with the present sensors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankedHit {
-    /// Where.
+    /// The point.
     pub dof: Dof,
-    /// Modes of the band that this point alone shows.
+    /// Number of modes of the band that this point alone detects.
     pub shown: usize,
-    /// Mean over the roots of its driving-point residue `φ²/(2 ω m)`, as a part of the largest such
-    /// mean.
+    /// Mean over the roots of its driving-point residue `φ²/(2 ω m)`, over the largest such mean.
     pub driving_point_residue: f64,
-    /// Effective independence: what of its row of the mode matrix no other point that can be hit
-    /// has, 0 to 1; `None` where there are no more points than independent rows.
+    /// Effective independence: the part of its row of the mode matrix that the rows of the other
+    /// candidates do not contain, 0 to 1; `None` where there are no more points than independent
+    /// rows.
     pub independence: Option<f64>,
 }
 
-/// Points that a test should have in addition to its points, so that all roots of a band are seen
-/// that any of the candidates can show.
+/// Points that a test should have in addition, so that it detects all roots of a band that any
+/// candidates can detect.
 ///
-/// A pair of a new hit is one with every sensor, a pair of a new sensor one with every hit: points
-/// that were hit before are hit again. The noise at a new pair is that of the test's functions at
-/// the root: the median over those with the same response, or over all, each beside the peak in its
-/// quantity. A mode is seen when its pivot is 10 dB above the noise, and all pairs together
-/// determine its frequency to a quarter of the distance to the next root, as in
+/// A new hit makes a pair with every sensor, a new sensor one with every hit: points that were hit
+/// before are hit again. The noise of a new pair is that of the test's FRFs at the root: the median
+/// over those with the same response, or over all, each relative to the peak in its quantity. A mode
+/// is detected when its pivot is 10 dB above the noise, and all pairs together determine its
+/// frequency to a quarter of the distance to the next root, as in
 /// [`observability`](fn@super::observability).
 ///
 /// Without a band all elastic roots count.
 ///
 /// # Errors
-/// [`NotJudged`] where masses, damping or noise are not known.
+/// [`NotAssessed`] where masses, damping or noise are not known.
 ///
 /// # Reference
 /// Kammer (1991), Journal of Guidance, Control, and Dynamics 14, eq. 11 (effective independence);
@@ -100,15 +102,15 @@ pub fn placement(
     frfs: &[FrfSet],
     band: Option<Band>,
     candidates: &Candidates,
-) -> Result<Placement, NotJudged> {
-    let sight = Sight::new(theory, test, frfs);
+) -> Result<Placement, NotAssessed> {
+    let model = ObservabilityModel::new(theory, test, frfs);
     let all = AllPoints::new(frfs, candidates);
-    let targets = (0..sight.roots.len())
-        .filter(|r| band.is_none_or(|band| band.contains(sight.roots[*r].hz)))
-        .map(|r| Target::new(&sight, r, &all))
+    let targets = (0..model.roots.len())
+        .filter(|r| band.is_none_or(|band| band.contains(model.roots[*r].hz)))
+        .map(|r| TargetRoot::new(&model, r, &all))
         .collect::<Result<Vec<_>, _>>()?;
-    let nothing = Added::default();
-    let mut added = nothing.clone();
+    let none_added = AddedPoints::default();
+    let mut added = none_added.clone();
     let mut steps = Vec::new();
     while let Some((points, shown)) = next(&targets, &all, &added) {
         added.add(&points);
@@ -118,19 +120,22 @@ pub fn placement(
             shown,
         });
     }
-    let everything = Added {
+    let all_added = AddedPoints {
         hits: all.new_hits.clone(),
         sensors: all.new_sensors.clone(),
     };
-    let planned_root = |target: &Target<'_>| {
+    let planned_root = |target: &TargetRoot<'_>| {
         let planned = target.seen(&all, &added);
         PlannedRoot {
             modes: target.root.modes.clone(),
             hz: target.root.hz,
-            seen: target.seen(&all, &nothing),
+            seen: target.seen(&all, &none_added),
             planned,
-            peak_over_noise_db: target.peak_db(&all, &everything, planned),
-            still: [still(&target.by_hit), still(&target.by_response)],
+            peak_over_noise_db: target.peak_db(&all, &all_added, planned),
+            at_nodes: [
+                are_at_nodes(&target.by_hit),
+                are_at_nodes(&target.by_response),
+            ],
         }
     };
     Ok(Placement {
@@ -140,14 +145,18 @@ pub fn placement(
     })
 }
 
-fn still(rows: &[Row]) -> bool {
-    rows.iter().flatten().all(|row| squared(row) == 0.0)
+fn are_at_nodes(rows: &[ShapeRow]) -> bool {
+    rows.iter().flatten().all(|row| squared_length(row) == 0.0)
 }
 
 type Shown = Vec<(usize, usize)>;
 
-/// The points that show most beside those there are.
-fn next(targets: &[Target<'_>], all: &AllPoints, added: &Added) -> Option<(NewPoints, Shown)> {
+/// The next points to add, with the modes that they add.
+fn next(
+    targets: &[TargetRoot<'_>],
+    all: &AllPoints,
+    added: &AddedPoints,
+) -> Option<(NewPoints, Shown)> {
     let hit = |at: &usize| NewPoints {
         hit: Some(*at),
         sensor: None,
@@ -167,18 +176,18 @@ fn next(targets: &[Target<'_>], all: &AllPoints, added: &Added) -> Option<(NewPo
     })
 }
 
-/// The step that shows most modes, and of those the first that shows them best.
+/// The step that adds most modes, and of those the first with the highest lowest peak.
 fn best(
-    targets: &[Target<'_>],
+    targets: &[TargetRoot<'_>],
     all: &AllPoints,
-    added: &Added,
+    added: &AddedPoints,
     steps: Vec<NewPoints>,
 ) -> Option<(NewPoints, Shown)> {
     let before: Vec<usize> = targets
         .iter()
         .map(|target| target.seen(all, added))
         .collect();
-    let judged = |step: &NewPoints| {
+    let rated = |step: &NewPoints| {
         let mut with = added.clone();
         with.add(step);
         let (mut shown, mut weakest) = (Vec::new(), f64::INFINITY);
@@ -195,10 +204,10 @@ fn best(
         let gain: usize = shown.iter().map(|(_, modes)| modes).sum();
         (gain, weakest, (*step, shown))
     };
-    let judged: Vec<_> = steps.par_iter().map(judged).collect();
-    let best = judged
+    let rated: Vec<_> = steps.par_iter().map(rated).collect();
+    let best = rated
         .into_iter()
-        .filter(|judgement| judgement.0 > 0)
+        .filter(|(gain, _, _)| *gain > 0)
         .reduce(|a, b| {
             let order = (a.0.cmp(&b.0)).then(a.1.total_cmp(&b.1));
             if order.is_lt() { b } else { a }
@@ -206,18 +215,22 @@ fn best(
     best.map(|(_, _, found)| found)
 }
 
-fn ranking(targets: &[Target<'_>], all: &AllPoints) -> Vec<RankedHit> {
+fn ranking(targets: &[TargetRoot<'_>], all: &AllPoints) -> Vec<RankedHit> {
     let residue = |at: usize| -> f64 {
-        let of = |target: &Target<'_>| {
+        let of = |target: &TargetRoot<'_>| {
             let row = target.by_hit[at].as_ref()?;
-            Some(squared(row) / (2.0 * TAU * target.root.hz))
+            Some(squared_length(row) / (2.0 * TAU * target.root.hz))
         };
         targets.iter().filter_map(of).sum()
     };
-    let largest = all.to_hit.iter().map(|at| residue(*at)).fold(0.0, f64::max);
-    let independence = independence(targets, &all.to_hit);
+    let largest = all
+        .hit_candidates
+        .iter()
+        .map(|at| residue(*at))
+        .fold(0.0, f64::max);
+    let independence = independence(targets, &all.hit_candidates);
     let ranked = all
-        .to_hit
+        .hit_candidates
         .iter()
         .enumerate()
         .map(|(number, &at)| RankedHit {
@@ -241,7 +254,7 @@ fn ranking(targets: &[Target<'_>], all: &AllPoints) -> Vec<RankedHit> {
 }
 
 /// Diagonal of the projector on the columns of the mode matrix; `None` where that is the identity.
-fn independence(targets: &[Target<'_>], hits: &[usize]) -> Option<Vec<f64>> {
+fn independence(targets: &[TargetRoot<'_>], hits: &[usize]) -> Option<Vec<f64>> {
     let columns = targets.iter().flat_map(|target| {
         (0..target.root.modes.len()).map(move |mode| {
             let value = |at: &usize| target.by_hit[*at].as_ref().map(|row| row[mode]);

@@ -1,5 +1,5 @@
-//! Candidate pairs of points have strengths over the noise for each root, and a number of
-//! independent ones.
+//! Pairs of present and candidate points have a strength over the noise for each root, and detect as
+//! many of its modes as they have independent strengths.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -11,8 +11,8 @@ use crate::frf::FrfSet;
 
 use super::model_roots::Root;
 use super::observability::{
-    LARGEST_STD_OF_SPACING, NODE_FRACTION_OF_LARGEST, NotJudged, PEAK_OVER_NOISE_DB, Peak, Sight,
-    over_root_mass,
+    MAX_FREQUENCY_STD_OVER_SPACING, MIN_PEAK_OVER_NOISE_DB, NODE_FRACTION_OF_LARGEST, NotAssessed,
+    ObservabilityModel, Peak, mass_normalised_value,
 };
 
 /// Points that a test could have.
@@ -31,18 +31,18 @@ pub(super) struct NewPoints {
     pub sensor: Option<usize>,
 }
 
-/// Responses and hits of a test and those that it could have, on their positive axes, by number.
+/// Responses and hits of a test, then the candidates, on their positive axes.
 #[derive(Clone, Debug)]
 pub(super) struct AllPoints {
     pub responses: Vec<Dof>,
     pub hits: Vec<Dof>,
-    /// Whether a pair was measured: responses, then hits.
+    /// Whether a pair was measured, by response and hit.
     measured: Vec<Vec<bool>>,
-    /// Numbers of the candidates that the test does not have.
+    /// Indices of the candidates that the test does not have.
     pub new_hits: Vec<usize>,
     pub new_sensors: Vec<usize>,
-    /// Numbers of all candidates that can be hit.
-    pub to_hit: Vec<usize>,
+    /// Indices of all candidates that can be hit.
+    pub hit_candidates: Vec<usize>,
 }
 
 impl AllPoints {
@@ -69,7 +69,7 @@ impl AllPoints {
         let candidate: BTreeSet<Dof> = candidates.hits.iter().map(Dof::positive).collect();
         Self {
             measured: responses.iter().map(row).collect(),
-            to_hit: (0..hits.len())
+            hit_candidates: (0..hits.len())
                 .filter(|at| candidate.contains(&hits[*at]))
                 .collect(),
             responses,
@@ -79,7 +79,7 @@ impl AllPoints {
         }
     }
 
-    /// Numbers of responses and hits of the test; they come first.
+    /// Number of responses and of hits of the test.
     fn counts_of_test(&self) -> [usize; 2] {
         [
             self.responses.len() - self.new_sensors.len(),
@@ -88,55 +88,63 @@ impl AllPoints {
     }
 }
 
-/// Numbers of points that were added.
+/// Indices of points that were added.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Added {
+pub(super) struct AddedPoints {
     pub hits: Vec<usize>,
     pub sensors: Vec<usize>,
 }
 
-impl Added {
+impl AddedPoints {
     pub fn add(&mut self, points: &NewPoints) {
         self.hits.extend(points.hit);
         self.sensors.extend(points.sensor);
     }
 }
 
-pub(super) type Row = Option<Vec<Complex64>>;
+/// Mass-normalised values of the modes of a root at a point.
+pub(super) type ShapeRow = Option<Vec<Complex64>>;
 
-/// A root to be seen: its shapes over the square roots of modal masses, 1/√kg, at all points there
-/// are.
-pub(super) struct Target<'a> {
+/// A root to be detected, with its mass-normalised shapes, 1/√kg, at all points.
+pub(super) struct TargetRoot<'a> {
     pub root: &'a Root,
-    /// Shape values, times what a unit of strength rises over the noise of that response.
-    pub by_response: Vec<Row>,
-    pub by_hit: Vec<Row>,
-    /// Sum of powers over noise that separates the root from the next.
+    /// Shape values, times the peak of a unit strength over the noise of that response.
+    pub by_response: Vec<ShapeRow>,
+    pub by_hit: Vec<ShapeRow>,
+    /// Sum of the squared peaks over the noise that separates the root from the next.
     power_to_separate: f64,
-    /// Strength over noise below which there is but rounding.
+    /// Strength over noise below which the values are rounding.
     rounding: f64,
 }
 
-impl<'a> Target<'a> {
-    pub fn new(sight: &'a Sight<'_>, r: usize, all: &AllPoints) -> Result<Self, NotJudged> {
-        let root = &sight.roots[r];
-        let ratio = sight.damping(root).ok_or(NotJudged::DampingRatio)?.ratio;
-        let first = sight.frfs.first().ok_or(NotJudged::Variance)?;
-        let heights = Heights::new(root.hz, ratio, sight.frfs).ok_or(NotJudged::Variance)?;
-        let row = |dof: &Dof| -> Result<Row, NotJudged> {
-            let value = |j: &usize| over_root_mass(&sight.theory.modes[*j], dof);
+impl<'a> TargetRoot<'a> {
+    pub fn new(
+        model: &'a ObservabilityModel<'_>,
+        r: usize,
+        all: &AllPoints,
+    ) -> Result<Self, NotAssessed> {
+        let root = &model.roots[r];
+        let ratio = model.damping(root).ok_or(NotAssessed::DampingRatio)?.ratio;
+        let first = model.frfs.first().ok_or(NotAssessed::Variance)?;
+        let heights = PeakHeights::new(root.hz, ratio, model.frfs).ok_or(NotAssessed::Variance)?;
+        let row = |dof: &Dof| -> Result<ShapeRow, NotAssessed> {
+            let value = |j: &usize| mass_normalised_value(&model.theory.modes[*j], dof);
             let row = root.modes.iter().map(value);
-            let row: Row = row.collect::<Result<_, _>>()?;
-            // What rounding leaves of a point that stands still is nothing.
-            let limit = NODE_FRACTION_OF_LARGEST * sight.largest(dof);
+            let row: ShapeRow = row.collect::<Result<_, _>>()?;
+            // The values of a node are rounding.
+            let limit = NODE_FRACTION_OF_LARGEST * model.largest(dof);
             Ok(row.map(|mut row| {
-                if squared(&row).sqrt() <= limit {
+                if squared_length(&row).sqrt() <= limit {
                     row.fill(Complex64::ZERO);
                 }
                 row
             }))
         };
-        let by_hit = all.hits.iter().map(row).collect::<Result<Vec<Row>, _>>()?;
+        let by_hit = all
+            .hits
+            .iter()
+            .map(row)
+            .collect::<Result<Vec<ShapeRow>, _>>()?;
         let scaled = |dof: &Dof| {
             let height = heights.at(dof).sqrt();
             let times =
@@ -144,17 +152,17 @@ impl<'a> Target<'a> {
             row(dof).map(|values| values.map(times))
         };
         let by_response = all.responses.iter().map(scaled);
-        let by_response = by_response.collect::<Result<Vec<Row>, _>>()?;
-        let spacing = sight.spacing_hz(r).unwrap_or(f64::INFINITY);
+        let by_response = by_response.collect::<Result<Vec<ShapeRow>, _>>()?;
+        let spacing = model.spacing_hz(r).unwrap_or(f64::INFINITY);
         let unit = Peak::new(root.hz, ratio, first).variance_of_unit_peak();
-        let largest = |rows: &[Row]| {
+        let largest = |rows: &[ShapeRow]| {
             rows.iter()
                 .flatten()
-                .map(|row| squared(row))
+                .map(|row| squared_length(row))
                 .fold(0.0, f64::max)
         };
         Ok(Self {
-            power_to_separate: unit / (TAU * LARGEST_STD_OF_SPACING * spacing).powi(2),
+            power_to_separate: unit / (TAU * MAX_FREQUENCY_STD_OVER_SPACING * spacing).powi(2),
             rounding: NODE_FRACTION_OF_LARGEST * (largest(&by_hit) * largest(&by_response)).sqrt(),
             root,
             by_response,
@@ -162,13 +170,13 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// The pairs of some responses and hits, and whether each counts.
-    fn looks(
+    /// Strengths of the pairs of some responses and hits; `counts` says which are used.
+    fn pair_strengths(
         &self,
         responses: Vec<usize>,
         hits: Vec<usize>,
         counts: impl Fn(usize, usize) -> bool,
-    ) -> Looks {
+    ) -> PairStrengths {
         let product = |(r, h): (usize, usize)| {
             let (response, hit) = (self.by_response[r].as_ref()?, self.by_hit[h].as_ref()?);
             Some(
@@ -190,7 +198,7 @@ impl<'a> Target<'a> {
                 .map(|h| known(*r, *h) && counts(*r, *h))
                 .collect()
         };
-        Looks {
+        PairStrengths {
             strengths: responses.iter().map(row).collect(),
             counted: responses.iter().map(counted).collect(),
             responses,
@@ -198,64 +206,64 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The pairs of a test with what was added.
-    fn with(&self, all: &AllPoints, added: &Added) -> Looks {
+    /// Strengths of the pairs of a test with added points.
+    fn strengths_with(&self, all: &AllPoints, added: &AddedPoints) -> PairStrengths {
         let [responses, hits] = all.counts_of_test();
         let both =
             |measured: usize, new: &[usize]| (0..measured).chain(new.iter().copied()).collect();
-        self.looks(
+        self.pair_strengths(
             both(responses, &added.sensors),
             both(hits, &added.hits),
             |r, h| r >= responses || h >= hits || all.measured[r][h],
         )
     }
 
-    /// Powers of the pivots over what is needed, as long as they reach it.
-    fn reached(&self, mut looks: Looks) -> Vec<f64> {
+    /// Squared pivots over the minimum, for each detected mode.
+    fn detected_ratios(&self, mut strengths: PairStrengths) -> Vec<f64> {
         let ratios = self.root.modes.iter().map_while(|_| {
-            let all = looks.power();
-            let (_, pivot) = looks
+            let all = strengths.power();
+            let (_, pivot) = strengths
                 .eliminate()
                 .filter(|(_, pivot)| *pivot > self.rounding)?;
-            let needed = 10f64.powf(PEAK_OVER_NOISE_DB / 10.0);
+            let needed = 10f64.powf(MIN_PEAK_OVER_NOISE_DB / 10.0);
             let ratio = (pivot * pivot / needed).min(all / self.power_to_separate);
             (ratio >= 1.0).then_some(ratio)
         });
         ratios.collect()
     }
 
-    pub fn ratios(&self, all: &AllPoints, added: &Added) -> Vec<f64> {
-        self.reached(self.with(all, added))
+    pub fn ratios(&self, all: &AllPoints, added: &AddedPoints) -> Vec<f64> {
+        self.detected_ratios(self.strengths_with(all, added))
     }
 
-    pub fn seen(&self, all: &AllPoints, added: &Added) -> usize {
+    pub fn seen(&self, all: &AllPoints, added: &AddedPoints) -> usize {
         self.ratios(all, added).len()
     }
 
-    /// Modes that a single hit shows, with the test's sensors.
+    /// Number of modes that a single hit detects with the test's sensors.
     pub fn seen_alone(&self, all: &AllPoints, hit: usize) -> usize {
         let [responses, _] = all.counts_of_test();
-        let looks = self.looks((0..responses).collect(), vec![hit], |_, _| true);
-        self.reached(looks).len()
+        let strengths = self.pair_strengths((0..responses).collect(), vec![hit], |_, _| true);
+        self.detected_ratios(strengths).len()
     }
 
-    /// The response and the hit that show one mode more than some points do.
-    pub fn best_pair(&self, all: &AllPoints, added: &Added) -> Option<NewPoints> {
+    /// The response and the hit that detect one mode more than the test with the added points.
+    pub fn best_pair(&self, all: &AllPoints, added: &AddedPoints) -> Option<NewPoints> {
         let seen = self.seen(all, added);
         if seen == self.root.modes.len() {
             return None;
         }
-        let counted = self.with(all, added);
-        let mut looks = self.looks(
+        let counted = self.strengths_with(all, added);
+        let mut strengths = self.pair_strengths(
             (0..all.responses.len()).collect(),
             (0..all.hits.len()).collect(),
             |r, h| counted.counts(r, h),
         );
         for _ in 0..seen {
-            looks.eliminate()?;
+            strengths.eliminate()?;
         }
-        looks.count_all();
-        let ((response, hit), pivot) = looks.eliminate()?;
+        strengths.count_all();
+        let ((response, hit), pivot) = strengths.eliminate()?;
         let [responses, hits] = all.counts_of_test();
         let new = |at: usize, measured: usize, added: &[usize]| {
             (at >= measured && !added.contains(&at)).then_some(at)
@@ -266,26 +274,30 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// Peak over noise with every point there is: of the last mode when so many are seen, else of
-    /// the next.
-    pub fn peak_db(&self, all: &AllPoints, everything: &Added, planned: usize) -> Option<f64> {
-        let mut looks = self.with(all, everything);
+    /// Peak over noise of the mode after the `planned` ones, or of the last, with all points.
+    pub fn peak_db(
+        &self,
+        all: &AllPoints,
+        everything: &AddedPoints,
+        planned: usize,
+    ) -> Option<f64> {
+        let mut strengths = self.strengths_with(all, everything);
         let wanted = (planned + 1).min(self.root.modes.len());
-        let pivots = (0..wanted).map_while(|_| looks.eliminate());
+        let pivots = (0..wanted).map_while(|_| strengths.eliminate());
         let last = pivots.map(|(_, pivot)| pivot).nth(wanted - 1)?;
         (last > self.rounding).then(|| 20.0 * last.log10())
     }
 }
 
-/// Strengths over noise of pairs of points.
-struct Looks {
+/// Strengths over noise of a root at pairs of points.
+struct PairStrengths {
     responses: Vec<usize>,
     hits: Vec<usize>,
     strengths: Vec<Vec<Complex64>>,
     counted: Vec<Vec<bool>>,
 }
 
-impl Looks {
+impl PairStrengths {
     fn counts(&self, response: usize, hit: usize) -> bool {
         let row = self.responses.iter().position(|dof| *dof == response);
         let column = self.hits.iter().position(|dof| *dof == hit);
@@ -296,7 +308,7 @@ impl Looks {
         self.counted.iter_mut().for_each(|row| row.fill(true));
     }
 
-    /// The pairs that count, with their strengths.
+    /// The pairs that are used, with their strengths.
     fn entries(&self) -> impl Iterator<Item = ((usize, usize), f64)> + '_ {
         let row = |i: usize| {
             let entries = self.strengths[i].iter().zip(&self.counted[i]).enumerate();
@@ -306,15 +318,15 @@ impl Looks {
         (0..self.strengths.len()).flat_map(row)
     }
 
-    /// Sum of the powers over noise.
+    /// Sum of the squared strengths over noise.
     fn power(&self) -> f64 {
         self.entries()
             .map(|(_, strength)| strength * strength)
             .sum()
     }
 
-    /// The largest strength that counts, with its response and hit; what its row and column tell of
-    /// the others is taken out of them.
+    /// The largest used strength, with its response and hit; eliminates its row and column from the
+    /// others.
     fn eliminate(&mut self) -> Option<((usize, usize), f64)> {
         let largest = self.entries().max_by(|a, b| a.1.total_cmp(&b.1));
         let ((i, j), largest) = largest.filter(|(_, strength)| *strength > 0.0)?;
@@ -329,13 +341,13 @@ impl Looks {
     }
 }
 
-/// Power of a peak of unit strength over the noise, by response.
-struct Heights {
+/// Squared peak of unit strength over the noise, by response.
+struct PeakHeights {
     of_response: BTreeMap<Dof, Vec<f64>>,
     of_all: f64,
 }
 
-impl Heights {
+impl PeakHeights {
     /// `None` where no function has a variance at the root.
     fn new(hz: f64, damping_ratio: f64, frfs: &[FrfSet]) -> Option<Self> {
         let mut of_response: BTreeMap<Dof, Vec<f64>> = BTreeMap::new();
@@ -354,22 +366,22 @@ impl Heights {
         }
         let of_all = of_response.values().flatten().copied().collect();
         Some(Self {
-            of_all: middle(of_all)?,
+            of_all: upper_median(of_all)?,
             of_response,
         })
     }
 
     fn at(&self, response: &Dof) -> f64 {
         let spectrum = self.of_response.get(response).cloned();
-        spectrum.and_then(middle).unwrap_or(self.of_all)
+        spectrum.and_then(upper_median).unwrap_or(self.of_all)
     }
 }
 
-fn middle(mut values: Vec<f64>) -> Option<f64> {
+fn upper_median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
 
-pub(super) fn squared(row: &[Complex64]) -> f64 {
+pub(super) fn squared_length(row: &[Complex64]) -> f64 {
     row.iter().map(Complex64::norm_sqr).sum()
 }

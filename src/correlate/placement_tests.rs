@@ -130,7 +130,7 @@ fn a_root_that_no_point_shows_is_reported_with_its_reason() {
     let roots: Vec<_> = plan
         .roots
         .iter()
-        .map(|target| (target.planned, target.still))
+        .map(|target| (target.planned, target.at_nodes))
         .collect();
     assert_eq!(roots[0], (1, [false, false]));
     assert_eq!(roots[1], (0, [true, true]));
@@ -231,11 +231,11 @@ fn without_masses_damping_or_noise_nothing_is_planned() {
             &candidates,
         )
     };
-    assert_eq!(planned(&theory, &[]), Err(NotJudged::Variance));
+    assert_eq!(planned(&theory, &[]), Err(NotAssessed::Variance));
     let mut other = theory.clone();
     other.modes[0].damping_ratio = None;
-    assert_eq!(planned(&other, &frfs), Err(NotJudged::DampingRatio));
+    assert_eq!(planned(&other, &frfs), Err(NotAssessed::DampingRatio));
     let mut other = theory;
     other.modes[0].scaling = crate::modal::Scaling::Unknown;
-    assert_eq!(planned(&other, &frfs), Err(NotJudged::ModalMass));
+    assert_eq!(planned(&other, &frfs), Err(NotAssessed::ModalMass));
 }

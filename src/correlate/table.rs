@@ -1,7 +1,7 @@
 //! The comparison table has one row for each root of the theory and one cell for each test, as in
 //! `comparison.json`.
 //!
-//! Numbers stay numbers and missing ones stay `None`; how they look is for the report.
+//! Missing numbers are `None`; the report formats the numbers.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::modal::ModalModel;
 
 use super::footnote::{Footnote, footnotes};
 use super::model_roots::{Root, check_model, elastic_roots};
-use super::table_cell::{TestSight, mean};
+use super::table_cell::{TestColumn, mean};
 use super::table_row::{PairedTest, Row, Status, TestCell, TheoryCell};
 use super::{Basis, CorrelateError, ErrorReference, PairOptions};
 
@@ -32,31 +32,30 @@ pub struct ComparisonTable {
     pub footnotes: Vec<Footnote>,
 }
 
-/// How one test fared; also an entry of `summary.tests` in `comparison.json`.
+/// Summary of one test; also an entry of `summary.tests` in `comparison.json`.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct TestSummary {
     /// Name of the test.
     pub test: String,
-    /// Roots that are paired: the sum of those by shape and those by frequency. Ambiguous ones are
-    /// not among them.
+    /// Roots that are paired, by shape and by frequency, without the ambiguous ones.
     pub paired: usize,
-    /// Those of them that are paired by frequency and shape.
+    /// Roots that are paired by frequency and shape.
     #[serde(default)]
     pub paired_by_shape: usize,
-    /// Those of them that are paired by frequency alone.
+    /// Roots that are paired by frequency alone.
     #[serde(default)]
     pub paired_by_frequency: usize,
-    /// Roots with a partner that is ambiguous, beside those that are paired.
+    /// Roots with an ambiguous partner, in addition to the paired ones.
     pub ambiguous: usize,
-    /// Those of the ambiguous whose MAC is below the chance level for independent shapes.
+    /// Ambiguous roots whose MAC is below the chance level for independent shapes.
     #[serde(default)]
     pub uncorrelated: usize,
-    /// Roots without a partner inside the band, those apart that were not observable.
+    /// Roots without a partner inside the band, without those that were not observable.
     pub missed: usize,
-    /// Those of them of which it is not known whether the test could have seen them.
+    /// Missed roots of unknown observability.
     #[serde(default)]
     pub not_judged: usize,
-    /// Roots without a partner inside the band that the test could not have seen.
+    /// Roots without a partner inside the band that were not observable.
     #[serde(default)]
     pub not_observable: usize,
     /// Roots without a partner outside the band.
@@ -85,13 +84,12 @@ pub struct TestSummary {
 ///
 /// A root without a partner is, in this order:
 ///
-/// - `outside-band` when the test states a band that does not hold it;
-/// - `not-observable` when [`super::observability`] says that the test could not have seen it;
+/// - `outside-band` when the test states a band that does not contain it;
+/// - `not-observable` when [`super::observability`] says that the test could not have detected it;
 /// - `missed-expected` when a paired root lies within one half-power bandwidth `2 zeta f` of it,
-///   whose peak covers both (also when noise could not be judged: the root is then either unseen or
+///   whose peak covers both (also when the noise is not known: the root is then not observable or
 ///   covered);
-/// - `missed-unexpected` else; where it is not known what the test could have seen,
-///   [`TestCell::judged`] says so.
+/// - `missed-unexpected` else; [`TestCell::judged`] says whether the observability is known.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
@@ -104,17 +102,17 @@ pub fn compare(
     check_tests(theory, tests, options)?;
     let roots = elastic_roots(theory);
     let reference = options.error_reference;
-    let sight = |test| TestSight::new(theory, test, &roots);
-    let sights: Vec<TestSight<'_>> = tests.iter().map(sight).collect();
+    let column = |test| TestColumn::new(theory, test, &roots);
+    let columns: Vec<TestColumn<'_>> = tests.iter().map(column).collect();
     let row = |(number, root): (usize, &Root)| Row {
         label: format!("f{}", number + 1),
         theory: Some(TheoryCell {
             modes: root.modes.iter().map(|j| j + 1).collect(),
             hz: root.hz,
         }),
-        tests: sights
+        tests: columns
             .iter()
-            .map(|test| test.cell(number, options))
+            .map(|column| column.cell(number, options))
             .collect(),
     };
     let mut rows: Vec<Row> = roots.iter().enumerate().map(row).collect();

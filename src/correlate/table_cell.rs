@@ -14,22 +14,21 @@ use super::{
     Partner, observability,
 };
 
-/// Test modes nearer than this part of their frequency are one root: what comes from one pole is
-/// equal but for rounding.
-const ONE_FREQUENCY: f64 = 1e-6;
+/// Maximum relative spacing of test modes from one pole, whose frequencies differ by rounding.
+const MAX_SPACING_OF_ONE_POLE: f64 = 1e-6;
 
 /// Findings that make a test mode a doubtful partner.
-const DOUBTFUL: [Code; 3] = [Code::CloseModes, Code::NotFitted, Code::AboveValidBand];
+const DOUBTFUL_MODES: [Code; 3] = [Code::CloseModes, Code::NotFitted, Code::AboveValidBand];
 
-/// A test with what it could see of each root.
-pub(super) struct TestSight<'a> {
+/// A column of the table: a test with the observability of each root.
+pub(super) struct TestColumn<'a> {
     test: &'a PairedTest<'a>,
     roots: &'a [Root],
     observability: Vec<Option<Observability>>,
 }
 
-impl<'a> TestSight<'a> {
-    /// A test before the roots of a theory.
+impl<'a> TestColumn<'a> {
+    /// The column of a test for the roots of a theory.
     pub(super) fn new(theory: &ModalModel, test: &'a PairedTest<'a>, roots: &'a [Root]) -> Self {
         Self {
             observability: observability(theory, test.model, test.frfs),
@@ -44,8 +43,8 @@ impl<'a> TestSight<'a> {
         let observability = self.observability[r].as_ref();
         let cell = match self.test.pair_of(root) {
             Some(pair) => {
-                let still = observability.is_some_and(|known| known.still);
-                self.paired_cell(pair, root, still, options)
+                let at_nodes = observability.is_some_and(|observability| observability.at_nodes);
+                self.paired_cell(pair, root, at_nodes, options)
             }
             None => self.missed_cell(r, options),
         };
@@ -59,7 +58,7 @@ impl<'a> TestSight<'a> {
         &self,
         pair: &Pair,
         root: &Root,
-        still: bool,
+        at_nodes: bool,
         options: &PairOptions,
     ) -> TestCell {
         let test = self.test;
@@ -69,33 +68,33 @@ impl<'a> TestSight<'a> {
         let doubt = pair
             .partners
             .iter()
-            .find_map(|p| self.doubt(&p.verdict, options));
-        let alike = pair.weakest_direction.map(|contribution| {
+            .find_map(|p| self.verdict_reason(&p.verdict, options));
+        let similar = pair.weakest_direction.map(|contribution| {
             let percent = 100.0 * contribution;
             format!(
                 "the test shapes are similar: they span {percent:.0} % of one direction of the repeated root, so that one mode may be there twice"
             )
         });
-        let ambiguous = doubt.is_some() || alike.is_some();
+        let ambiguous = doubt.is_some() || similar.is_some();
         let (found, expected) = (indices.len(), root.modes.len());
-        let part = (found < expected)
+        let incomplete = (found < expected)
             .then(|| format!("{found} of the {expected} modes of a repeated root"));
         let by_frequency = |partner: &Partner| partner.basis == Basis::Frequency;
         let basis = match pair.partners.iter().any(by_frequency) {
             true => Basis::Frequency,
             false => Basis::Shape,
         };
-        let blind = pair.partners.iter().all(|partner| partner.mac.is_none());
+        let no_mac = pair.partners.iter().all(|partner| partner.mac.is_none());
         let levels = pair
             .partners
             .iter()
             .filter_map(|partner| partner.chance_level);
         let reasons = [
             doubt,
-            alike,
-            part,
-            test.split(&indices),
-            rests_on(basis, blind, still),
+            similar,
+            incomplete,
+            test.split_reason(&indices),
+            basis_reason(basis, no_mac, at_nodes),
         ];
         let reasons = reasons.into_iter().flatten();
         let worst = pair
@@ -117,7 +116,7 @@ impl<'a> TestSight<'a> {
             mac: macs.reduce(f64::min),
             basis: Some(basis),
             chance_level: levels.max_by(|a, b| a.mac.total_cmp(&b.mac)),
-            uncorrelated: pair.partners.iter().any(uncorrelated),
+            uncorrelated: pair.partners.iter().any(is_uncorrelated),
             angles_deg: pair.angles_deg.clone(),
             status: if ambiguous {
                 Status::Ambiguous
@@ -129,7 +128,7 @@ impl<'a> TestSight<'a> {
         }
     }
 
-    fn doubt(&self, verdict: &PairVerdict, options: &PairOptions) -> Option<String> {
+    fn verdict_reason(&self, verdict: &PairVerdict, options: &PairOptions) -> Option<String> {
         let (competitor, cost_difference) = match verdict {
             PairVerdict::Paired => return None,
             PairVerdict::Uncorrelated {
@@ -137,12 +136,12 @@ impl<'a> TestSight<'a> {
                 level,
                 reversed,
             } => {
-                return Some(below_chance(*mac, level) + &with_reversed(*reversed));
+                return Some(chance_level_reason(*mac, level) + &reversed_mac_clause(*reversed));
             }
             PairVerdict::RestsOnReversal { mac, reversed } => {
                 let gate = options.min_mac;
                 let measured = format!("the MAC of {mac:.3} as measured is below the gate, {gate}");
-                return Some(measured + &with_reversed(*reversed));
+                return Some(measured + &reversed_mac_clause(*reversed));
             }
             PairVerdict::MixedShape { contribution, std } => {
                 return Some(format!(
@@ -155,7 +154,7 @@ impl<'a> TestSight<'a> {
                 competitor,
                 contribution,
             } => {
-                let (who, percent) = (self.name_of(competitor)?, 100.0 * contribution);
+                let (who, percent) = (self.competitor_name(competitor)?, 100.0 * contribution);
                 return Some(match competitor {
                     Competitor::Theory(_) => {
                         format!("{who} could contribute {percent:.0} % of the test shape as well")
@@ -170,7 +169,7 @@ impl<'a> TestSight<'a> {
                 cost_difference,
             } => (competitor, cost_difference),
         };
-        let who = self.name_of(competitor)?;
+        let who = self.competitor_name(competitor)?;
         Some(if *cost_difference < 0.0 {
             format!("{who} alone would fit better (cost {cost_difference:+.3})")
         } else {
@@ -178,7 +177,7 @@ impl<'a> TestSight<'a> {
         })
     }
 
-    fn name_of(&self, competitor: &Competitor) -> Option<String> {
+    fn competitor_name(&self, competitor: &Competitor) -> Option<String> {
         Some(match competitor {
             Competitor::Theory(modes) => {
                 let root = self.roots.iter().find(|root| root.modes == *modes)?;
@@ -202,33 +201,33 @@ impl<'a> TestSight<'a> {
             };
         }
         let no_band = band.is_none().then(|| "the test states no band".to_owned());
-        let (status, judged) = self.judged(r);
-        let reasons = [test.refused(root, options), no_band, Some(judged)];
+        let (status, judged) = self.missed_status(r);
+        let reasons = [test.near_miss_reason(root, options), no_band, Some(judged)];
         TestCell {
             reasons: reasons.into_iter().flatten().collect(),
             ..test.modes_cell(&[], status)
         }
     }
 
-    /// Status of an unmatched root inside the band, with the reasons.
-    fn judged(&self, r: usize) -> (Status, String) {
-        let Some(known) = &self.observability[r] else {
+    /// Status of an unmatched root inside the band, with its reason.
+    fn missed_status(&self, r: usize) -> (Status, String) {
+        let Some(observability) = &self.observability[r] else {
             let why = "not judged: the test has no pairs of response and hit at which the model has shapes";
             return (Status::MissedUnexpected, why.to_owned());
         };
-        if known.observable() == Some(false) {
-            return (Status::NotObservable, known.reason());
+        if observability.observable() == Some(false) {
+            return (Status::NotObservable, observability.reason());
         }
-        match self.covered(r, known) {
+        match self.covering_root(r, observability) {
             Some(reason) => (Status::MissedExpected, reason),
-            None => (Status::MissedUnexpected, known.reason()),
+            None => (Status::MissedUnexpected, observability.reason()),
         }
     }
 
     /// The nearest paired root within one half-power bandwidth, as a reason.
-    fn covered(&self, r: usize, known: &Observability) -> Option<String> {
+    fn covering_root(&self, r: usize, observability: &Observability) -> Option<String> {
         let hz = self.roots[r].hz;
-        let width_hz = 2.0 * known.damping?.ratio * hz;
+        let width_hz = 2.0 * observability.damping?.ratio * hz;
         let others = self
             .roots
             .iter()
@@ -249,19 +248,19 @@ impl<'a> TestSight<'a> {
     }
 }
 
-fn uncorrelated(partner: &Partner) -> bool {
+fn is_uncorrelated(partner: &Partner) -> bool {
     matches!(partner.verdict, PairVerdict::Uncorrelated { .. })
 }
 
-/// Addition to the reason of a pair: its MAC with the reversed sensors corrected.
-fn with_reversed(mac: Option<f64>) -> String {
+/// Clause with the MAC with the reversed sensors corrected.
+fn reversed_mac_clause(mac: Option<f64>) -> String {
     mac.map_or_else(String::new, |mac| {
         format!("; with the reversed sensors corrected it is {mac:.3}")
     })
 }
 
 /// The reason of a pair whose MAC is below the chance level.
-fn below_chance(mac: f64, level: &ChanceLevel) -> String {
+fn chance_level_reason(mac: f64, level: &ChanceLevel) -> String {
     let ChanceLevel {
         dofs, roots, rank, ..
     } = level;
@@ -281,14 +280,14 @@ fn below_chance(mac: f64, level: &ChanceLevel) -> String {
     )
 }
 
-/// Basis of a pair that its shapes do not support.
-fn rests_on(basis: Basis, blind: bool, still: bool) -> Option<String> {
+/// The reason of a pair that its shapes do not support.
+fn basis_reason(basis: Basis, no_mac: bool, at_nodes: bool) -> Option<String> {
     let stands = "these sensors or hits are at nodes of this root in the model: the pair";
-    match (basis, still) {
+    match (basis, at_nodes) {
         (Basis::Frequency, true) => Some(format!(
             "{stands} rests on frequency alone and contradicts the model"
         )),
-        (Basis::Frequency, false) if blind => {
+        (Basis::Frequency, false) if no_mac => {
             Some("paired by frequency alone: no shapes could be compared".to_owned())
         }
         (Basis::Frequency, false) => Some(format!(
@@ -305,25 +304,25 @@ impl PairedTest<'_> {
         pairs.find(|pair| pair.theory == root.modes)
     }
 
-    /// Test modes of one root that are apart.
-    fn split(&self, indices: &[usize]) -> Option<String> {
+    /// The reason of test modes of one root with different frequencies.
+    fn split_reason(&self, indices: &[usize]) -> Option<String> {
         let all = || indices.iter().map(|&i| self.model.modes[i].frequency_hz);
         let (lowest, highest) = (all().reduce(f64::min)?, all().reduce(f64::max)?);
-        (highest - lowest > ONE_FREQUENCY * highest).then(|| {
+        (highest - lowest > MAX_SPACING_OF_ONE_POLE * highest).then(|| {
             format!(
                 "the repeated root is split in the test, from {lowest:.2} to {highest:.2} Hz; the error is that of the farthest"
             )
         })
     }
 
-    /// Findings of the identification on these modes.
+    /// Findings of the identification on these modes, as reasons.
     fn warnings(&self, indices: &[usize]) -> Vec<String> {
         let at_one = |place: &Place| {
             let frequencies = indices.iter().map(|&i| self.model.modes[i].frequency_hz);
             let near = |hz: f64| matches!(place, Place::Mode(at) if (at - hz).abs() <= 1e-9 * hz);
             frequencies.into_iter().any(near)
         };
-        let doubtful = |finding: &&Finding| DOUBTFUL.contains(&finding.code);
+        let doubtful = |finding: &&Finding| DOUBTFUL_MODES.contains(&finding.code);
         let findings = self.model.findings.iter().filter(doubtful);
         let all: BTreeSet<String> = findings
             .filter(|finding| at_one(&finding.place))
@@ -332,8 +331,8 @@ impl PairedTest<'_> {
         all.into_iter().collect()
     }
 
-    /// The test mode nearest in frequency, where it was refused for its shape.
-    fn refused(&self, root: &Root, options: &PairOptions) -> Option<String> {
+    /// The test mode nearest in frequency, where it was rejected for its MAC.
+    fn near_miss_reason(&self, root: &Root, options: &PairOptions) -> Option<String> {
         let mut unpaired = self.pairing.unpaired_theory.iter();
         let row = unpaired.find(|other| other.theory == root.modes)?;
         let miss = row.near_miss.as_ref()?;
@@ -344,7 +343,7 @@ impl PairedTest<'_> {
         ))
     }
 
-    /// Values of the test for some of its modes, without a comparison.
+    /// A cell with the values of some test modes, without a comparison.
     pub(super) fn modes_cell(&self, indices: &[usize], status: Status) -> TestCell {
         let modes: Vec<&Mode> = indices.iter().map(|&i| &self.model.modes[i]).collect();
         let collect = |value: fn(&Mode) -> Option<f64>| -> Option<Vec<f64>> {

@@ -16,7 +16,7 @@ pub struct PairedTest<'a> {
     pub model: &'a ModalModel,
     /// Its pairing with the theory of the comparison.
     pub pairing: &'a Pairing,
-    /// Its FRFs, whose noise says what could have been seen; empty when there are none.
+    /// Its FRFs, whose noise limits the observability; empty when there are none.
     pub frfs: &'a [FrfSet],
 }
 
@@ -41,8 +41,8 @@ pub struct TheoryCell {
     pub hz: f64,
 }
 
-/// A test's side of a row. Where several test modes belong to a repeated root, numbers are means
-/// over them, and the error is that of the mode farthest off.
+/// A test's side of a row. Where several test modes belong to a repeated root, the numbers are
+/// means over them, and the error is the largest of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestCell {
     /// Name of the test.
@@ -51,20 +51,20 @@ pub struct TestCell {
     pub modes: Vec<usize>,
     /// Frequency, Hz.
     pub hz: Option<f64>,
-    /// Standard deviation of that, Hz; of a mean as if its modes' errors were independent.
+    /// Standard deviation of the frequency, Hz; for a mean with independent errors of the modes.
     pub hz_std: Option<f64>,
     /// Signed frequency error by the table's reference, percent.
     pub error_percent: Option<f64>,
-    /// The same difference, Hz.
+    /// Signed frequency error, Hz.
     pub error_hz: Option<f64>,
     /// `(test - theory)/std` with the standard deviation of the test's frequency, whatever the
     /// reference of the errors is.
     pub normalised_error: Option<f64>,
     /// Damping ratio, a fraction.
     pub damping_ratio: Option<f64>,
-    /// Standard deviation of that, as for the frequency.
+    /// Standard deviation of the damping ratio, as for the frequency.
     pub damping_std: Option<f64>,
-    /// MAC; with the subspace of a repeated root, and then the smallest of its test modes.
+    /// MAC; for a repeated root the smallest of its test modes with its subspace.
     pub mac: Option<f64>,
     /// Evidence on which a pair rests; `None` without a partner.
     pub basis: Option<Basis>,
@@ -77,15 +77,14 @@ pub struct TestCell {
     pub angles_deg: Option<Vec<f64>>,
     /// Status of the root in the test.
     pub status: Status,
-    /// Why, where the status needs reasons; clauses without a full stop.
+    /// Reasons of the status; clauses without a full stop.
     pub reasons: Vec<String>,
     /// Observability of the root by the test; `None` where that is unknown, and for an extra mode.
     pub observability: Option<Observability>,
 }
 
 impl TestCell {
-    /// Whether the status was judged: an unmatched root without a reason may also be one of unknown
-    /// observability.
+    /// Whether the status is certain: that of an unmatched root of unknown observability is not.
     pub fn judged(&self) -> bool {
         let known = self.observability.as_ref();
         self.status != Status::MissedUnexpected
@@ -99,14 +98,13 @@ impl TestCell {
 pub enum Status {
     /// Paired.
     Paired,
-    /// Paired, with another partner as good.
+    /// Paired, with another partner that fits as well.
     Ambiguous,
-    /// Not found, and it is not separable from a paired root, with which it shares one
-    /// peak.
+    /// Not found; one peak covers it and a paired root.
     MissedExpected,
-    /// Not found, though inside the band and nothing known excuses it.
+    /// Not found inside the band, and nothing known excuses it.
     MissedUnexpected,
-    /// Not to be seen with these sensors and hits, or not over the noise.
+    /// At nodes of these sensors and hits, or below the noise.
     NotObservable,
     /// Outside the band that the test searched.
     OutsideBand,

@@ -95,7 +95,7 @@ fn steps_block(
 
 fn remark(root: &PlannedRoot) -> &'static str {
     let whole = root.modes.len();
-    match root.still {
+    match root.at_nodes {
         _ if root.seen == whole => "observable",
         _ if root.planned == whole => "observable with these points",
         [true, _] => "all possible excitation points are at nodes",

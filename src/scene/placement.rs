@@ -1,6 +1,6 @@
 //! Proposal of points that tests of a scene should measure in addition.
 
-use crate::correlate::{Candidates, NotJudged, Placement, placement};
+use crate::correlate::{Candidates, NotAssessed, Placement, placement};
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::modal::ModalModel;
@@ -28,7 +28,7 @@ pub struct PlacedTest {
     /// The points that it could have.
     pub candidates: Candidates,
     /// Those that it should have, or why that is not known.
-    pub placement: Result<Placement, NotJudged>,
+    pub placement: Result<Placement, NotAssessed>,
 }
 
 /// `[[placement]]` as meant: tests by name, and points out of the scene's sensors.

@@ -115,7 +115,7 @@ fn the_points_that_are_proposed_show_every_mode_that_disc_points_can_show() {
         .roots
         .iter()
         .filter(|root| root.planned == 0)
-        .map(|root| (root.modes.len(), root.still))
+        .map(|root| (root.modes.len(), root.at_nodes))
         .collect();
     assert_eq!(never, [(4, [true, true]), (8, [true, true])]);
     assert_eq!(count(|root| root.modes.len()), planned + 12);

@@ -56,8 +56,8 @@ fn placement(placement: &Placement) -> Value {
             "seen": root.seen,
             "planned": root.planned,
             "peak_over_noise_db": root.peak_over_noise_db,
-            "every_hit_still": root.still[0],
-            "every_sensor_still": root.still[1],
+            "every_hit_still": root.at_nodes[0],
+            "every_sensor_still": root.at_nodes[1],
         })
     };
     let ranked = |hit: &RankedHit| {
@@ -87,7 +87,7 @@ fn names(dofs: &[Dof]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correlate::{Candidates, NotJudged};
+    use crate::correlate::{Candidates, NotAssessed};
 
     #[test]
     fn steps_roots_and_ranking_are_keys_of_the_test() {
@@ -98,7 +98,7 @@ mod tests {
             seen: 0,
             planned: 1,
             peak_over_noise_db: Some(21.0),
-            still: [false, true],
+            at_nodes: [false, true],
         };
         let placed = PlacedTest {
             test: "one hit".to_owned(),
@@ -122,7 +122,7 @@ mod tests {
             }),
         };
         let unknown = PlacedTest {
-            placement: Err(NotJudged::ModalMass),
+            placement: Err(NotAssessed::ModalMass),
             ..placed.clone()
         };
         let value = placements_value(&[placed, unknown]).unwrap();
