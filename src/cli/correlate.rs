@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::correlate::measures::{
     AutoMac, DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor,
-    auto_mac, measures, orthogonality, orthogonality_dofs, reversed_findings, reversed_sensors,
-    serep_modes, turned,
+    auto_mac, measures, orthogonality, orthogonality_dofs, reverse_sensors, reversed_findings,
+    reversed_sensors, serep_modes,
 };
 use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
 use crate::dof::Dof;
@@ -94,7 +94,7 @@ fn compared(
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
         has_common(name, &test.modes, &theory.modes)?;
-        let sensors = reverse_sensors(args, &mut test.modes, &theory.modes, &options)?;
+        let sensors = correct_reversed_sensors(args, &mut test.modes, &theory.modes, &options)?;
         reversed.push((name.clone(), sensors));
     }
     let named: Vec<_> = tests
@@ -163,7 +163,7 @@ fn compared(
 
 /// The reversed sensors of a test, turned where that is wanted; those that are not are findings of
 /// the pairing.
-fn reverse_sensors(
+fn correct_reversed_sensors(
     args: &CorrelateArgs,
     test: &mut ModalModel,
     theory: &ModalModel,
@@ -172,7 +172,7 @@ fn reverse_sensors(
     let found = reversed_sensors(test, theory, options)?;
     if args.turn_reversed {
         let dofs: Vec<Dof> = found.iter().map(|sensor| sensor.dof.clone()).collect();
-        *test = turned(test, &dofs);
+        *test = reverse_sensors(test, &dofs);
         test.findings.extend(reversed_findings(&found, true));
     }
     Ok(found)

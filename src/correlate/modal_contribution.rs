@@ -5,11 +5,11 @@
 //! that the MAC with each single mode counts their common part several times. If the test mode is
 //! root r, its shape is `ψ = Σ q_j φ_j`, and by first-order perturbation `q_j/q_r` is at most
 //! proportional to `1/|f_j/f_r − f_r/f_j|`: an error common to all roots mixes no shapes.
-//! `|q_r|²/Σ|q_j|²` is the contribution of root r. With shapes of unit modal mass it is the fraction
-//! of the modal mass, the mass-weighted MAC of the whole machine, which does not depend on the
-//! positions of the sensors. A root that hardly moves the sensors would need a large coordinate for
-//! the test shape; a near root that moves them explains it with a smaller one. Where masses are not
-//! known, shapes have unit length at the sensors.
+//! `|q_r|²/Σ|q_j|²` is the contribution of root r. With shapes of unit modal mass it is the
+//! fraction of the modal mass, the mass-weighted MAC of the whole machine, which does not depend on
+//! the positions of the sensors. A root that hardly moves the sensors would need a large coordinate
+//! for the test shape; a near root that moves them explains it with a smaller one. Where masses are
+//! not known, shapes have unit length at the sensors.
 
 use num_complex::Complex64;
 

@@ -31,9 +31,9 @@ pub(super) struct Root {
 /// The highest frequency of a rigid-body mode, Hz; 0 where none has another.
 ///
 /// The eigensolver of `theory` returns rigid-body modes at exactly 0. In modes from a file, of the
-/// lowest six, those above 0 Hz before the first rise by a factor of a thousand are rigid-body modes
-/// that rounding moved from 0, if they are at most 0.1 Hz. A rise between higher modes shows no
-/// rigid-body modes.
+/// lowest six, those above 0 Hz before the first rise by a factor of a thousand are rigid-body
+/// modes that rounding moved from 0, if they are at most 0.1 Hz. A rise between higher modes shows
+/// no rigid-body modes.
 pub(crate) fn highest_rigid_hz(theory: &ModalModel) -> f64 {
     let mut lowest: Vec<f64> = theory.modes.iter().map(|mode| mode.frequency_hz).collect();
     lowest.sort_by(f64::total_cmp);

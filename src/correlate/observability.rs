@@ -93,9 +93,9 @@ impl fmt::Display for NotAssessed {
 }
 
 impl Observability {
-    /// Whether the test could have detected the root: at one pair its peak is 10 dB above the noise,
-    /// and the Cramér-Rao bound of its frequency is below a quarter of the spacing to the nearest
-    /// root. `None` when that is not known.
+    /// Whether the test could have detected the root: at one pair its peak is 10 dB above the
+    /// noise, and the Cramér-Rao bound of its frequency is below a quarter of the spacing to the
+    /// nearest root. `None` when that is not known.
     pub fn observable(&self) -> Option<bool> {
         if self.at_nodes {
             return Some(false);

@@ -46,19 +46,21 @@ pub struct Pairing {
 /// With `u = |f_test − f_theory| / (max_frequency_error f_theory)`, whatever the options' reference
 /// of errors is, and the modal contribution `a` of a root to a test shape (formula in
 /// `modal_contribution`), a pair is allowed when `u <= 1` and `a >= 0.6 min_mac` or the MAC at the
-/// sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)` up to 1: the
-/// weight of the frequency is small because `a` includes the frequencies. With fewer than three
+/// sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)` up to 1:
+/// the weight of the frequency is small because `a` includes the frequencies. With fewer than three
 /// degrees of freedom in common a pair costs `u`: the MAC over one component is 1 for any two
-/// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. An unpaired
-/// test mode costs 1, so that a pair inside its gates is always preferred, and an unpaired mode
-/// changes another pair only where that costs less. The assignment minimises the sum over all pairs.
+/// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. An
+/// unpaired test mode costs 1, so that a pair inside its gates is always preferred, and an unpaired
+/// mode changes another pair only where that costs less. The assignment minimises the sum over all
+/// pairs.
 ///
 /// A pair with three degrees of freedom in common or more rests on frequency and shape
 /// ([`Basis::Shape`](super::Basis::Shape)): its MAC has to reach the
 /// [`ChanceLevel`](super::ChanceLevel), else it is uncorrelated. With fewer it rests on frequency
 /// alone. A pair is ambiguous when, for either side, another allowed partner costs less than
-/// `ambiguous_margin` more; its shape is contested when another root contributes half of it, or this
-/// root half of another shape; and mixed when `a` less its standard deviation is below `min_mac`.
+/// `ambiguous_margin` more; its shape is contested when another root contributes half of it, or
+/// this root half of another shape; and mixed when `a` less its standard deviation is below
+/// `min_mac`.
 ///
 /// Sensors and groups with the opposite sign of the theory ([`super::measures::reversed_sensors`])
 /// are reversed while pairs are chosen; MAC and chance level are of the shapes as measured. The

@@ -1,5 +1,5 @@
-//! Placement selects the minimum number of excitation and response points that detect all roots that
-//! any candidates can detect.
+//! Placement selects the minimum number of excitation and response points that detect all roots
+//! that any candidates can detect.
 //!
 //! A root of m modes with unit modal masses has the strengths `G = Φ_R Φ_Hᵀ` at the responses R and
 //! hits H. The number of its detected modes is the number of pivots of G above the noise, with
@@ -83,8 +83,8 @@ pub struct RankedHit {
 ///
 /// A new hit makes a pair with every sensor, a new sensor one with every hit: points that were hit
 /// before are hit again. The noise of a new pair is that of the test's FRFs at the root: the median
-/// over those with the same response, or over all, each relative to the peak in its quantity. A mode
-/// is detected when its pivot is 10 dB above the noise, and all pairs together determine its
+/// over those with the same response, or over all, each relative to the peak in its quantity. A
+/// mode is detected when its pivot is 10 dB above the noise, and all pairs together determine its
 /// frequency to a quarter of the distance to the next root, as in
 /// [`observability`](fn@super::observability).
 ///

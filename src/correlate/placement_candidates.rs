@@ -1,5 +1,5 @@
-//! Pairs of present and candidate points have a strength over the noise for each root, and detect as
-//! many of its modes as they have independent strengths.
+//! Pairs of present and candidate points have a strength over the noise for each root, and detect
+//! as many of its modes as they have independent strengths.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;

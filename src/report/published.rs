@@ -2,8 +2,8 @@
 
 use crate::correlate::ErrorReference;
 use crate::correlate::published::{
-    Digits, ErrorSummary, Largest, PublishedRoot, RecomputedRow, RecomputedTable, RootMatch,
-    RootRow, Stated, TestErrors, Verdict, frequency_hz,
+    ClaimValue, ClaimVerdict, Digits, ErrorSummary, Largest, PublishedRoot, RecomputedRow,
+    RecomputedTable, RootMatch, RootRow, TestErrors, frequency_hz,
 };
 use crate::scene::{ExpectedResult, Source, Theory};
 use crate::theory::ModelQuantity;
@@ -218,7 +218,7 @@ fn where_largest(test: &TestErrors) -> Option<String> {
 
 /// The claims of a publication and whether they are reproduced; `None` without any.
 pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
-    let row = |verdict: &Verdict| {
+    let row = |verdict: &ClaimVerdict| {
         // Two digits more than printed show how close a rounding is; a count has none to show.
         let counted = verdict.unit.is_empty() && verdict.digits == Digits::Decimals(0);
         let finer = verdict.digits.finer(if counted { 0 } else { 2 });
@@ -259,7 +259,7 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
 }
 
 /// `7.5 % at f2`, `> 25 Hz`, a count, or labels.
-fn stated_cell(stated: &Stated, relation: &str, digits: Digits, unit: &str) -> Cell {
+fn stated_cell(stated: &ClaimValue, relation: &str, digits: Digits, unit: &str) -> Cell {
     let rows = stated.rows.join(" ");
     match stated.value {
         None if rows.is_empty() => Cell::Missing,

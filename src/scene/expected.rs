@@ -10,8 +10,8 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::correlate::published::{
-    Claim, Grounds, MatchOptions, ModelQuantities, PublishedComparison, PublishedRoot,
-    RecomputedTable, RootMatch, Verdict, audit, match_roots, recompute,
+    Claim, ClaimVerdict, Evidence, MatchOptions, ModelQuantities, PublishedComparison,
+    PublishedRoot, RecomputedTable, RootMatch, audit, match_roots, recompute,
 };
 use crate::theory::ModelRoot;
 
@@ -64,7 +64,7 @@ pub struct ExpectedResult {
     /// The comparison, recomputed.
     pub comparison: Option<RecomputedTable>,
     /// What became of the claims.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<ClaimVerdict>,
     /// The quantities of every model that a claim names.
     pub quantities: Vec<ModelQuantities>,
 }
@@ -81,11 +81,11 @@ impl Expected {
         let matched = (!self.roots.is_empty())
             .then(|| match_roots(model.unwrap_or_default(), &self.roots, &self.matching));
         let published: Vec<&PublishedRoot> = self.roots.iter().collect();
-        let grounds = Grounds {
+        let evidence = Evidence {
             roots: matched.as_ref(),
             quantities: &quantities,
         };
-        let verdicts = audit(&table, &grounds, &self.claims);
+        let verdicts = audit(&table, &evidence, &self.claims);
         ExpectedResult {
             source: self.source.clone(),
             verdicts,

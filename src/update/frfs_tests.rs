@@ -4,7 +4,7 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::correlate::measures::turned;
+use crate::correlate::measures::reverse_sensors;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function, FunctionData};
 use crate::modal::{ModalModel, Pole};
@@ -204,7 +204,7 @@ fn functions_at_reversed_sensors_are_left_out_where_their_sign_counts() {
     let model = chain(&start);
     let sensors = sensors(&model, &start);
     let reversed: Vec<Dof> = ["m1:+X", "m7:+X"].map(|dof| dof.parse().unwrap()).to_vec();
-    let test = turned(&poor_modes(&model, &start), &reversed);
+    let test = reverse_sensors(&poor_modes(&model, &start), &reversed);
     let roving_sensor = functions(&model, &start, FrfKind::Receptance, 1e-3);
     for set in [exchanged(&roving_sensor), roving_sensor] {
         let sets = [set];

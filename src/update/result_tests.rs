@@ -2,7 +2,7 @@
 //! case.
 
 use crate::correlate::ErrorReference;
-use crate::correlate::measures::turned;
+use crate::correlate::measures::reverse_sensors;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Place, Severity};
 use crate::linalg::real_matrix;
@@ -226,7 +226,7 @@ fn values_of_reversed_sensors_take_no_part() {
     let sensors = sensors(&model, &start);
     let updated = |dofs: &[&str]| {
         let dofs: Vec<Dof> = dofs.iter().map(|dof| dof.parse().unwrap()).collect();
-        let test = turned(&measured(&model, &truth, 1e-2, true), &dofs);
+        let test = reverse_sensors(&measured(&model, &truth, 1e-2, true), &dofs);
         let measured = [MeasuredModes::new("t", &test)];
         let chosen = free(&["k4", "k8"]);
         let new = UpdateProblem::new(&model, &start, &chosen, &measured, &sensors, options());

@@ -1,7 +1,7 @@
 //! Pairs by shape: independent shapes do not pair, correlated ones do; reversed groups of sensors
 //! are named and lose no mode.
 
-use modalign::correlate::measures::{reversed_sensors, turned};
+use modalign::correlate::measures::{reverse_sensors, reversed_sensors};
 use modalign::correlate::{Basis, PairOptions, PairVerdict, Pairing, pair};
 use modalign::dof::Dof;
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
@@ -203,7 +203,7 @@ fn a_reversed_direction_or_component_is_reported_and_loses_no_mode() {
             let good = roots(&paired(&twin.test, &twin.theory));
             let (dofs, groups) = groups(&twin);
             for group in groups {
-                let test = turned(&twin.test, &group);
+                let test = reverse_sensors(&twin.test, &group);
                 let others: Vec<Dof> = dofs
                     .iter()
                     .filter(|dof| !group.contains(dof))
@@ -259,7 +259,7 @@ fn one_reversed_sensor_of_six_is_reported_with_an_exact_model() {
         let twin = twin(kind, 6, exact, 1);
         let good = roots(&paired(&twin.test, &twin.theory));
         for (dof, _) in twin.test.modes[0].shape.iter() {
-            let test = turned(&twin.test, std::slice::from_ref(dof));
+            let test = reverse_sensors(&twin.test, std::slice::from_ref(dof));
             assert_eq!(
                 reversed(&test, &twin.theory),
                 std::slice::from_ref(dof),
@@ -317,7 +317,7 @@ fn nothing_is_claimed_of_two_directions_that_no_mode_moves_together() {
         .collect();
     let good = roots(&paired(&test, &theory));
     assert!(good.len() >= 11, "{good:?}");
-    let test = turned(&test, &x);
+    let test = reverse_sensors(&test, &x);
     assert_eq!(reversed(&test, &theory), []);
     assert_eq!(roots(&paired(&test, &theory)), good);
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use modalign::correlate::published::{ModelQuantities, Verdict, match_roots};
+use modalign::correlate::published::{ClaimVerdict, ModelQuantities, match_roots};
 use modalign::scene::{Expected, ExpectedResult, load_expected, load_model};
 use modalign::theory::{ModeOptions, ModelRoot};
 
@@ -24,20 +24,20 @@ fn judged() -> ExpectedResult {
 }
 
 /// The verdicts on claims that begin so.
-fn verdicts(result: &ExpectedResult, start: &str) -> Vec<Verdict> {
-    let begins = |verdict: &&Verdict| verdict.text.starts_with(start);
-    let found: Vec<Verdict> = result.verdicts.iter().filter(begins).cloned().collect();
+fn verdicts(result: &ExpectedResult, start: &str) -> Vec<ClaimVerdict> {
+    let begins = |verdict: &&ClaimVerdict| verdict.text.starts_with(start);
+    let found: Vec<ClaimVerdict> = result.verdicts.iter().filter(begins).cloned().collect();
     assert!(!found.is_empty(), "{start}: {:#?}", result.verdicts);
     found
 }
 
-fn only(result: &ExpectedResult, start: &str) -> Verdict {
+fn only(result: &ExpectedResult, start: &str) -> ClaimVerdict {
     let found = verdicts(result, start);
     assert_eq!(found.len(), 1, "{start}");
     found[0].clone()
 }
 
-fn value(verdict: &Verdict) -> f64 {
+fn value(verdict: &ClaimVerdict) -> f64 {
     verdict.recomputed.as_ref().unwrap().value.unwrap()
 }
 
@@ -80,7 +80,7 @@ fn the_theory_column_is_the_angular_frequency_over_two_pi_but_at_f12() {
     let [good, bad] = found.as_slice() else {
         panic!("{found:#?}");
     };
-    let rows = |verdict: &Verdict| verdict.recomputed.clone().unwrap().rows;
+    let rows = |verdict: &ClaimVerdict| verdict.recomputed.clone().unwrap().rows;
     assert_eq!((good.confirmed, rows(good).len()), (Some(true), 11));
     assert_eq!(
         (bad.confirmed, rows(bad)),

@@ -44,7 +44,9 @@ pub use orthogonality::{
     reduced_mass,
 };
 
-pub use super::reversed_sensors::{ReversedSensor, reversed_findings, reversed_sensors, turned};
+pub use super::reversed_sensors::{
+    ReversedSensor, reverse_sensors, reversed_findings, reversed_sensors,
+};
 pub use serep_modes::serep_modes;
 
 use auto_mac::at_sensors;

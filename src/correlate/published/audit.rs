@@ -57,7 +57,7 @@ pub struct ModelQuantities {
 
 /// Values, besides the published tables, that claims are compared with.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Grounds<'a> {
+pub struct Evidence<'a> {
     /// The published roots and those of a model.
     pub roots: Option<&'a RootMatch>,
     /// Quantities of every model that a claim names.
@@ -157,9 +157,9 @@ pub enum Statement {
     NotCheckable,
 }
 
-/// A value, rows, or a value at rows.
+/// A value, rows, or a value at rows, as printed or as recomputed.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct Stated {
+pub struct ClaimValue {
     /// The value, where it is about one.
     pub value: Option<f64>,
     /// Labels of the rows, where it is about some.
@@ -168,7 +168,7 @@ pub struct Stated {
 
 /// The verdict on a claim.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct ClaimVerdict {
     /// The claim in words.
     pub text: String,
     /// Unit of both values; empty for counts.
@@ -180,9 +180,9 @@ pub struct Verdict {
     /// A remark.
     pub remark: Option<String>,
     /// As printed.
-    pub printed: Stated,
+    pub printed: ClaimValue,
     /// As recomputed; `None` where there is nothing to recompute it from.
-    pub recomputed: Option<Stated>,
+    pub recomputed: Option<ClaimValue>,
     /// Whether they agree; `None` where nothing could be recomputed, or nothing is printed in
     /// figures.
     pub confirmed: Option<bool>,
@@ -194,8 +194,12 @@ pub struct Verdict {
 /// One verdict for each claim in their order; [`Statement::TheoryColumn`] has one for the rows that
 /// agree and one for each row that does not. Without roots a claim about roots has no verdict, nor
 /// has one about a row, test or quantity that is not there.
-pub fn audit(table: &PublishedComparison, grounds: &Grounds<'_>, claims: &[Claim]) -> Vec<Verdict> {
-    let published: Vec<_> = grounds
+pub fn audit(
+    table: &PublishedComparison,
+    evidence: &Evidence<'_>,
+    claims: &[Claim],
+) -> Vec<ClaimVerdict> {
+    let published: Vec<_> = evidence
         .roots
         .iter()
         .flat_map(|roots| roots.published())
@@ -203,14 +207,14 @@ pub fn audit(table: &PublishedComparison, grounds: &Grounds<'_>, claims: &[Claim
     let recomputed = recompute(table, &published);
     let of_claim = |claim: &Claim| match &claim.statement {
         Statement::TheoryColumn => theory_column(claim, &recomputed.rows),
-        _ => vec![verdict(claim, &recomputed, grounds)],
+        _ => vec![verdict(claim, &recomputed, evidence)],
     };
     claims.iter().flat_map(of_claim).collect()
 }
 
-fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Verdict {
+fn verdict(claim: &Claim, table: &RecomputedTable, evidence: &Evidence<'_>) -> ClaimVerdict {
     let computed = match &claim.statement {
-        Statement::Quantity(quantity) => grounds.quantity(quantity),
+        Statement::Quantity(quantity) => evidence.quantity(quantity),
         _ => None,
     };
     let (printed, recomputed) = match &claim.statement {
@@ -218,7 +222,7 @@ fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Ver
             let found = computed.and_then(|quantity| quantity.value);
             (stated.relation.stated(), found.map(value_alone))
         }
-        other => printed_and_recomputed(other, table, grounds.roots),
+        other => printed_and_recomputed(other, table, evidence.roots),
     };
     let (unit, relation) = match &claim.statement {
         Statement::LargestError(error) | Statement::ErrorAt(error) => (error.unit.symbol(), ""),
@@ -229,11 +233,11 @@ fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Ver
         ),
         _ => ("", ""),
     };
-    let agree = |found: &Stated| match &claim.statement {
+    let agree = |found: &ClaimValue| match &claim.statement {
         Statement::Quantity(quantity) => quantity.relation.holds(found.value?, claim.digits),
         _ => Some(agree(&printed, found, claim.digits)),
     };
-    Verdict {
+    ClaimVerdict {
         text: claim.text.clone(),
         unit,
         digits: claim.digits,
@@ -246,12 +250,12 @@ fn verdict(claim: &Claim, table: &RecomputedTable, grounds: &Grounds<'_>) -> Ver
 }
 
 impl Relation {
-    fn stated(self) -> Stated {
+    fn stated(self) -> ClaimValue {
         match self {
             Relation::Equal(value) | Relation::Above(value) | Relation::Below(value) => {
                 value_alone(value)
             }
-            Relation::Unstated => Stated::default(),
+            Relation::Unstated => ClaimValue::default(),
         }
     }
 
@@ -273,7 +277,7 @@ impl Relation {
     }
 }
 
-impl<'a> Grounds<'a> {
+impl<'a> Evidence<'a> {
     fn quantity(&self, claim: &QuantityClaim) -> Option<&'a ModelQuantity> {
         let mut models = self.quantities.iter();
         let found = models.find(|model| model.model == claim.model)?;
@@ -286,7 +290,7 @@ fn printed_and_recomputed(
     statement: &Statement,
     table: &RecomputedTable,
     roots: Option<&RootMatch>,
-) -> (Stated, Option<Stated>) {
+) -> (ClaimValue, Option<ClaimValue>) {
     match statement {
         Statement::LargestError(error) => (at(error.value, &error.row), largest(table, error)),
         Statement::ErrorAt(error) => (at(error.value, &error.row), error_at(table, error)),
@@ -312,41 +316,41 @@ fn printed_and_recomputed(
             (at(*hz, row), found)
         }
         Statement::TheoryColumn | Statement::Quantity(_) | Statement::NotCheckable => {
-            (Stated::default(), None)
+            (ClaimValue::default(), None)
         }
     }
 }
 
 /// Values round to each other and every printed row is among those found; without values the rows
 /// are the same.
-fn agree(printed: &Stated, found: &Stated, digits: Digits) -> bool {
+fn agree(printed: &ClaimValue, found: &ClaimValue, digits: Digits) -> bool {
     if let (Some(value), Some(value_found)) = (printed.value, found.value) {
         let there = printed.rows.iter().all(|row| found.rows.contains(row));
         return there && digits.round_to(value_found, value);
     }
-    let all_in = |a: &Stated, b: &Stated| a.rows.iter().all(|row| b.rows.contains(row));
+    let all_in = |a: &ClaimValue, b: &ClaimValue| a.rows.iter().all(|row| b.rows.contains(row));
     all_in(printed, found) && all_in(found, printed)
 }
 
-fn at(value: f64, row: &str) -> Stated {
-    Stated {
+fn at(value: f64, row: &str) -> ClaimValue {
+    ClaimValue {
         value: Some(value),
         rows: vec![row.to_owned()],
     }
 }
 
-fn value_alone(value: f64) -> Stated {
-    Stated {
+fn value_alone(value: f64) -> ClaimValue {
+    ClaimValue {
         value: Some(value),
         rows: Vec::new(),
     }
 }
 
-fn rows_alone(rows: Vec<String>) -> Stated {
-    Stated { value: None, rows }
+fn rows_alone(rows: Vec<String>) -> ClaimValue {
+    ClaimValue { value: None, rows }
 }
 
-fn largest(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
+fn largest(table: &RecomputedTable, claim: &ErrorClaim) -> Option<ClaimValue> {
     let column = table
         .tests
         .iter()
@@ -355,13 +359,13 @@ fn largest(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
         ErrorUnit::Hz => column.largest_hz.clone(),
         ErrorUnit::Percent => column.largest_percent.clone(),
     }?;
-    Some(Stated {
+    Some(ClaimValue {
         value: Some(largest.value),
         rows: largest.rows,
     })
 }
 
-fn error_at(table: &RecomputedTable, claim: &ErrorClaim) -> Option<Stated> {
+fn error_at(table: &RecomputedTable, claim: &ErrorClaim) -> Option<ClaimValue> {
     let column = table
         .tests
         .iter()
@@ -380,7 +384,7 @@ fn counted(
     roots: Option<&RootMatch>,
     side: RootSide,
     of: impl Fn(&[usize]) -> usize,
-) -> Option<Stated> {
+) -> Option<ClaimValue> {
     let roots = roots?;
     let multiplicities: Vec<usize> = match side {
         RootSide::Printed => roots.published().map(|root| root.multiplicity).collect(),
@@ -411,16 +415,18 @@ fn model_root<'a>(roots: Option<&'a RootMatch>, label: &str) -> Option<&'a Model
 
 /// One verdict for the rows whose printed frequency is that of their root, and one for each other
 /// row.
-fn theory_column(claim: &Claim, rows: &[RecomputedRow]) -> Vec<Verdict> {
-    let about = |printed: Stated, recomputed: Option<Stated>, confirmed: Option<bool>| Verdict {
-        text: claim.text.clone(),
-        unit: "Hz",
-        digits: claim.digits,
-        relation: "",
-        remark: claim.remark.clone(),
-        printed,
-        recomputed,
-        confirmed,
+fn theory_column(claim: &Claim, rows: &[RecomputedRow]) -> Vec<ClaimVerdict> {
+    let about = |printed: ClaimValue, recomputed: Option<ClaimValue>, confirmed: Option<bool>| {
+        ClaimVerdict {
+            text: claim.text.clone(),
+            unit: "Hz",
+            digits: claim.digits,
+            relation: "",
+            remark: claim.remark.clone(),
+            printed,
+            recomputed,
+            confirmed,
+        }
     };
     let known = rows.iter().filter_map(|row| Some((row, row.root_hz?)));
     let (good, bad): (Vec<_>, Vec<_>) =
@@ -438,7 +444,7 @@ fn theory_column(claim: &Claim, rows: &[RecomputedRow]) -> Vec<Verdict> {
         )
     }));
     if verdicts.is_empty() {
-        verdicts.push(about(Stated::default(), None, None));
+        verdicts.push(about(ClaimValue::default(), None, None));
     }
     verdicts
 }

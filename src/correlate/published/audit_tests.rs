@@ -47,21 +47,21 @@ fn roots() -> RootMatch {
     match_roots(&model, &printed, &MatchOptions::default())
 }
 
-fn grounds(roots: &RootMatch) -> Grounds<'_> {
-    Grounds {
+fn evidence(roots: &RootMatch) -> Evidence<'_> {
+    Evidence {
         roots: Some(roots),
         quantities: &[],
     }
 }
 
-fn judge(statement: Statement, decimals: usize) -> Vec<Verdict> {
+fn judge(statement: Statement, decimals: usize) -> Vec<ClaimVerdict> {
     let claim = Claim {
         text: "as claimed".to_owned(),
         statement,
         digits: Digits::Decimals(decimals),
         remark: None,
     };
-    audit(&table(), &grounds(&roots()), &[claim])
+    audit(&table(), &evidence(&roots()), &[claim])
 }
 
 fn confirmed(statement: Statement, decimals: usize) -> Option<bool> {
@@ -129,7 +129,7 @@ fn rows_that_share_the_largest_error_are_all_where_it_is() {
     };
     let verdicts = audit(
         &table,
-        &Grounds::default(),
+        &Evidence::default(),
         &[claim("f1"), claim("f2"), claim("f3")],
     );
     let all: Vec<_> = verdicts.iter().map(|verdict| verdict.confirmed).collect();
@@ -225,7 +225,7 @@ fn without_roots_a_claim_about_roots_has_no_verdict() {
             digits: Digits::Decimals(0),
             remark: None,
         };
-        let verdicts = audit(&table(), &Grounds::default(), &[claim]);
+        let verdicts = audit(&table(), &Evidence::default(), &[claim]);
         assert_eq!(verdicts.len(), 1);
         assert_eq!(
             (verdicts[0].confirmed, &verdicts[0].recomputed),
@@ -293,11 +293,11 @@ fn quantities_are_found_by_model_and_name_and_compared_with_value_or_bound() {
             digits: Digits::Significant(4),
             remark: Some("seen".to_owned()),
         };
-        let grounds = Grounds {
+        let evidence = Evidence {
             roots: None,
             quantities: &all,
         };
-        audit(&PublishedComparison::default(), &grounds, &[claim]).remove(0)
+        audit(&PublishedComparison::default(), &evidence, &[claim]).remove(0)
     };
     let other = Some("other");
     assert_eq!(

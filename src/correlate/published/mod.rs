@@ -16,8 +16,8 @@ mod audit_tests;
 mod roots_tests;
 
 pub use audit::{
-    Claim, ErrorClaim, ErrorUnit, Grounds, ModelQuantities, QuantityClaim, Relation, RootSide,
-    Stated, Statement, Verdict, audit,
+    Claim, ClaimValue, ClaimVerdict, ErrorClaim, ErrorUnit, Evidence, ModelQuantities,
+    QuantityClaim, Relation, RootSide, Statement, audit,
 };
 pub use digits::Digits;
 pub use roots::{

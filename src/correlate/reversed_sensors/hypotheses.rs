@@ -9,7 +9,7 @@ use super::super::DofMap;
 /// Sensors that are reversed together under one hypothesis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
-    /// Name of the group; `None` of a single sensor.
+    /// Name of the group; `None` for a single sensor.
     pub group: Option<String>,
     /// Indices of its degrees of freedom in the map, ascending.
     pub members: Vec<usize>,
@@ -17,8 +17,8 @@ pub(super) struct Hypothesis {
 
 /// Groups by direction, by component and by file, then every single sensor.
 ///
-/// Of a class of more than half of the sensors all others are the group: reversing these is the
-/// same. Each set of sensors is there once, under its first name.
+/// The complement stands for a class of more than half of the sensors: its reversal is equivalent.
+/// Each set of sensors occurs once, under its first name.
 pub(super) fn hypotheses(test: &ModalModel, map: &DofMap) -> Vec<Hypothesis> {
     let directions = map.pairs.iter().map(|pair| pair.test.axis().to_string());
     let components = map.pairs.iter().map(|pair| match pair.test.component() {

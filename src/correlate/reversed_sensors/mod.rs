@@ -1,9 +1,8 @@
-//! Sign detection finds sensors and groups of sensors with the opposite sign of the theory.
+//! Sensors and groups of sensors with the opposite sign of the theory are detected from the shapes.
 //!
 //! Every hypothesis reverses one sensor, or all of one direction, component or file together, and
-//! is evaluated with the pairs that are best under it: the detection does not need pairs that are
-//! good as measured. Of a group only the sign relative to all other sensors is observable, in modes
-//! that move both.
+//! is evaluated with the best pairs under it: the detection does not need good pairs as measured.
+//! Of a group only the sign relative to all other sensors is observable, in modes that move both.
 
 mod hypotheses;
 mod overlaps;
@@ -21,51 +20,51 @@ use super::shapes::Shapes;
 use super::{CorrelateError, DofMap, PairOptions};
 
 use hypotheses::{Hypothesis, hypotheses};
-use overlaps::{Choice, Overlaps, Signed, View};
+use overlaps::{Overlaps, PairView, Signed, TrialPairing};
 
-/// Minimum MAC, with the sensors reversed, of a pair that is used to search. Larger: of many
+/// Minimum MAC of a pair in the search, with the sensors reversed. Larger: of many
 /// reversed sensors none is found, because reversing one alone leaves the MAC low
 /// (`one_reversed_sensor_of_many_is_found_and_so_are_more`). Smaller: more pairs of different
 /// modes; the final test does not depend on it.
-const MIN_MAC_OF_SEARCH: f64 = 0.2;
+const MIN_SEARCH_MAC: f64 = 0.2;
 
-/// Minimum number of pairs that show a reversal. One mode says nothing of a sensor: the model may
-/// be wrong there.
+/// Minimum number of pairs that show a reversal: in one mode the model may be wrong.
 const MIN_PAIRS: usize = 2;
 
-/// Largest correlation of the values as measured with those of the theory, over the pairs. Larger
+/// Maximum correlation of the values as measured with those of the theory, over the pairs. Larger
 /// (nearer 0): sensors that are reversed in one mode and not in another. Smaller: noise of 5 %
 /// hides sensors that move little (`reversed_sensors_are_found_and_no_others`).
-const MAX_DIRECTION: f64 = -0.8;
+const MAX_SIGN_CORRELATION: f64 = -0.8;
 
-/// Minimum gain of MAC over that of a reversed sensor of a right model. Larger: model errors hide
-/// reversed sensors. Smaller: good sensors of poor models (`a_poor_model_has_no_reversed_sensors`).
-const MIN_PART_OF_GAIN: f64 = 0.5;
+/// Minimum gain of MAC over the gain that a reversed sensor of a correct model has. Larger: model
+/// errors hide reversed sensors. Smaller: good sensors of poor models
+/// (`a_poor_model_has_no_reversed_sensors`).
+const MIN_GAIN_OVER_EXPECTED: f64 = 0.5;
 
-/// Minimum share of the squared length, as a part of the mean share of as many sensors, of the
-/// group and of all others: below it noise decides the sign
+/// Minimum fraction of the squared length, over the mean fraction of as many sensors, of the group
+/// and of all others: below it noise decides the sign
 /// (`noise_at_sensors_that_hardly_move_reverses_none`).
-const MIN_SHARE: f64 = 0.1;
+const MIN_RELATIVE_LENGTH: f64 = 0.1;
 
-/// Maximum expected number of good sensors and groups, of all that are tested, that disagree in the
-/// same pairs. Larger: good sensors in three poor pairs
+/// Maximum expected number of false alarms: good sensors and groups, of all that are tested, that
+/// disagree in the same pairs. Larger: good sensors in three poor pairs
 /// (`sensors_that_disagree_by_chance_in_three_poor_pairs_are_left`). Smaller: reversed sensors of
 /// tests with three or four modes.
-const MAX_EXPECTED_FALSE: f64 = 0.1;
+const MAX_EXPECTED_FALSE_ALARMS: f64 = 0.1;
 
-/// Maximum number of sensors at which the pairs are chosen anew for each single sensor; of more,
-/// one sensor changes a MAC by less than 4/64, and no pair.
-const MAX_SENSORS_CHOSEN_ANEW: usize = 64;
+/// Maximum number of sensors with which each single sensor gets a pairing of its hypothesis; of
+/// more, one sensor changes a MAC by less than 4/64, and no pair.
+const MAX_SENSORS_PAIRED_ANEW: usize = 64;
 
 /// A sensor with the opposite sign of the theory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReversedSensor {
     /// As the test names it.
     pub dof: Dof,
-    /// The group with which it is reversed; `None` of a single sensor.
+    /// The group with which it is reversed; `None` for a single sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// Mean MAC of the pairs with those found before it reversed.
+    /// Mean MAC of the pairs with the sensors before it reversed.
     pub mac_before: f64,
     /// Mean MAC with this one, or its group, reversed as well.
     pub mac_after: f64,
@@ -88,19 +87,19 @@ impl ReversedSensor {
     }
 }
 
-/// The sensors of a test with the opposite sign of the theory, those first that gain most.
+/// The sensors of a test with the opposite sign of the theory, those with the largest gain first.
 ///
 /// For every single sensor, and every group of one direction (X, Y, Z, ...), component (the part of
 /// a name before the dot) or file, the test modes are paired within the frequency gate at the
 /// smallest sum of `0.1 u + 0.9 (1 − MAC)` with its sign changed, `u` being the frequency error
-/// over the gate. The hypothesis of the smallest sum is taken again and again, if over the pairs
-/// with a MAC of 0.2 or more
+/// over the gate. Repeatedly the hypothesis of the smallest sum is accepted, if over the pairs with
+/// a MAC of 0.2 or more
 ///
 /// - the correlation of its values with the theory's, `Σ Re(b* a)/√(Σ|a|² Σ|b|²)` of unit shapes
 ///   `a`, `b`, is at most −0.8 as measured;
-/// - the sum of MAC over all test modes gains half or more of what a reversed sensor of a right
-///   model would, `4 w (√MAC − w)` of each pair with its share `w` of the squared length;
-/// - it and all others have a tenth or more of the mean share of as many sensors.
+/// - the sum of MAC over all test modes gains half or more of the gain for a correct model,
+///   `4 w (√MAC − w)` of each pair with its fraction `w` of the squared length;
+/// - it and all others have a tenth or more of the mean fraction of as many sensors.
 ///
 /// Then the false-alarm probability is tested, with all of them reversed, over the pairs whose MAC
 /// exceeds the [`super::ChanceLevel`] and that move both sides: in each, a good sensor disagrees as
@@ -126,7 +125,7 @@ pub fn reversed_sensors(
     Ok(detect(test, theory, &map, &shapes, options))
 }
 
-/// The same of shapes that are known.
+/// [`reversed_sensors`] of prepared shapes.
 pub(super) fn detect(
     test: &ModalModel,
     theory: &ModalModel,
@@ -144,12 +143,12 @@ pub(super) fn detect(
         sensors: map.len(),
     };
     let all: Vec<usize> = (0..search.hypotheses.len()).collect();
-    let suspects = search.found(&all);
-    let significant = search.significant(&suspects);
+    let suspects = search.select_hypotheses(&all);
+    let significant = search.significant_hypotheses(&suspects);
     let found = if significant.len() == suspects.len() {
         suspects
     } else {
-        search.found(&significant)
+        search.select_hypotheses(&significant)
     };
     let sensors = found
         .iter()
@@ -157,7 +156,7 @@ pub(super) fn detect(
     sensors.collect()
 }
 
-/// Signs of the degrees of freedom of a map with some sensors reversed.
+/// Signs of the degrees of freedom of a map: -1 for reversed sensors.
 pub(super) fn signs(map: &DofMap, reversed: &[ReversedSensor]) -> Vec<f64> {
     let count = |dof: &Dof| reversed.iter().filter(|sensor| sensor.dof == *dof).count();
     let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
@@ -170,8 +169,8 @@ struct Search {
     sensors: usize,
 }
 
-/// A hypothesis that was taken.
-struct Found {
+/// An accepted hypothesis.
+struct Reversal {
     hypothesis: usize,
     mac_before: f64,
     mac_after: f64,
@@ -179,19 +178,21 @@ struct Found {
 }
 
 impl Search {
-    /// Hypotheses among some whose reversal improves the pairs, those first that improve them most.
-    fn found(&self, among: &[usize]) -> Vec<Found> {
+    /// Hypotheses of a list whose reversal improves the pairs, the best first.
+    fn select_hypotheses(&self, among: &[usize]) -> Vec<Reversal> {
         let mut signed = self.overlaps.signed(vec![1.0; self.sensors]);
         let mut choice = self.overlaps.choose(&signed, &[]);
         let mut left = among.to_vec();
         let mut found = Vec::new();
-        let mean = |choice: &Choice| choice.mac / self.overlaps.modes().max(1) as f64;
-        while let Some((hypothesis, next, direction)) = self.best(&signed, &choice, &left) {
+        let mean = |choice: &TrialPairing| choice.mac / self.overlaps.modes().max(1) as f64;
+        while let Some((hypothesis, next, direction)) =
+            self.best_hypothesis(&signed, &choice, &left)
+        {
             signed = self
                 .overlaps
-                .signed(self.changed(&signed.signs, hypothesis));
+                .signed(self.reversed_signs(&signed.signs, hypothesis));
             left.retain(|remaining| *remaining != hypothesis);
-            found.push(Found {
+            found.push(Reversal {
                 hypothesis,
                 mac_before: mean(&choice),
                 mac_after: mean(&next),
@@ -203,13 +204,13 @@ impl Search {
     }
 
     /// The hypothesis of smallest cost that passes, its pairs and its direction.
-    fn best(
+    fn best_hypothesis(
         &self,
         signed: &Signed,
-        before: &Choice,
+        before: &TrialPairing,
         among: &[usize],
-    ) -> Option<(usize, Choice, f64)> {
-        let anew = self.sensors <= MAX_SENSORS_CHOSEN_ANEW;
+    ) -> Option<(usize, TrialPairing, f64)> {
+        let anew = self.sensors <= MAX_SENSORS_PAIRED_ANEW;
         let reversed = signed.signs.iter().filter(|sign| **sign < 0.0).count();
         let tried = among.iter().filter_map(|&number| {
             let Hypothesis { group, members } = &self.hypotheses[number];
@@ -229,48 +230,48 @@ impl Search {
             if choice.cost >= before.cost {
                 return None;
             }
-            let direction = self.direction(signed, before, number, &choice)?;
+            let direction = self.passing_direction(signed, before, number, &choice)?;
             Some((number, choice, direction))
         });
         tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)))
     }
 
-    /// Direction as measured of a hypothesis that passes all but the test of chance.
-    fn direction(
+    /// Direction of a hypothesis that passes all conditions but the false-alarm probability.
+    fn passing_direction(
         &self,
         signed: &Signed,
-        before: &Choice,
+        before: &TrialPairing,
         hypothesis: usize,
-        choice: &Choice,
+        choice: &TrialPairing,
     ) -> Option<f64> {
         let members = &self.hypotheses[hypothesis].members;
         let views = self
             .overlaps
-            .views(choice, &self.changed(&signed.signs, hypothesis));
-        let views = views
-            .into_iter()
-            .filter(|view| view.mac >= MIN_MAC_OF_SEARCH);
+            .views(choice, &self.reversed_signs(&signed.signs, hypothesis));
+        let views = views.into_iter().filter(|view| view.mac >= MIN_SEARCH_MAC);
         let parts: Vec<PartialOverlap> = views
             .map(|view| PartialOverlap::new(&view, members))
             .collect();
         let sum = |of: fn(&PartialOverlap) -> f64| parts.iter().map(of).sum::<f64>();
         let direction =
             -sum(|part| part.along) / (sum(|part| part.test) * sum(|part| part.theory)).sqrt();
-        let of_reversed = sum(|part| 4.0 * part.share * (part.mac.sqrt() - part.share));
+        let of_reversed =
+            sum(|part| 4.0 * part.length_fraction * (part.mac.sqrt() - part.length_fraction));
         let passes = parts.len() >= MIN_PAIRS
-            && direction <= MAX_DIRECTION
-            && choice.mac - before.mac >= MIN_PART_OF_GAIN * of_reversed
-            && sum(|part| part.relative) >= MIN_SHARE * parts.len() as f64
-            && sum(|part| part.relative_others) >= MIN_SHARE * parts.len() as f64;
+            && direction <= MAX_SIGN_CORRELATION
+            && choice.mac - before.mac >= MIN_GAIN_OVER_EXPECTED * of_reversed
+            && sum(|part| part.relative_length) >= MIN_RELATIVE_LENGTH * parts.len() as f64
+            && sum(|part| part.relative_length_of_others)
+                >= MIN_RELATIVE_LENGTH * parts.len() as f64;
         passes.then_some(direction)
     }
 
-    /// Those of some hypotheses that good sensors do not fulfil by chance.
-    fn significant(&self, suspects: &[Found]) -> Vec<usize> {
+    /// Hypotheses of a list with a low expected number of false alarms.
+    fn significant_hypotheses(&self, suspects: &[Reversal]) -> Vec<usize> {
         let mut signs = vec![1.0; self.sensors];
         let mut suspected = vec![false; self.sensors];
         for suspect in suspects {
-            signs = self.changed(&signs, suspect.hypothesis);
+            signs = self.reversed_signs(&signs, suspect.hypothesis);
             for &d in &self.hypotheses[suspect.hypothesis].members {
                 suspected[d] = true;
             }
@@ -279,29 +280,32 @@ impl Search {
             .overlaps
             .choose(&self.overlaps.signed(signs.clone()), &[]);
         let views = self.overlaps.views(&choice, &signs).into_iter();
-        let views: Vec<View> = views.filter(|view| view.mac >= view.level).collect();
-        let poor: Vec<Poorness> = views
+        let views: Vec<PairView> = views.filter(|view| view.mac >= view.level).collect();
+        let disagreements: Vec<Disagreement> = views
             .iter()
-            .map(|view| Poorness::new(view, &suspected))
+            .map(|view| Disagreement::new(view, &suspected))
             .collect();
         let expected_false = |hypothesis: usize| {
             let members = &self.hypotheses[hypothesis].members;
-            let parts = views.iter().zip(&poor).filter_map(|(view, poor)| {
-                let part = PartialOverlap::new(view, members);
-                part.agrees()
-                    .then(|| poor.probability(&part, members.len()))
-            });
+            let parts = views
+                .iter()
+                .zip(&disagreements)
+                .filter_map(|(view, disagreement)| {
+                    let part = PartialOverlap::new(view, members);
+                    part.agrees()
+                        .then(|| disagreement.probability(&part, members.len()))
+                });
             let parts: Vec<f64> = parts.collect();
             let shown = parts.len() >= MIN_PAIRS;
             shown.then(|| self.hypotheses.len() as f64 * parts.iter().product::<f64>())
         };
         let numbers = suspects.iter().map(|suspect| suspect.hypothesis);
         numbers
-            .filter(|number| expected_false(*number).is_some_and(|n| n < MAX_EXPECTED_FALSE))
+            .filter(|number| expected_false(*number).is_some_and(|n| n < MAX_EXPECTED_FALSE_ALARMS))
             .collect()
     }
 
-    fn changed(&self, signs: &[f64], hypothesis: usize) -> Vec<f64> {
+    fn reversed_signs(&self, signs: &[f64], hypothesis: usize) -> Vec<f64> {
         let mut signs = signs.to_vec();
         for &d in &self.hypotheses[hypothesis].members {
             signs[d] = -signs[d];
@@ -311,7 +315,7 @@ impl Search {
 
     fn sensors_of<'m>(
         &'m self,
-        found: &'m Found,
+        found: &'m Reversal,
         map: &'m DofMap,
     ) -> impl Iterator<Item = ReversedSensor> + 'm {
         let Hypothesis { group, members } = &self.hypotheses[found.hypothesis];
@@ -337,51 +341,54 @@ struct PartialOverlap {
     theory: f64,
     /// `Σ |a + b|²`: squared deviation from the theory as measured.
     deviation: f64,
-    /// Share of the squared length, mean of test and theory.
-    share: f64,
-    /// That share over the mean share of as many sensors.
-    relative: f64,
-    /// The same of all other sensors.
-    relative_others: f64,
+    /// Fraction of the squared length, mean of test and theory.
+    length_fraction: f64,
+    /// This fraction over the mean fraction of as many sensors.
+    relative_length: f64,
+    /// The relative length of all other sensors.
+    relative_length_of_others: f64,
 }
 
 impl PartialOverlap {
-    fn new(view: &View, members: &[usize]) -> Self {
+    fn new(view: &PairView, members: &[usize]) -> Self {
         let sum = |of: &dyn Fn(&(num_complex::Complex64, num_complex::Complex64)) -> f64| {
             members.iter().map(|&d| of(&view.values[d])).sum::<f64>()
         };
         let (test, theory) = (sum(&|(a, _)| a.norm_sqr()), sum(&|(_, b)| b.norm_sqr()));
-        let share = 0.5 * (test + theory);
+        let length_fraction = 0.5 * (test + theory);
         let (count, all) = (members.len() as f64, view.dofs as f64);
         Self {
             mac: view.mac,
             along: sum(&|(a, b)| (b.conj() * a).re),
             deviation: sum(&|(a, b)| (a + b).norm_sqr()),
-            relative: share * all / count,
-            relative_others: (1.0 - share) * all / (all - count).max(1.0),
+            relative_length: length_fraction * all / count,
+            relative_length_of_others: (1.0 - length_fraction) * all / (all - count).max(1.0),
             test,
             theory,
-            share,
+            length_fraction,
         }
     }
 
-    /// Whether the pair moves both sides, and the sensors, reversed, agree with the theory.
+    /// Whether the pair moves these and the other sensors, and the reversed sensors agree with the
+    /// theory.
     fn agrees(&self) -> bool {
-        self.relative >= MIN_SHARE && self.relative_others >= MIN_SHARE && self.along > 0.0
+        self.relative_length >= MIN_RELATIVE_LENGTH
+            && self.relative_length_of_others >= MIN_RELATIVE_LENGTH
+            && self.along > 0.0
     }
 }
 
-/// Disagreement of a pair at the sensors that are not suspected.
-struct Poorness {
-    /// Part of the sensors that disagree, one more of each counted: none of a few is not never.
+/// Disagreement of test and theory in a pair, at the sensors that are not suspected.
+struct Disagreement {
+    /// Fraction of the sensors that disagree, `(n + 1)/(N + 1)`.
     disagreeing: f64,
     /// Mean square difference of test and theory at a sensor.
     variance: f64,
 }
 
-impl Poorness {
-    fn new(view: &View, suspected: &[bool]) -> Self {
-        let mean_share = (view.dofs as f64).recip();
+impl Disagreement {
+    fn new(view: &PairView, suspected: &[bool]) -> Self {
+        let mean_fraction = (view.dofs as f64).recip();
         let others = view.values.iter().zip(suspected);
         let others = || {
             let kept = others.clone().filter(|(_, suspected)| !**suspected);
@@ -389,8 +396,8 @@ impl Poorness {
                 .filter(|(a, b)| a.norm_sqr() + b.norm_sqr() > 0.0)
         };
         let against = others().filter(|(a, b)| {
-            let share = 0.5 * (a.norm_sqr() + b.norm_sqr());
-            share >= MIN_SHARE * mean_share && (b.conj() * a).re < 0.0
+            let length_fraction = 0.5 * (a.norm_sqr() + b.norm_sqr());
+            length_fraction >= MIN_RELATIVE_LENGTH * mean_fraction && (b.conj() * a).re < 0.0
         });
         let count = others().count() as f64;
         let squares: f64 = others().map(|(a, b)| (a - b).norm_sqr()).sum();
@@ -407,10 +414,9 @@ impl Poorness {
     }
 }
 
-/// Findings of reversed sensors, one for each group; of no more than information where they were
-/// turned.
-pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Finding> {
-    let severity = if turned {
+/// Findings on reversed sensors, one for each group; of severity `Info` where they were corrected.
+pub fn reversed_findings(sensors: &[ReversedSensor], corrected: bool) -> Vec<Finding> {
+    let severity = if corrected {
         Severity::Info
     } else {
         Severity::Warning
@@ -436,13 +442,13 @@ pub fn reversed_findings(sensors: &[ReversedSensor], turned: bool) -> Vec<Findin
         .collect()
 }
 
-/// A model with the values of some degrees of freedom times -1, in shapes and in the residues of
-/// responses there; twice named is not reversed.
-pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
+/// A model with the values of some degrees of freedom times -1, in shapes and in residues of their
+/// responses; a degree of freedom that is named twice is not reversed.
+pub fn reverse_sensors(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
     let count = |dof: &Dof| dofs.iter().filter(|other| *other == dof).count();
     let sign = |dof: &Dof| if count(dof) % 2 == 1 { -1.0 } else { 1.0 };
-    let mut turned = model.clone();
-    for mode in &mut turned.modes {
+    let mut reversed = model.clone();
+    for mode in &mut reversed.modes {
         let values = mode
             .shape
             .iter()
@@ -452,5 +458,5 @@ pub fn turned(model: &ModalModel, dofs: &[Dof]) -> ModalModel {
             *residue *= sign(response);
         }
     }
-    turned
+    reversed
 }

@@ -11,7 +11,7 @@ use super::super::subspace::orthonormal;
 use super::super::{PairOptions, assign};
 use crate::modal::ModalModel;
 
-/// A root within the frequency gate of a test mode. Values where either has none are 0.
+/// A root within the frequency gate of a test mode. Values are 0 where either has none.
 pub(super) struct Near {
     root: usize,
     /// `|f_test − f_theory|/f_theory` over the gate.
@@ -33,9 +33,9 @@ pub(super) struct Overlaps {
     columns: Vec<usize>,
 }
 
-/// Which root each test mode is paired with, as its place among those near it.
+/// Pairs of the test modes: for each the index of its root among those near it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Choice {
+pub(super) struct TrialPairing {
     pub cost: f64,
     /// Sum of the MAC of all pairs.
     pub mac: f64,
@@ -48,9 +48,9 @@ pub(super) struct Signed {
     overlaps: Vec<Vec<Vec<Complex64>>>,
 }
 
-/// Shapes of a pair under some signs: unit test shape and its projection on the root at unit
-/// length, so that their inner product is real and positive.
-pub(super) struct View {
+/// Shapes of a pair under some signs: the unit test shape and its projection on the root, scaled to
+/// unit length; their inner product is real and positive.
+pub(super) struct PairView {
     pub values: Vec<(Complex64, Complex64)>,
     pub dofs: usize,
     pub mac: f64,
@@ -102,7 +102,7 @@ impl Overlaps {
         }
     }
 
-    /// Test modes with a root near them.
+    /// Number of test modes with a root near them.
     pub(super) fn modes(&self) -> usize {
         self.rows.iter().filter(|row| !row.is_empty()).count()
     }
@@ -115,8 +115,8 @@ impl Overlaps {
         }
     }
 
-    /// The pairs of smallest cost with the signs of some more sensors changed.
-    pub(super) fn choose(&self, signed: &Signed, members: &[usize]) -> Choice {
+    /// The pairs of smallest cost with the signs of more sensors changed.
+    pub(super) fn choose(&self, signed: &Signed, members: &[usize]) -> TrialPairing {
         let macs = self.macs(signed, members);
         let row = |(row, macs): (&Vec<Near>, &Vec<f64>)| {
             let mut costs = vec![None; self.columns.len()];
@@ -141,21 +141,26 @@ impl Overlaps {
             .zip(assign(&costs, 1.0))
             .map(place)
             .collect();
-        self.valued(near, &macs)
+        self.trial_pairing(near, &macs)
     }
 
-    /// The same pairs as before with the signs of some more sensors changed.
-    pub(super) fn keep(&self, signed: &Signed, members: &[usize], before: &Choice) -> Choice {
-        self.valued(before.near.clone(), &self.macs(signed, members))
+    /// The pairs as before with the signs of more sensors changed.
+    pub(super) fn keep(
+        &self,
+        signed: &Signed,
+        members: &[usize],
+        before: &TrialPairing,
+    ) -> TrialPairing {
+        self.trial_pairing(before.near.clone(), &self.macs(signed, members))
     }
 
-    fn valued(&self, near: Vec<Option<usize>>, macs: &[Vec<f64>]) -> Choice {
+    fn trial_pairing(&self, near: Vec<Option<usize>>, macs: &[Vec<f64>]) -> TrialPairing {
         let (mut cost, mut mac) = (0.0, 0.0);
         for ((row, macs), near) in self.rows.iter().zip(macs).zip(&near) {
             cost += near.map_or(1.0, |n| row[n].cost(macs[n]));
             mac += near.map_or(0.0, |n| macs[n]);
         }
-        Choice { cost, mac, near }
+        TrialPairing { cost, mac, near }
     }
 
     fn macs(&self, signed: &Signed, members: &[usize]) -> Vec<Vec<f64>> {
@@ -167,8 +172,8 @@ impl Overlaps {
         self.rows.iter().zip(&signed.overlaps).map(row).collect()
     }
 
-    /// The pairs of a choice under some signs.
-    pub(super) fn views(&self, choice: &Choice, signs: &[f64]) -> Vec<View> {
+    /// The pairs under some signs.
+    pub(super) fn views(&self, choice: &TrialPairing, signs: &[f64]) -> Vec<PairView> {
         let chosen = self.rows.iter().zip(&choice.near);
         let chosen = chosen.filter_map(|(row, near)| row.get((*near)?));
         chosen.filter_map(|near| near.view(signs)).collect()
@@ -179,17 +184,17 @@ impl Near {
     /// `None` where fewer degrees of freedom than a MAC needs are in common, or one side does not
     /// move there.
     fn new(shapes: &Shapes, i: usize, root: &[usize], setting: &ChanceSetting) -> Option<Self> {
-        let places = shapes.common_dofs(&[i], root);
+        let dofs = shapes.common_dofs(&[i], root);
         let [test, modes] = shapes.common_values(&[i], root);
         let length = test[0].iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
         let basis = orthonormal(&modes);
-        if places.len() < MIN_SHAPE_DOFS || length <= 0.0 || basis.is_empty() {
+        if dofs.len() < MIN_SHAPE_DOFS || length <= 0.0 || basis.is_empty() {
             return None;
         }
         let level = ChanceLevel::new(&test[0], &modes, setting);
-        let spread = |values: &[Complex64], scale: f64| {
+        let at_all_dofs = |values: &[Complex64], scale: f64| {
             let mut all = vec![Complex64::ZERO; shapes.test[i].len()];
-            for (&d, value) in places.iter().zip(values) {
+            for (&d, value) in dofs.iter().zip(values) {
                 all[d] = value * scale;
             }
             all
@@ -197,9 +202,12 @@ impl Near {
         Some(Self {
             root: 0,
             offset: 0.0,
-            test: spread(&test[0], length.recip()),
-            basis: basis.iter().map(|column| spread(column, 1.0)).collect(),
-            dofs: places.len(),
+            test: at_all_dofs(&test[0], length.recip()),
+            basis: basis
+                .iter()
+                .map(|column| at_all_dofs(column, 1.0))
+                .collect(),
+            dofs: dofs.len(),
             level: level.mac,
         })
     }
@@ -216,7 +224,7 @@ impl Near {
         self.basis.iter().map(of).collect()
     }
 
-    /// MAC with the signs of some sensors changed.
+    /// MAC with the signs of `members` changed.
     fn mac(&self, overlap: &[Complex64], signs: &[f64], members: &[usize]) -> f64 {
         let of = |(basis, all): (&Vec<Complex64>, &Complex64)| {
             let term = |&d: &usize| basis[d].conj() * self.test[d] * signs[d];
@@ -226,7 +234,7 @@ impl Near {
         self.basis.iter().zip(overlap).map(of).sum::<f64>().min(1.0)
     }
 
-    fn view(&self, signs: &[f64]) -> Option<View> {
+    fn view(&self, signs: &[f64]) -> Option<PairView> {
         let overlap = self.overlap(signs);
         let mac: f64 = overlap.iter().map(Complex64::norm_sqr).sum();
         let length = mac.sqrt();
@@ -236,7 +244,7 @@ impl Near {
         };
         let values = self.test.iter().zip(signs).enumerate();
         let values = values.map(|(d, (psi, sign))| (psi * *sign, projection(d)));
-        (length > 0.0).then(|| View {
+        (length > 0.0).then(|| PairView {
             values: values.collect(),
             dofs: self.dofs,
             mac: mac.min(1.0),

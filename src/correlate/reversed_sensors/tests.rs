@@ -32,13 +32,13 @@ fn found(test: &ModalModel, theory: &ModalModel) -> Vec<Dof> {
 #[test]
 fn turning_raises_the_mac_to_that_of_the_shapes() {
     let theory = beam(10);
-    let test = turned(&theory, &[dof(4)]);
+    let test = reverse_sensors(&theory, &[dof(4)]);
     let found = reversed_sensors(&test, &theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
     assert_eq!(found.len(), 1);
     assert!((found[0].mac_after - 1.0).abs() < 1e-12 && found[0].mac_before < 0.75);
     assert!((found[0].direction + 1.0).abs() < 1e-12);
-    assert_eq!(turned(&test, &[dof(4)]), theory);
+    assert_eq!(reverse_sensors(&test, &[dof(4)]), theory);
     assert_eq!(
         reversed_findings(&found, false)[0].severity,
         Severity::Warning
@@ -56,7 +56,7 @@ proptest! {
         let theory = beam(count);
         let reversed: std::collections::BTreeSet<usize> = drawn.iter().map(|q| 1 + q % count).collect();
         let reversed: Vec<Dof> = reversed.into_iter().map(dof).collect();
-        let mut test = turned(&theory, &reversed);
+        let mut test = reverse_sensors(&theory, &reversed);
         for (n, mode) in test.modes.iter_mut().enumerate() {
             let noisy = mode.shape.iter().enumerate();
             let noisy = noisy.map(|(q, (dof, v))| (dof.clone(), v + noise[40 * n + q]));
@@ -93,7 +93,7 @@ fn a_sensor_that_disagrees_in_one_mode_and_agrees_in_another_is_left() {
     assert!(0.5 * ((1.0 + second) - (first + 1.0)) > 0.04);
     assert_eq!(found(&test, &theory), []);
     // In both modes it is one that points the other way.
-    test.modes[1] = turned(&theory, &[dof(3)]).modes[1].clone();
+    test.modes[1] = reverse_sensors(&theory, &[dof(3)]).modes[1].clone();
     assert_eq!(found(&test, &theory), [dof(3)]);
 }
 
@@ -101,7 +101,7 @@ fn a_sensor_that_disagrees_in_one_mode_and_agrees_in_another_is_left() {
 fn one_reversed_sensor_of_many_is_found_and_so_are_more() {
     let theory = beam(300);
     // Turning one of 300 gains about 4/300 at most, which is less than two pairs alone would need.
-    let one = turned(&theory, &[dof(75)]);
+    let one = reverse_sensors(&theory, &[dof(75)]);
     let one_reversed = reversed_sensors(&one, &theory, &PairOptions::default())
         .expect("shapes of this test have degrees of freedom in common");
     assert_eq!(one_reversed.len(), 1);
@@ -110,7 +110,7 @@ fn one_reversed_sensor_of_many_is_found_and_so_are_more() {
     let many: Vec<Dof> = (2..29).map(|n| dof(10 * n)).collect();
     let mut expected = many.clone();
     expected.sort();
-    assert_eq!(found(&turned(&theory, &many), &theory), expected);
+    assert_eq!(found(&reverse_sensors(&theory, &many), &theory), expected);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn sensors_that_disagree_by_chance_in_three_poor_pairs_are_left() {
     assert_eq!(found(&test, &theory), []);
     // Three good pairs say it of as many.
     let few: Vec<Dof> = dofs.into_iter().filter(against).collect();
-    assert_eq!(found(&turned(&theory, &few), &theory), few);
+    assert_eq!(found(&reverse_sensors(&theory, &few), &theory), few);
 }
 
 #[test]
@@ -252,7 +252,7 @@ fn sensors_of_one_file_are_named_together() {
         .iter()
         .map(|(dof, _)| dof.clone())
         .collect();
-    let mut test = turned(&theory, &dofs[..5]);
+    let mut test = reverse_sensors(&theory, &dofs[..5]);
     let file = |path: &str, dofs: &[Dof]| InputFile {
         path: path.to_owned(),
         sha256: String::new(),
@@ -290,7 +290,7 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
     ] {
         let count = reversed.len();
         let reversed: Vec<Dof> = reversed.into_iter().map(dof).collect();
-        let test = turned(&theory, &reversed);
+        let test = reverse_sensors(&theory, &reversed);
         let mut expected = reversed.clone();
         expected.sort();
         assert_eq!(found(&test, &theory), expected);
@@ -334,7 +334,7 @@ fn pair_whose_measured_mac_is_below_the_gate_is_not_paired() {
             "{below:?}"
         );
         // With the signs corrected all are paired.
-        let corrected = turned(&test, &reversed);
+        let corrected = reverse_sensors(&test, &reversed);
         let pairing = pair(&corrected, &theory, &options).expect("shapes at 40 sensors");
         let mut partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
         assert!(partners.all(|partner| partner.verdict == PairVerdict::Paired));
@@ -365,7 +365,10 @@ fn one_of_two_sensors_is_never_named() {
     // Which of the two is reversed cannot be observed.
     let theory = model(&[(10.0, &[1.0, 0.9]), (40.0, &[1.0, -0.8])]);
     for reversed in [1, 2] {
-        assert_eq!(found(&turned(&theory, &[dof(reversed)]), &theory), []);
+        assert_eq!(
+            found(&reverse_sensors(&theory, &[dof(reversed)]), &theory),
+            []
+        );
     }
 }
 
