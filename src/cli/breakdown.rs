@@ -13,7 +13,9 @@ use crate::report::{
     Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_svg,
     breakdown_times, breakdown_user_modes, figure_files, stability_cells, stability_svg,
 };
-use crate::scene::{ModesOptions, Observer, load_modes, lost_parts, read_text, run_observed};
+use crate::scene::{
+    ModesOptions, Observer, load_modes, lost_part_findings, read_text, run_observed,
+};
 use crate::study::breakdown::{
     BreakdownResults, BreakdownTable, CellStore, Part, Plan, SliceResult, UserMode, compute, merge,
     user_modes,
@@ -161,7 +163,7 @@ impl Spec {
             };
             let loaded = load_modes(&self.folder.join(path), &options)?;
             if loaded.partly_bad {
-                output.findings_of("", &lost_parts(&loaded.modes.findings));
+                output.findings_of("", &lost_part_findings(&loaded.modes.findings));
             }
             return Ok(MarkedModes {
                 title: None,
@@ -175,7 +177,7 @@ impl Spec {
         let scene = reading.scene(scene)?;
         let result = run_observed(&scene, output.observer())?;
         for test in result.tests.iter().filter(|test| test.partly_bad) {
-            output.findings_of(&test.name, &lost_parts(&test.modes.findings));
+            output.findings_of(&test.name, &lost_part_findings(&test.modes.findings));
         }
         let several = result.tests.len() > 1;
         let of_test = result.tests.iter().flat_map(|test| {

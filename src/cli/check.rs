@@ -13,9 +13,9 @@ use crate::report::json::{
 };
 use crate::report::verdicts_block;
 use crate::scene::{
-    Allowed, Change, ChangeLimits, LimitCheck, LimitsFile, MAC_CHANGE, Measure, RowVerdict,
-    Uncertain, judge_changes, judge_comparison, judge_modes, mode_changes, parse, percent,
-    read_text, relative_change,
+    AllowedChange, Change, ChangeLimits, LimitCheck, LimitsFile, MAX_MAC_CHANGE, Measure,
+    RowVerdict, UncertainValue, check_changes, check_comparison, check_modes, mode_changes, parse,
+    percent, read_text, relative_change,
 };
 
 use super::args::CheckArgs;
@@ -28,7 +28,7 @@ use super::targets::{check_targets, targets};
 const THEORY_PERCENT: f64 = 1e-4;
 
 /// What a parameter may change: by its posterior deviations; one of value 0 by nothing.
-const PARAMETER: Allowed = Allowed {
+const PARAMETER: AllowedChange = AllowedChange {
     percent: None,
     unstated_percent: 0.0,
     floor: 0.0,
@@ -84,7 +84,7 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     }
     output.blocks(&[verdicts_block(&rows)]);
     output.json(|| checks_json(&rows));
-    Ok(Outcome::missed_if(rows.iter().any(|row| !row.met())))
+    Ok(Outcome::missed_if(rows.iter().any(|row| !row.is_met())))
 }
 
 fn read_result(path: &Path) -> Result<ResultFile, Error> {
@@ -121,14 +121,14 @@ fn argument_error(got: &str, expected: &str) -> Error {
 fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, Error> {
     let limits = parse::<LimitsFile>(&read_text(path)?, &path.display().to_string())?.limits;
     let checks = match result {
-        ResultFile::Comparison(file) => judge_comparison(&limits, &file.summary.tests),
+        ResultFile::Comparison(file) => check_comparison(&limits, &file.summary.tests),
         ResultFile::Modes(model) => {
             let found: Vec<_> = model
                 .modes
                 .iter()
                 .map(|mode| (mode.frequency_hz, mode.damping_ratio))
                 .collect();
-            judge_modes(&limits, &found)
+            check_modes(&limits, &found)
         }
         // No limit is about parameters.
         ResultFile::Update(_) => Vec::new(),
@@ -181,7 +181,7 @@ fn against_baseline(
             ));
         }
     };
-    Ok(judge_changes(&changes, limits.false_refusals))
+    Ok(check_changes(&changes, limits.false_refusals))
 }
 
 /// Every parameter of the baseline's update: its value by both posterior deviations, and its
@@ -194,7 +194,7 @@ fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> V
         what: what.to_owned(),
         measure,
     };
-    let uncertain = |parameter: &UpdatedParameter| Uncertain {
+    let uncertain = |parameter: &UpdatedParameter| UncertainValue {
         value: parameter.updated,
         std: Some(parameter.std),
     };
@@ -289,7 +289,7 @@ fn field_changes(
     }));
     changes.extend(before.mac.map(|old| {
         let difference = now.and_then(|field| field.mac).map(|new| (new - old).abs());
-        let limit = limits.mac.unwrap_or(MAC_CHANGE);
+        let limit = limits.mac.unwrap_or(MAX_MAC_CHANGE);
         change("MAC change", Measure::AtMost(difference, limit))
     }));
     changes
@@ -297,19 +297,19 @@ fn field_changes(
 
 /// The frequency with its whole uncertainty: that of the error counted in it, which knows of the
 /// modes outside the band, else the standard deviation.
-fn frequency_of(field: &TestFile) -> Option<Uncertain> {
+fn frequency_of(field: &TestFile) -> Option<UncertainValue> {
     let counted = field.error_hz.zip(field.normalised_error);
     let whole = counted
         .map(|(error, normalised)| (error / normalised).abs())
         .filter(|std| std.is_finite() && field.modes.len() == 1);
-    Some(Uncertain {
+    Some(UncertainValue {
         value: field.hz?,
         std: whole.or(field.hz_std),
     })
 }
 
-fn damping_of(field: &TestFile) -> Option<Uncertain> {
-    Some(Uncertain {
+fn damping_of(field: &TestFile) -> Option<UncertainValue> {
+    Some(UncertainValue {
         value: field.damping_ratio?,
         std: field.damping_std,
     })
@@ -318,7 +318,7 @@ fn damping_of(field: &TestFile) -> Option<Uncertain> {
 fn checks_json(rows: &[RowVerdict]) -> String {
     let check = |row: &RowVerdict, check: &LimitCheck| {
         serde_json::json!({ "row": row.row, "what": check.what, "value": check.value, "limit": check.limit,
-            "bound": if check.upper { "upper" } else { "lower" }, "met": check.met() })
+            "bound": if check.upper { "upper" } else { "lower" }, "met": check.is_met() })
     };
     let checks: Vec<Value> = rows
         .iter()
@@ -327,10 +327,10 @@ fn checks_json(rows: &[RowVerdict]) -> String {
     let missed = rows
         .iter()
         .flat_map(|row| &row.checks)
-        .filter(|check| !check.met());
+        .filter(|check| !check.is_met());
     let verdicts: Vec<Value> = rows
         .iter()
-        .map(|row| serde_json::json!({ "row": row.row, "met": row.met() }))
+        .map(|row| serde_json::json!({ "row": row.row, "met": row.is_met() }))
         .collect();
     format!(
         "{:#}",

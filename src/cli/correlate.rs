@@ -19,7 +19,7 @@ use crate::report::{
     whole_comparison,
 };
 use crate::scene::{
-    LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_taken,
+    LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
     compare_tests, holds_functions, load_model, load_modes, model_kind, table_model, theory,
 };
 use crate::theory::ModeOptions;
@@ -141,7 +141,7 @@ fn compared(
     print(args, Printed::one(blocks, json), output);
     let named_models = args.test.iter().chain(&args.theory);
     let taken: Vec<Finding> = named_models
-        .filter_map(|path| built_in_taken(path))
+        .filter_map(|path| built_in_name_finding(path))
         .collect();
     output.findings(&taken);
     let models = tests.iter().map(|(_, test)| &test.modes);

@@ -88,7 +88,7 @@ fn functions(
         frfs_first: true,
         ..IngestOptions::default()
     };
-    let data = ingest_files(&[FilePlan::bare(path)], &options)?;
+    let data = ingest_files(&[FilePlan::without_points(path)], &options)?;
     output.findings(&data.findings);
     let count = data.frfs.len();
     let mut sets = data.frfs.into_iter();

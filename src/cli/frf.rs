@@ -117,7 +117,7 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
 fn files(args: &FrfArgs, grouping: HitGrouping, format: Option<&str>) -> Result<Ingested, Error> {
     let plan = |path: &Path| FilePlan {
         reference: args.reference.clone(),
-        ..FilePlan::bare(path)
+        ..FilePlan::without_points(path)
     };
     let plans: Vec<FilePlan> = args.inputs.iter().map(|path| plan(path)).collect();
     let options = IngestOptions {

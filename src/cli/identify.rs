@@ -12,7 +12,8 @@ use crate::report::{
     stabilization_block,
 };
 use crate::scene::{
-    FilePlan, IngestOptions, SceneError, identify_sets, indicators_of_sets, ingest_files, with_dofs,
+    FilePlan, IngestOptions, SceneError, add_file_dofs, identify_sets, indicators_of_sets,
+    ingest_files,
 };
 
 use super::args::IdentifyArgs;
@@ -43,7 +44,7 @@ pub fn identify(
     let files: Vec<FilePlan> = args
         .inputs
         .iter()
-        .map(|path| FilePlan::bare(path))
+        .map(|path| FilePlan::without_points(path))
         .collect();
     let data = ingest_files(
         &files,
@@ -68,7 +69,7 @@ pub fn identify(
     let identified = identify_sets(&data.frfs, &options, &name)?;
     let mut modes = identified.model;
     let inputs = args.inputs.iter().map(|path| input(path));
-    modes.inputs = with_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
+    modes.inputs = add_file_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {

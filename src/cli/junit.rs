@@ -9,7 +9,7 @@ const DIGITS: usize = 6;
 
 /// A suite with a test case for each row; a missed row fails with everything that it missed.
 pub fn junit(suite: &str, baseline: &str, rows: &[RowVerdict]) -> String {
-    let failures = rows.iter().filter(|row| !row.met()).count();
+    let failures = rows.iter().filter(|row| !row.is_met()).count();
     let seconds = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |since| since.as_secs());
@@ -37,7 +37,7 @@ fn case(suite: &str, row: &RowVerdict) -> String {
     let missed: Vec<String> = row
         .checks
         .iter()
-        .filter(|check| !check.met())
+        .filter(|check| !check.is_met())
         .map(sentence)
         .collect();
     if missed.is_empty() {

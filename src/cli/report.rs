@@ -116,7 +116,7 @@ pub(super) fn report_files(
         limits: result
             .limits
             .iter()
-            .map(|check| (check.what.clone(), check.met()))
+            .map(|check| (check.what.clone(), check.is_met()))
             .collect(),
         figures,
         provenance,

@@ -49,7 +49,7 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (test, findings) in result.findings_by_test() {
         output.findings_of(&test, &findings);
     }
-    let missed = result.limits.iter().any(|check| !check.met());
+    let missed = result.limits.iter().any(|check| !check.is_met());
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
 

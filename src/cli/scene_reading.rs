@@ -26,7 +26,7 @@ impl SceneReading<'_> {
         let mut scene = Scene::load(path)?;
         scene.format = self.format.map(str::to_owned);
         if self.partial {
-            scene.take_good_parts();
+            scene.accept_partial_files();
         }
         Ok(scene)
     }

@@ -13,7 +13,7 @@ use crate::report::{
     roots_block, sensitivities_block, simplest_details_block, sweep_blocks, theory_block,
 };
 use crate::scene::{
-    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_taken, load_model,
+    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding, load_model,
     load_modes, model_kind, table_model, theory as scene_theory,
 };
 use crate::theory::{ModeOptions, ModelQuantity};
@@ -80,7 +80,11 @@ pub fn theory(
     output.blocks(&blocks);
     output.json(|| json);
     output.findings(&result.modes.findings);
-    output.findings(&built_in_taken(&args.model).into_iter().collect::<Vec<_>>());
+    output.findings(
+        &built_in_name_finding(&args.model)
+            .into_iter()
+            .collect::<Vec<_>>(),
+    );
     Ok(Outcome::missed_if(result.partly_bad))
 }
 

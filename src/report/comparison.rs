@@ -439,7 +439,7 @@ pub fn limits_block(checks: &[LimitCheck]) -> Option<Block> {
                 if check.upper { "at most" } else { "at least" },
                 check.limit
             )),
-            Cell::text(if check.met() { "met" } else { "MISSED" }),
+            Cell::text(if check.is_met() { "met" } else { "MISSED" }),
         ]
     };
     (!checks.is_empty()).then(|| {

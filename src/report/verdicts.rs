@@ -6,7 +6,7 @@ use super::block::{Block, Cell, Column, Table};
 
 /// A line for each check under the name of its row, with the verdict on the row in its first line.
 pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
-    let missed = rows.iter().filter(|row| !row.met()).count();
+    let missed = rows.iter().filter(|row| !row.is_met()).count();
     let caption = match missed {
         0 => format!("{} rows, all met", rows.len()),
         missed => format!("{} rows, {missed} MISSED", rows.len()),
@@ -29,7 +29,7 @@ pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
 fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
     row.checks.iter().enumerate().map(|(index, check)| {
         let (name, verdict) = match index {
-            0 => (row.row.as_str(), verdict(row.met())),
+            0 => (row.row.as_str(), verdict(row.is_met())),
             _ => ("", ""),
         };
         let value = check
@@ -41,7 +41,7 @@ fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
             Cell::text(&check.what),
             value,
             Cell::text(allowed(check)),
-            Cell::text(if check.met() { "" } else { "MISSED" }),
+            Cell::text(if check.is_met() { "" } else { "MISSED" }),
         ]
     })
 }

@@ -1,4 +1,4 @@
-//! `[[test.channel]]` as meant: the columns of a table.
+//! `[[test.channel]]` of a scene states the columns of a table.
 
 use crate::frf::Window;
 use crate::io::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
@@ -7,14 +7,14 @@ use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
 use super::SceneError;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
-/// Builds errors about one key of one channel.
-struct Place<'a> {
+/// Errors of the keys of one channel.
+struct ChannelErrors<'a> {
     path: &'a str,
     column: String,
 }
 
-impl Place<'_> {
-    fn error(&self, key: &str, got: impl Into<String>, expected: impl Into<String>) -> SceneError {
+impl ChannelErrors<'_> {
+    fn at_key(&self, key: &str, got: impl Into<String>, expected: impl Into<String>) -> SceneError {
         SceneError::Value {
             path: self.path.to_owned(),
             key: format!("[[test.channel]] {} {key}", self.column),
@@ -27,7 +27,7 @@ impl Place<'_> {
 /// How to read the tables of a test.
 ///
 /// # Errors
-/// [`SceneError::Value`] with the key, what was got and expected.
+/// [`SceneError::Value`] with the key.
 pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
     let columns = test.channel.iter().map(|channel| column(channel, path));
     let axis_to_si = test
@@ -76,7 +76,7 @@ fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneE
 /// The window that a scene states.
 ///
 /// # Errors
-/// [`SceneError::Value`] for a name that is none.
+/// [`SceneError::Value`] for an unknown name.
 pub(super) fn window(name: Option<&str>, path: &str) -> Result<Option<Window>, SceneError> {
     let Some(name) = name else { return Ok(None) };
     let unknown = || SceneError::Value {
@@ -88,7 +88,7 @@ pub(super) fn window(name: Option<&str>, path: &str) -> Result<Option<Window>, S
     Window::from_name(name).map(Some).ok_or_else(unknown)
 }
 
-/// What the dimensions of an array are: each at most once, samples among them.
+/// Meaning of the dimensions of an array: each at most once, samples always.
 fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimension>>, SceneError> {
     let Some(names) = names else { return Ok(None) };
     let one = |name: &String| match name.as_str() {
@@ -121,24 +121,24 @@ fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError>
         ColumnKey::Number(number) => ColumnName::Number(*number),
         ColumnKey::Heading(heading) => ColumnName::Heading(heading.clone()),
     };
-    let place = Place {
+    let errors = ChannelErrors {
         path,
         column: channel.column.to_string(),
     };
     let scale = channel.scale.unwrap_or(1.0);
     if !scale.is_finite() || scale == 0.0 {
-        return Err(place.error("scale", scale.to_string(), "a finite number other than 0"));
+        return Err(errors.at_key("scale", scale.to_string(), "a finite number other than 0"));
     }
     Ok(TableColumn {
         column: name,
-        role: role(channel, &place)?,
+        role: role(channel, &errors)?,
         scale,
     })
 }
 
-/// Factor to s or Hz of an axis whose unit is stated; nothing for every other column.
+/// Factor to s or Hz of an axis with a stated unit; `None` for every other column.
 fn axis_factor(channel: &ChannelTable, path: &str) -> Result<Option<f64>, SceneError> {
-    let place = Place {
+    let errors = ChannelErrors {
         path,
         column: channel.column.to_string(),
     };
@@ -148,7 +148,7 @@ fn axis_factor(channel: &ChannelTable, path: &str) -> Result<Option<f64>, SceneE
         _ => return Ok(None),
     };
     if channel.dof.is_some() || channel.quantity.is_some() {
-        return Err(place.error("dof or quantity", "one for an axis", "none"));
+        return Err(errors.at_key("dof or quantity", "one for an axis", "none"));
     }
     let Some(unit) = channel.unit.as_deref() else {
         return Ok(None);
@@ -156,24 +156,24 @@ fn axis_factor(channel: &ChannelTable, path: &str) -> Result<Option<f64>, SceneE
     let found = known.iter().find(|(name, _)| *name == unit);
     let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
     let found =
-        found.ok_or_else(|| place.error("unit", format!("{unit:?}"), names.join(" or ")))?;
+        found.ok_or_else(|| errors.at_key("unit", format!("{unit:?}"), names.join(" or ")))?;
     Ok(Some(found.1))
 }
 
-fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError> {
+fn role(channel: &ChannelTable, errors: &ChannelErrors) -> Result<ColumnRole, SceneError> {
     let dof = channel.dof.clone();
     match channel.role.as_deref() {
         Some("time") => Ok(ColumnRole::Time),
         Some("frequency") => Ok(ColumnRole::Frequency),
         Some("force") => Ok(ColumnRole::Force {
             dof,
-            unit: unit(channel, place, |q| q == Quantity::Force, "a force unit")?,
+            unit: unit(channel, errors, |q| q == Quantity::Force, "a force unit")?,
         }),
         Some("response") => {
             let is_response = |q| q != Quantity::Force;
             let unit = unit(
                 channel,
-                place,
+                errors,
                 is_response,
                 "a unit of acceleration, velocity or displacement",
             )?;
@@ -181,29 +181,29 @@ fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError>
         }
         Some("real") => Ok(ColumnRole::Real {
             dof,
-            unit: frf_unit(channel, place)?,
+            unit: frf_unit(channel, errors)?,
         }),
         Some("imaginary") => Ok(ColumnRole::Imaginary {
             dof,
-            unit: frf_unit(channel, place)?,
+            unit: frf_unit(channel, errors)?,
         }),
         Some("complex") => Ok(ColumnRole::Complex {
             dof,
-            unit: frf_unit(channel, place)?,
+            unit: frf_unit(channel, errors)?,
         }),
         Some("magnitude") => Ok(ColumnRole::Magnitude {
             dof,
-            unit: frf_unit(channel, place)?,
+            unit: frf_unit(channel, errors)?,
         }),
         Some("phase") => match channel.unit.as_deref() {
             None | Some("deg" | "°") => Ok(ColumnRole::PhaseDegrees { dof }),
-            Some(text) => Err(place.error("unit", format!("{text:?}"), "deg")),
+            Some(text) => Err(errors.at_key("unit", format!("{text:?}"), "deg")),
         },
         Some("coherence") => match channel.unit.as_deref() {
             None | Some("1") => Ok(ColumnRole::Coherence { dof }),
-            Some(text) => Err(place.error("unit", format!("{text:?}"), "none")),
+            Some(text) => Err(errors.at_key("unit", format!("{text:?}"), "none")),
         },
-        other => Err(place.error(
+        other => Err(errors.at_key(
             "role",
             other.map_or_else(|| "nothing".to_owned(), |text| format!("{text:?}")),
             "time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence",
@@ -213,25 +213,25 @@ fn role(channel: &ChannelTable, place: &Place) -> Result<ColumnRole, SceneError>
 
 fn unit(
     channel: &ChannelTable,
-    place: &Place,
+    errors: &ChannelErrors,
     fits: impl Fn(Quantity) -> bool,
     expected: &str,
 ) -> Result<Unit, SceneError> {
     let text = channel.unit.as_deref().ok_or_else(|| {
-        place.error(
+        errors.at_key(
             "unit",
             "nothing",
             format!("{expected}; there is no default"),
         )
     })?;
-    let unit: Unit = text
-        .parse()
-        .map_err(|error: UnitError| place.error("unit", format!("{text:?}"), error.to_string()))?;
+    let unit: Unit = text.parse().map_err(|error: UnitError| {
+        errors.at_key("unit", format!("{text:?}"), error.to_string())
+    })?;
     if !fits(unit.quantity) {
-        return Err(place.error("unit", format!("{text:?}"), expected));
+        return Err(errors.at_key("unit", format!("{text:?}"), expected));
     }
     match channel.quantity.as_deref() {
-        Some(name) if name != unit.quantity.to_string() => Err(place.error(
+        Some(name) if name != unit.quantity.to_string() => Err(errors.at_key(
             "quantity",
             format!("{name:?} with unit {text:?}"),
             unit.quantity.to_string(),
@@ -240,17 +240,17 @@ fn unit(
     }
 }
 
-fn frf_unit(channel: &ChannelTable, place: &Place) -> Result<FrfUnit, SceneError> {
+fn frf_unit(channel: &ChannelTable, errors: &ChannelErrors) -> Result<FrfUnit, SceneError> {
     let expected = "a unit of response over force such as (m/s2)/N; there is no default";
     let text = channel
         .unit
         .as_deref()
-        .ok_or_else(|| place.error("unit", "nothing", expected))?;
+        .ok_or_else(|| errors.at_key("unit", "nothing", expected))?;
     let unit: FrfUnit = text
         .parse()
-        .map_err(|_| place.error("unit", format!("{text:?}"), expected))?;
+        .map_err(|_| errors.at_key("unit", format!("{text:?}"), expected))?;
     match channel.quantity.as_deref() {
-        Some(name) if name != unit.kind.to_string() => Err(place.error(
+        Some(name) if name != unit.kind.to_string() => Err(errors.at_key(
             "quantity",
             format!("{name:?} with unit {text:?}"),
             unit.kind.to_string(),

@@ -92,7 +92,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         quoted(plan.title)
     );
     let mut dofs = BTreeSet::new();
-    for (index, group) in groups(files).iter().enumerate() {
+    for (index, group) in group_files(files).iter().enumerate() {
         let (content, files) = group;
         text += &test_text(*content, files, index, plan.band, &mut dofs);
     }
@@ -102,7 +102,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         .iter()
         .for_each(|file| geometry.add(&file.catalog.geometry));
     text += &sensors_text(&dofs, &geometry, plan.model);
-    text += REST;
+    text += OPTIONAL_TABLES;
     let is_open = |line: &&str| !line.starts_with('#') && line.contains(FILL_IN);
     let open_lines = text.lines().filter(is_open).count();
     Draft {
@@ -112,12 +112,12 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
 }
 
 /// Files that make one test, in the order of their first one.
-fn groups<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFile<'a>>)> {
+fn group_files<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFile<'a>>)> {
     let mut groups: Vec<(Content, Vec<&DraftFile>)> = Vec::new();
     for file in files {
         let content = Content::of(file.catalog);
         let joins = |(kind, first): &(Content, Vec<&DraftFile>)| {
-            let alike = || names(first[0].catalog) == names(file.catalog);
+            let alike = || array_names(first[0].catalog) == array_names(file.catalog);
             *kind == content && content != Content::Modes && (content != Content::Arrays || alike())
         };
         match groups.iter_mut().find(|group| joins(group)) {
@@ -128,7 +128,7 @@ fn groups<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFile<'a>
     groups
 }
 
-fn names(catalog: &Catalog) -> Vec<(&str, usize)> {
+fn array_names(catalog: &Catalog) -> Vec<(&str, usize)> {
     let arrays = catalog.arrays.iter();
     arrays
         .map(|array| (array.name.as_str(), array.shape.len()))
@@ -197,7 +197,7 @@ fn files_line(files: &[&DraftFile]) -> String {
 /// What the headers say of recorded hits, and the records whose unit, point or hit point they leave
 /// open.
 fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
-    let times = || of_type(files, FunctionType::Time);
+    let times = || entries_of_type(files, FunctionType::Time);
     let forces = times()
         .filter(|entry| entry.quantity == Some(Quantity::Force))
         .count();
@@ -227,7 +227,7 @@ fn records_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
             "[[test.channel]]\ncolumn = {number}   # number of the record within its hit\n{what}"
         );
     }
-    for file in files.iter().filter(|file| hit_point_open(file.catalog)) {
+    for file in files.iter().filter(|file| lacks_hit_point(file.catalog)) {
         text += &file_text(file, false, true, dofs);
     }
     text
@@ -238,7 +238,7 @@ fn open_records(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> BTreeMap<usiz
     let mut open = BTreeMap::new();
     for file in files {
         let mut hits: BTreeMap<(i64, i64), Vec<&Entry>> = BTreeMap::new();
-        for entry in of_type(std::slice::from_ref(file), FunctionType::Time) {
+        for entry in entries_of_type(std::slice::from_ref(file), FunctionType::Time) {
             let id = &entry.identification;
             let hit = hits.entry((id.version, id.load_case)).or_default();
             hit.push(entry);
@@ -299,7 +299,7 @@ fn record_text(entry: &Entry, stated: Option<&Dof>) -> String {
 
 /// Whether a file with a force names no hit point: neither its force record nor a reference of the
 /// responses.
-fn hit_point_open(catalog: &Catalog) -> bool {
+fn lacks_hit_point(catalog: &Catalog) -> bool {
     let is_force = |entry: &&Entry| entry.quantity == Some(Quantity::Force);
     let mut forces = catalog.entries.iter().filter(is_force);
     let mut responses = catalog.entries.iter().filter(|entry| !is_force(entry));
@@ -308,7 +308,7 @@ fn hit_point_open(catalog: &Catalog) -> bool {
 
 /// What the headers say of FRFs, and what they leave open: unit, points.
 fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
-    let frfs = || of_type(files, FunctionType::Frf);
+    let frfs = || entries_of_type(files, FunctionType::Frf);
     let mut text = format!("# The headers state: {} FRFs", frfs().count());
     if let Some(entry) = frfs().next() {
         text += &axis_text(entry);
@@ -325,7 +325,11 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
             .map(Dof::positive),
     );
     let averaged = frfs().any(|entry| entry.note.averages.is_some());
-    if of_type(files, FunctionType::Coherence).next().is_some() && !averaged {
+    if entries_of_type(files, FunctionType::Coherence)
+        .next()
+        .is_some()
+        && !averaged
+    {
         text += "# averages = 3              # hits behind each coherence, which the files do not state; 3 is assumed without it\n";
     }
     let unknown = |entry: &Entry| {
@@ -339,7 +343,7 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         );
     }
     for file in files {
-        let frf_files = || of_type(std::slice::from_ref(file), FunctionType::Frf);
+        let frf_files = || entries_of_type(std::slice::from_ref(file), FunctionType::Frf);
         let response = frf_files().any(|frf| frf.response.is_none());
         let reference = frf_files().any(|frf| frf.reference.is_none());
         if response || reference {
@@ -394,7 +398,7 @@ fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftM
     text
 }
 
-const REST: &str = "
+const OPTIONAL_TABLES: &str = "
 # [frf]
 # force_window_s = 0.02      # hold the force this long after its pulse; its noise counts without it
 
@@ -418,7 +422,7 @@ const REST: &str = "
 # max_missed = 0
 ";
 
-fn of_type<'a>(
+fn entries_of_type<'a>(
     files: &'a [&DraftFile<'a>],
     wanted: FunctionType,
 ) -> impl Iterator<Item = &'a Entry> {

@@ -59,7 +59,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let several = ["response", "real", "imaginary", "magnitude"]
         .iter()
         .any(|role| roles.iter().filter(|other| **other == Some(*role)).count() > 1);
-    let stated = Stated {
+    let stated = StatedPoints {
         response: files[0].response.filter(|_| !several),
         hit_point: files[0].reference.filter(|_| !by_file),
         by_file,
@@ -119,14 +119,14 @@ fn role_of(name: &str) -> Option<&'static str> {
 }
 
 /// Points of columns that the user has stated.
-struct Stated<'a> {
+struct StatedPoints<'a> {
     response: Option<&'a Dof>,
     hit_point: Option<&'a Dof>,
     /// Whether hit points stand with the files.
     by_file: bool,
 }
 
-impl Stated<'_> {
+impl StatedPoints<'_> {
     fn column_text(&self, column: &str, role: Option<&str>, dofs: &mut BTreeSet<Dof>) -> String {
         let mut text = format!("[[test.channel]]\ncolumn = {column}\n");
         let Some(role) = role else {

@@ -27,7 +27,10 @@ pub enum SceneError {
         hint: String,
     },
     /// A line of a drafted file that is not filled in yet.
-    #[error("{path}:{line}: {key} is to be filled in: {expected}{}", also(others))]
+    #[error(
+        "{path}:{line}: {key} is to be filled in: {expected}{}",
+        further_lines(others)
+    )]
     Unfilled {
         /// Path as given.
         path: String,
@@ -35,12 +38,12 @@ pub enum SceneError {
         line: usize,
         /// Its key.
         key: String,
-        /// What belongs there.
+        /// The value that belongs there.
         expected: String,
         /// Further lines like it.
         others: Vec<usize>,
     },
-    /// A value that parses but cannot be meant.
+    /// A value that parses but is not valid.
     #[error("{path}: {key}: got {got}, expected {expected}")]
     Value {
         /// Path as given.
@@ -49,10 +52,10 @@ pub enum SceneError {
         key: String,
         /// What was given.
         got: String,
-        /// What would be accepted.
+        /// The accepted values.
         expected: String,
     },
-    /// A stage refused its input; the test is named.
+    /// FRF estimation failed.
     #[error("test {test:?}: {source}")]
     Frf {
         /// Name of the test.
@@ -60,7 +63,7 @@ pub enum SceneError {
         /// The stage's reason.
         source: Box<FrfError>,
     },
-    /// Identification refused.
+    /// Identification failed.
     #[error("test {test:?}: {source}")]
     Identify {
         /// Name of the test.
@@ -69,7 +72,7 @@ pub enum SceneError {
         source: Box<IdentifyError>,
     },
     /// Functions on different axes, or none.
-    #[error("test {test:?}: got {}, expected FRFs on one axis", axes(*got))]
+    #[error("test {test:?}: got {}, expected FRFs on one axis", axes_text(*got))]
     Axes {
         /// Name of the test.
         test: String,
@@ -79,7 +82,7 @@ pub enum SceneError {
     /// A file could not be read or written.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// A model file that cannot be meant.
+    /// A model file that is not valid.
     #[error("{path}: {source}")]
     Model {
         /// Path as given.
@@ -87,21 +90,21 @@ pub enum SceneError {
         /// The model's reason.
         source: Box<TheoryError>,
     },
-    /// The model refused.
+    /// The model failed.
     #[error(transparent)]
     Theory(#[from] TheoryError),
-    /// The comparison refused.
+    /// The comparison failed.
     #[error(transparent)]
     Correlate(#[from] CorrelateError),
-    /// The update refused.
+    /// The update failed.
     #[error(transparent)]
     Update(#[from] UpdateError),
-    /// The synthetic test refused.
+    /// The synthetic test failed.
     #[error(transparent)]
     Synth(#[from] SynthError),
 }
 
-fn axes(count: usize) -> String {
+fn axes_text(count: usize) -> String {
     match count {
         0 => "no FRFs (what columns and arrays hold that say nothing of themselves is stated by [[test.channel]] of a scene)"
             .to_owned(),
@@ -109,7 +112,7 @@ fn axes(count: usize) -> String {
     }
 }
 
-fn also(lines: &[usize]) -> String {
+fn further_lines(lines: &[usize]) -> String {
     let numbers: Vec<String> = lines.iter().map(ToString::to_string).collect();
     match numbers.len() {
         0 => String::new(),
@@ -118,12 +121,20 @@ fn also(lines: &[usize]) -> String {
     }
 }
 
-/// The error of a key with what was got and what is expected.
+/// The error of a key, with the value got and the accepted ones.
 pub(super) fn value_error(path: &str, key: &str, got: &str, expected: &str) -> SceneError {
     SceneError::Value {
         path: path.to_owned(),
         key: key.to_owned(),
         got: got.to_owned(),
         expected: expected.to_owned(),
+    }
+}
+
+/// The error of a model with the file that states it.
+pub(super) fn model_error(path: &str, source: TheoryError) -> SceneError {
+    SceneError::Model {
+        path: path.to_owned(),
+        source: Box::new(source),
     }
 }

@@ -1,9 +1,8 @@
 //! `expected.toml` beside a scene: what a publication printed about the machine, read and checked.
 //!
 //! Natural frequencies are `[[root]]`s, a comparison of theory and tests is `[comparison]`, and
-//! what the text says of both is a list of `[[claim]]`s. Names that a claim or a row uses must be
-//! there: a claim about a test that the table does not have would otherwise look like one that
-//! cannot be confirmed.
+//! the claims of the text are `[[claim]]`s. Every name in a claim or a row must exist: otherwise a
+//! claim about a missing test would look like one that cannot be confirmed.
 
 use std::path::Path;
 
@@ -46,11 +45,11 @@ pub struct Expected {
     pub source: Source,
     /// Natural frequencies.
     pub roots: Vec<PublishedRoot>,
-    /// How these find the model's.
+    /// Options of matching these to the model's.
     pub matching: MatchOptions,
     /// Theory and tests compared; `None` where the publication has no such table.
     pub comparison: Option<PublishedComparison>,
-    /// Statement of the text.
+    /// Claims of the text.
     pub claims: Vec<Claim>,
 }
 
@@ -63,16 +62,16 @@ pub struct ExpectedResult {
     pub roots: Option<RootMatch>,
     /// The comparison, recomputed.
     pub comparison: Option<RecomputedTable>,
-    /// What became of the claims.
+    /// Verdicts on the claims.
     pub verdicts: Vec<ClaimVerdict>,
     /// The quantities of every model that a claim names.
     pub quantities: Vec<ModelQuantities>,
 }
 
 impl Expected {
-    /// Holds the results against the roots of a model and the quantities of the models that claims
+    /// Compares the results with the roots of a model and the quantities of the models that claims
     /// name; without a model they are only compared with one another.
-    pub fn judge(
+    pub fn compare(
         &self,
         model: Option<&[ModelRoot]>,
         quantities: Vec<ModelQuantities>,
@@ -149,12 +148,12 @@ impl RootTable {
 }
 
 /// The published results in a scene's folder, if it has any.
-pub(super) fn beside(folder: &Path) -> Result<Option<Expected>, SceneError> {
+pub(super) fn published_results(folder: &Path) -> Result<Option<Expected>, SceneError> {
     let path = folder.join("expected.toml");
     if !path.exists() {
         return Ok(None);
     }
-    // A skeleton of remarks states nothing yet.
+    // A template of comments states nothing.
     let text = read_text(&path)?;
     let is_remark = |line: &str| line.trim().is_empty() || line.trim_start().starts_with('#');
     if text.lines().all(is_remark) {
@@ -208,7 +207,7 @@ fn check_roots(roots: &[PublishedRoot], path: &str) -> Result<(), SceneError> {
     for (index, root) in roots.iter().enumerate() {
         let key = |name: &str| format!("[[root]] {:?} {name}", root.label);
         if roots[..index].iter().any(|other| other.label == root.label) {
-            return Err(twice(path, &key("label")));
+            return Err(duplicate_error(path, &key("label")));
         }
         if !(root.omega_rad_s.is_finite() && root.omega_rad_s >= 0.0) {
             let got = root.omega_rad_s.to_string();
@@ -234,7 +233,7 @@ fn check_comparison(
     if let Some(test) =
         (1..table.tests.len()).find(|i| table.tests[..*i].contains(&table.tests[*i]))
     {
-        return Err(twice(
+        return Err(duplicate_error(
             path,
             &format!("[comparison] tests {:?}", table.tests[test]),
         ));
@@ -245,7 +244,7 @@ fn check_comparison(
             .iter()
             .any(|other| other.label == row.label)
         {
-            return Err(twice(path, &key("label")));
+            return Err(duplicate_error(path, &key("label")));
         }
         if let Some(label) = &row.root {
             check_one_of(
@@ -276,6 +275,6 @@ fn check_frequency(hz: f64, path: &str, key: &str) -> Result<(), SceneError> {
     ))
 }
 
-fn twice(path: &str, key: &str) -> SceneError {
+fn duplicate_error(path: &str, key: &str) -> SceneError {
     value_error(path, key, "the same name twice", "each one once")
 }

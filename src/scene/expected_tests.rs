@@ -1,7 +1,7 @@
 use crate::correlate::published::Statement;
 
 use super::SceneError;
-use super::expected::{Expected, beside, load_expected};
+use super::expected::{Expected, load_expected, published_results};
 use super::published_claims::KINDS;
 
 const HEAD: &str = r#"
@@ -170,9 +170,12 @@ fn names_and_numbers_that_cannot_be_meant_are_named() {
 #[test]
 fn a_scene_without_published_results_has_none() {
     let folder = tempfile::tempdir().expect("a folder");
-    assert_eq!(beside(folder.path()).expect("no file is no error"), None);
+    assert_eq!(
+        published_results(folder.path()).expect("no file is no error"),
+        None
+    );
     std::fs::write(folder.path().join("expected.toml"), HEAD).expect("it is writable");
-    let found = beside(folder.path())
+    let found = published_results(folder.path())
         .expect("a sound file")
         .expect("a file");
     assert_eq!((found.roots.len(), found.roots[0].multiplicity), (1, 1));
@@ -182,7 +185,7 @@ fn a_scene_without_published_results_has_none() {
 fn without_a_model_the_print_is_still_recomputed() {
     let expected =
         load(&format!("{HEAD}{}", claim_of("error-hz"))).expect("a claim with all it needs");
-    let result = expected.judge(None, Vec::new());
+    let result = expected.compare(None, Vec::new());
     assert!(result.roots.is_none());
     assert!(
         result.comparison.expect("a print").rows[0]

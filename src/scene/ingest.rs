@@ -1,4 +1,4 @@
-//! A test's files to hits or FRFs: opened, judged whole or partly bad, grouped.
+//! A test's files are opened, checked for damage, and grouped into hits or FRFs.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,14 +20,14 @@ use super::columns::{table_spec, window};
 use super::error::value_error;
 use super::file_dofs::dofs_of_files;
 use super::test_plan::FilePlan;
-use super::trigger::cut;
+use super::trigger::cut_hits;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
 /// Name of the format whose channels the scene describes column by column.
-const TABLE: &str = "table";
+const TABLE_FORMAT: &str = "table";
 
 /// Formats whose channels the scene describes: tables, and files of arrays.
-const DESCRIBED: [&str; 5] = [TABLE, "npy", "npz", "matlab5", "hdf5"];
+const DESCRIBED_FORMATS: [&str; 5] = [TABLE_FORMAT, "npy", "npz", "matlab5", "hdf5"];
 
 /// Text exports that describe themselves, unless the scene says what their columns are.
 const TEXT_EXPORTS: [&str; 2] = ["pulse", "signalcalc"];
@@ -44,16 +44,16 @@ const COLUMN_ROLES: [&str; 8] = [
     "coherence",
 ];
 
-/// What a test's files hold.
+/// Contents of a test's files.
 #[derive(Default)]
 pub struct Ingested {
     /// The hits, for recordings; their samples are still in the files.
     pub recording: Option<Box<dyn Recording>>,
     /// FRFs, for files that hold no time records.
     pub frfs: Vec<FrfSet>,
-    /// Nodes and what else the files say of the points.
+    /// Nodes and trace lines of the files.
     pub geometry: Geometry,
-    /// Degrees of freedom that are in one of several files alone, for each file.
+    /// For each of several files the degrees of freedom that no other file has.
     pub dofs_of_files: Vec<Vec<Dof>>,
     /// Findings of reading.
     pub findings: Vec<Finding>,
@@ -70,15 +70,15 @@ pub struct IngestOptions<'a> {
     pub trigger: TriggerOptions,
     /// The test as typed: what its channels are, where the files do not say.
     pub typed: Option<&'a TestTable>,
-    /// Whether the good part of a partly bad file will do.
+    /// Whether the good part of a partly bad file is used.
     pub partial: bool,
     /// Whether FRFs of the files are used where they also hold time records.
     pub frfs_first: bool,
-    /// Format of every file, instead of judging by content.
+    /// Format of every file; detected from the content when `None`.
     pub format: Option<&'a str>,
-    /// Number of averages of FRFs that do not state it, before the scene's word.
+    /// Number of averages of FRFs that do not state it; precedes the scene's.
     pub averages: Option<u32>,
-    /// Window of FRFs that do not state it, before the scene's word.
+    /// Window of FRFs that do not state it; precedes the scene's.
     pub window: Option<Window>,
     /// Path of the scene, for messages.
     pub scene: &'a str,
@@ -87,11 +87,11 @@ pub struct IngestOptions<'a> {
 /// Reads the files of a test.
 ///
 /// # Errors
-/// [`SceneError`]: what cannot be read, with its place; the first damage of a partly bad file,
-/// unless its good part will do.
+/// [`SceneError`] for a file that cannot be read, with the location, and for the first damage of a
+/// partly bad file, unless its good part is used.
 pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Ingested, SceneError> {
     let opened = files.iter().map(|file| open(file, options));
-    collect(opened.collect::<Result<Vec<_>, SceneError>>()?, options)
+    collect_data(opened.collect::<Result<Vec<_>, SceneError>>()?, options)
 }
 
 fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError> {
@@ -102,10 +102,14 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
     let as_table = options.format.is_none()
         && TEXT_EXPORTS.contains(&format.name())
         && options.typed.is_some_and(describes_columns);
-    let format = if as_table { TABLE } else { format.name() };
+    let format = if as_table {
+        TABLE_FORMAT
+    } else {
+        format.name()
+    };
     let described = options
         .typed
-        .filter(|test| DESCRIBED.contains(&format) && !test.channel.is_empty());
+        .filter(|test| DESCRIBED_FORMATS.contains(&format) && !test.channel.is_empty());
     let table = described
         .map(|test| table_spec(test, options.scene))
         .transpose()?;
@@ -153,7 +157,7 @@ pub fn open_test(
     };
     let opened = files.iter().map(|file| {
         let source = open(file, &options)?.source;
-        if typed.channel.is_empty() || DESCRIBED.contains(&source.catalog().format) {
+        if typed.channel.is_empty() || DESCRIBED_FORMATS.contains(&source.catalog().format) {
             return Ok(source);
         }
         let got = format!(
@@ -202,14 +206,14 @@ pub fn ingest_bytes(bytes: Vec<u8>, name: &str) -> Result<Ingested, SceneError> 
             table: None,
         },
     )?;
-    collect(vec![HitFile::new(source)], &IngestOptions::default())
+    collect_data(vec![HitFile::new(source)], &IngestOptions::default())
 }
 
-fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested, SceneError> {
+fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested, SceneError> {
     let mut data = Ingested::default();
     let of_type = |wanted| count(&files, |entry| entry.function_type == wanted);
     let (records, frfs) = (of_type(FunctionType::Time), of_type(FunctionType::Frf));
-    let from_records = records > 0 && (frfs == 0 || makes_hits(&files, options));
+    let from_records = records > 0 && (frfs == 0 || has_recorded_hits(&files, options));
     let need = match from_records {
         true => Need::Records,
         false => Need::Frfs,
@@ -224,8 +228,11 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     data.dofs_of_files = dofs_of_files(&files);
     if from_records {
         let overrides = overrides_of(&files, options)?;
-        data.findings
-            .extend(passed_over(frfs, Code::FunctionsPassedOver, "functions"));
+        data.findings.extend(unused_data_finding(
+            frfs,
+            Code::FunctionsPassedOver,
+            "functions",
+        ));
         let mut set = group_hits(files, options.hits, &overrides)?;
         if let Some(typed) = options.typed.filter(|_| overrides.is_empty()) {
             state_full_scales(&mut set.recording, &typed.channel);
@@ -234,7 +241,7 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         let mut recording: Box<dyn Recording> = Box::new(set.recording);
         if options.hits == HitGrouping::Trigger {
             let (hits, findings) =
-                cut(recording, &options.trigger).map_err(|error| SceneError::Frf {
+                cut_hits(recording, &options.trigger).map_err(|error| SceneError::Frf {
                     test: "hits by trigger".to_owned(),
                     source: Box::new(error),
                 })?;
@@ -243,8 +250,11 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
         }
         data.recording = Some(recording);
     } else {
-        data.findings
-            .extend(passed_over(records, Code::RecordsPassedOver, "records"));
+        data.findings.extend(unused_data_finding(
+            records,
+            Code::RecordsPassedOver,
+            "records",
+        ));
         data.frfs = frf_sets(&mut files)?;
         for set in &data.frfs {
             data.findings.extend(check_functions(set));
@@ -254,8 +264,7 @@ fn collect(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Ingested,
     Ok(data)
 }
 
-/// Whether a finding of reading FRFs says that part of a file is damaged or was left out for want
-/// of what is needed.
+/// Whether a finding of reading FRFs reports a damaged or an unusable part of a file.
 fn is_lost(finding: &Finding) -> bool {
     match finding.code {
         Code::BadDataset => true,
@@ -264,9 +273,9 @@ fn is_lost(finding: &Finding) -> bool {
     }
 }
 
-/// Whether hits are made of the time records that stand beside FRFs: unless these are asked for,
-/// where one is a force.
-fn makes_hits(files: &[HitFile], options: &IngestOptions) -> bool {
+/// Whether the time records of files with FRFs are used as hits: where one is a force, unless the
+/// FRFs are requested.
+fn has_recorded_hits(files: &[HitFile], options: &IngestOptions) -> bool {
     let is_force = |entry: &Entry| {
         let by_quantity = entry.quantity == Some(Quantity::Force);
         entry.function_type == FunctionType::Time
@@ -335,7 +344,8 @@ fn local_directions(catalog: &Catalog) -> Option<Finding> {
     (!local.is_empty()).then(|| finding.value(local.len() as f64, ""))
 }
 
-/// What the scene says of records; the channels of a table were named when it was opened.
+/// The scene's statements on records; those on the columns of tables are used when a table is
+/// opened.
 fn overrides_of(
     files: &[HitFile],
     options: &IngestOptions,
@@ -345,7 +355,7 @@ fn overrides_of(
     };
     let tables = files
         .iter()
-        .filter(|file| DESCRIBED.contains(&file.source.catalog().format))
+        .filter(|file| DESCRIBED_FORMATS.contains(&file.source.catalog().format))
         .count();
     match tables {
         0 => overrides(&test.channel, options.scene),
@@ -362,8 +372,8 @@ fn overrides_of(
     }
 }
 
-/// What stands beside the functions that are used.
-fn passed_over(count: usize, code: Code, unit: &str) -> Option<Finding> {
+/// The finding on records or functions that are not used.
+fn unused_data_finding(count: usize, code: Code, unit: &str) -> Option<Finding> {
     let finding = Finding::new(Severity::Info, code, Place::Whole);
     (count > 0).then(|| finding.value(count as f64, unit))
 }
@@ -451,8 +461,8 @@ fn channel_override(channel: &ChannelTable, path: &str) -> Result<ChannelOverrid
 }
 
 impl FilePlan {
-    /// A file of which nothing is stated.
-    pub fn bare(path: &Path) -> Self {
+    /// A file without stated points.
+    pub fn without_points(path: &Path) -> Self {
         Self {
             path: path.to_path_buf(),
             response: None,
@@ -503,7 +513,7 @@ mod tests {
                 window: option,
                 ..IngestOptions::default()
             };
-            let sets = ingest_files(&[FilePlan::bare(&path)], &options).unwrap();
+            let sets = ingest_files(&[FilePlan::without_points(&path)], &options).unwrap();
             sets.frfs[0].window
         };
         let (hann, flat) = (Some(Window::HannNarrow), Some(Window::FlatTop));

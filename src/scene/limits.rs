@@ -1,10 +1,10 @@
-//! Stated limits on results, and the check of a result against them.
+//! A result is checked against stated limits.
 
 use serde::{Deserialize, Serialize};
 
 use crate::correlate::TestSummary;
 
-/// Absolute limits; one that is not stated is not checked.
+/// Absolute limits; `None` is not checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Limits {
@@ -15,10 +15,10 @@ pub struct Limits {
     /// Smallest number of paired modes, per test; ambiguous ones count, but not those whose MAC is
     /// below the chance level.
     pub min_paired: Option<usize>,
-    /// Largest number of theory modes in the band without partner, per test; those not judged for
-    /// being observable count.
+    /// Largest number of theory modes in the band without partner, per test, with those of unknown
+    /// observability.
     pub max_missed: Option<usize>,
-    /// Largest number of theory modes in the band that the test could not have seen, per test.
+    /// Largest number of theory modes in the band that the test could not have detected, per test.
     pub max_not_observable: Option<usize>,
     /// Largest number of test modes without partner, per test.
     pub max_extra: Option<usize>,
@@ -45,9 +45,9 @@ pub struct ModeLimit {
 /// One limit with the value that it is checked against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCheck {
-    /// What was checked, with the test or the row.
+    /// The checked quantity, with the test or the row.
     pub what: String,
-    /// The value; `None` when the result does not have it, which misses the limit.
+    /// The value; `None` when the result does not have it, so that the limit is missed.
     pub value: Option<f64>,
     /// The limit.
     pub limit: f64,
@@ -57,7 +57,7 @@ pub struct LimitCheck {
 
 impl LimitCheck {
     /// Whether the limit is met.
-    pub fn met(&self) -> bool {
+    pub fn is_met(&self) -> bool {
         self.value.is_some_and(|value| {
             if self.upper {
                 value <= self.limit
@@ -68,7 +68,7 @@ impl LimitCheck {
     }
 }
 
-/// A file with `[limits]`: a scene will do, its other tables are passed over.
+/// A file with `[limits]`, such as a scene, whose other tables are ignored.
 #[derive(Clone, Debug, Deserialize)]
 pub struct LimitsFile {
     /// The limits.
@@ -76,7 +76,7 @@ pub struct LimitsFile {
 }
 
 /// Checks every stated absolute limit on a comparison for every test.
-pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitCheck> {
+pub fn check_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitCheck> {
     let mut checks = Vec::new();
     for test in tests {
         let count = |n: usize| Some(n as f64);
@@ -95,7 +95,7 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
             ("smallest MAC", test.min_mac, limits.min_mac, false),
             (
                 paired.as_str(),
-                count(test.paired + supported(test)),
+                count(test.paired + supported_pairs(test)),
                 limits.min_paired.map(|n| n as f64),
                 false,
             ),
@@ -137,7 +137,7 @@ pub fn judge_comparison(limits: &Limits, tests: &[TestSummary]) -> Vec<LimitChec
 }
 
 /// Ambiguous pairs whose MAC reaches the chance level.
-fn supported(test: &TestSummary) -> usize {
+fn supported_pairs(test: &TestSummary) -> usize {
     test.ambiguous.saturating_sub(test.uncorrelated)
 }
 
@@ -146,7 +146,7 @@ fn supported(test: &TestSummary) -> usize {
 fn paired_label(test: &TestSummary) -> String {
     let parts = [
         (test.paired_by_frequency, "by frequency alone"),
-        (supported(test), "ambiguous"),
+        (supported_pairs(test), "ambiguous"),
     ];
     let parts = parts.iter().filter(|(count, _)| *count > 0);
     let parts: Vec<String> = parts.map(|(n, what)| format!("{n} {what}")).collect();
@@ -157,9 +157,8 @@ fn paired_label(test: &TestSummary) -> String {
     }
 }
 
-/// Checks every stated mode against the identified modes: the nearest one in frequency counts,
-/// each once.
-pub fn judge_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCheck> {
+/// Checks every stated mode against the nearest identified mode in frequency, each used once.
+pub fn check_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCheck> {
     let mut free: Vec<&(f64, Option<f64>)> = found.iter().collect();
     let mut checks = Vec::new();
     for mode in &limits.mode {
@@ -192,10 +191,10 @@ pub fn judge_modes(limits: &Limits, found: &[(f64, Option<f64>)]) -> Vec<LimitCh
         }
     }
     let extra = limits.max_extra.filter(|_| !limits.mode.is_empty());
-    let left = free.len() as f64;
+    let extra_count = free.len() as f64;
     checks.extend(extra.map(|limit| LimitCheck {
         what: "extra modes".to_owned(),
-        value: Some(left),
+        value: Some(extra_count),
         limit: limit as f64,
         upper: true,
     }));
@@ -243,9 +242,9 @@ mod tests {
             ..Limits::default()
         };
         let met = |limits: &Limits| {
-            judge_comparison(limits, &[figures()])
+            check_comparison(limits, &[figures()])
                 .iter()
-                .map(LimitCheck::met)
+                .map(LimitCheck::is_met)
                 .collect::<Vec<_>>()
         };
         assert_eq!(met(&limits(2.0, 0.96, 1)), [true, true, true]);
@@ -265,10 +264,13 @@ mod tests {
                 uncorrelated,
                 ..figures()
             };
-            judge_comparison(&limits, &[test])[0].clone()
+            check_comparison(&limits, &[test])[0].clone()
         };
-        assert_eq!((check(2, 0).value, check(2, 0).met()), (Some(6.0), true));
-        assert_eq!((check(2, 1).value, check(2, 1).met()), (Some(5.0), false));
+        assert_eq!((check(2, 0).value, check(2, 0).is_met()), (Some(6.0), true));
+        assert_eq!(
+            (check(2, 1).value, check(2, 1).is_met()),
+            (Some(5.0), false)
+        );
         assert_eq!(
             check(2, 1).what,
             "hammer: paired modes (1 ambiguous of them)"
@@ -287,7 +289,7 @@ mod tests {
                 not_judged,
                 ..figures()
             };
-            judge_comparison(&limits, &[test])[0].what.clone()
+            check_comparison(&limits, &[test])[0].what.clone()
         };
         assert_eq!(label(0), "hammer: missed modes");
         assert_eq!(label(1), "hammer: missed modes (1 of them not judged)");
@@ -303,7 +305,7 @@ mod tests {
             max_frequency_error_percent: Some(100.0),
             ..Limits::default()
         };
-        assert!(!judge_comparison(&limits, &[none])[0].met());
+        assert!(!check_comparison(&limits, &[none])[0].is_met());
     }
 
     #[test]
@@ -320,9 +322,9 @@ mod tests {
             ..Limits::default()
         };
         let met = |found: &[(f64, Option<f64>)]| {
-            judge_modes(&limits, found)
+            check_modes(&limits, found)
                 .iter()
-                .map(LimitCheck::met)
+                .map(LimitCheck::is_met)
                 .collect::<Vec<_>>()
         };
         assert_eq!(

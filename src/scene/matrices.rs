@@ -40,11 +40,11 @@ use crate::dof::Dof;
 use crate::io::{IoError, MatrixEntries, read_matrix};
 use crate::linalg::SparseMatrix;
 use crate::theory::{
-    ExternalMatrices, ExternalModel, MatrixSet, ParameterSpec, SCHEMA, StatedDamping, TheoryError,
+    ExternalMatrices, ExternalModel, MatrixSet, ParameterSpec, SCHEMA, StatedDamping,
 };
 
 use super::SceneError;
-use super::error::value_error;
+use super::error::{model_error, value_error};
 use super::toml_text::{check_schema, parse, read_text};
 
 #[derive(Deserialize)]
@@ -207,14 +207,7 @@ pub(super) fn matrix_model(
             ratios: file.damping.ratios,
         },
     };
-    ExternalModel::new(matrices).map_err(|source| in_file(path, source))
-}
-
-fn in_file(path: &str, source: TheoryError) -> SceneError {
-    SceneError::Model {
-        path: path.to_owned(),
-        source: Box::new(source),
-    }
+    ExternalModel::new(matrices).map_err(|source| model_error(path, source))
 }
 
 /// Reads the matrices that a file names.
@@ -253,7 +246,7 @@ impl Reader<'_> {
             return Err(value_error(self.path, key, &got, &expected));
         }
         SparseMatrix::from_entries(self.size, &entries)
-            .map_err(|source| in_file(self.path, source.into()))
+            .map_err(|source| model_error(self.path, source.into()))
     }
 }
 

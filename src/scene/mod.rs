@@ -44,7 +44,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
-pub use damage::{damage, lost_parts};
+pub use damage::{damage, lost_part_findings};
 pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
 pub use draft_file::DraftFile;
 pub use error::SceneError;
@@ -52,22 +52,23 @@ pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expec
 pub use figures::*;
 pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
-    LimitCheck, Limits, LimitsFile, ModeLimit, judge_comparison, judge_modes, percent,
+    LimitCheck, Limits, LimitsFile, ModeLimit, check_comparison, check_modes, percent,
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
-pub use model_kind::{ModelKind, built_in_taken, model_kind};
+pub use model_kind::{ModelKind, built_in_name_finding, model_kind};
 pub use modes_file::{LoadedModes, ModesOptions, holds_functions, is_modes_file, load_modes};
 pub use observer::Observer;
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{Scene, force_window, offset};
 pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use regression_check::{
-    Allowed, Change, ChangeLimits, DAMPING_PERCENT, FREQUENCY_PERCENT, MAC_CHANGE, Measure,
-    RowVerdict, Uncertain, judge_changes, mode_changes, relative_change,
+    AllowedChange, Change, ChangeLimits, MAX_DAMPING_CHANGE_PERCENT, MAX_FREQUENCY_CHANGE_PERCENT,
+    MAX_MAC_CHANGE, Measure, RowVerdict, UncertainValue, check_changes, mode_changes,
+    relative_change,
 };
 pub use result::SceneResult;
 #[cfg(feature = "cli")]
-pub(crate) use run::with_dofs;
+pub(crate) use run::add_file_dofs;
 pub use run::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets, run,
     run_observed, test_data,

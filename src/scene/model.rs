@@ -1,4 +1,4 @@
-//! A model as a scene, a spec or the command line names it: read, built, solved at the sensors.
+//! A model that a scene, a spec or the command line names is read, built and solved at the sensors.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,12 +12,12 @@ use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel, ModeOptions,
     ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA, Sweep,
-    SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse, built_in,
-    compare_details, coordinate_sensors, damped_model, model_roots, model_sensitivities, modes,
-    override_values, sweep,
+    SweepRange, TheoreticalModel, TheoryModes, TimeResponse, built_in, compare_details,
+    coordinate_sensors, damped_model, model_roots, model_sensitivities, modes, override_values,
+    sweep,
 };
 
-use super::error::{SceneError, value_error};
+use super::error::{SceneError, model_error, value_error};
 use super::matrices::matrix_model;
 use super::model_name::{is_built_in, named_model};
 use super::modes_file::{LoadedModes, ModesOptions, is_modes_file, load_modes};
@@ -29,7 +29,7 @@ use super::typed::{ModelTable, SensorTable};
 pub struct LoadedModel {
     /// The model.
     pub model: Box<dyn TheoreticalModel>,
-    /// Sensors that the model file itself names; of a built-in model none.
+    /// Sensors that the model file names; none for a built-in model.
     pub sensors: Vec<Sensor>,
     /// Parameter values, in the model's order.
     pub values: Vec<f64>,
@@ -64,17 +64,16 @@ impl From<LoadedModes> for Theory {
     }
 }
 
-/// The keys that say which kind of model a file holds; a lumped one, and one of matrices, need not
-/// say it.
+/// The keys that state the kind of a model file; lumped models and matrices may leave it out.
 #[derive(Deserialize)]
-struct KindOnly {
+struct KindKeys {
     kind: Option<String>,
     matrices: Option<IgnoredAny>,
 }
 
 /// `[[sensor]]` of a model file, whatever its kind.
 #[derive(Deserialize)]
-struct SensorsOnly {
+struct SensorTables {
     #[serde(default)]
     sensor: Vec<SensorTable>,
 }
@@ -89,7 +88,7 @@ pub fn load_model(
     overrides: &BTreeMap<String, f64>,
 ) -> Result<LoadedModel, SceneError> {
     if is_built_in(name) {
-        return loaded(
+        return with_parameters(
             built_in(&name.display().to_string())?,
             Vec::new(),
             overrides,
@@ -97,8 +96,8 @@ pub fn load_model(
     }
     let path = name.display().to_string();
     let text = read_text(name)?;
-    let KindOnly { kind, matrices } = parse(&text, &path)?;
-    let tables = parse::<SensorsOnly>(&text, &path)?.sensor;
+    let KindKeys { kind, matrices } = parse(&text, &path)?;
+    let tables = parse::<SensorTables>(&text, &path)?.sensor;
     let mut sensors_of_file = sensors(&tables, &path)?;
     let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
     let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
@@ -113,7 +112,7 @@ pub fn load_model(
         Some("beam") => Box::new(beam_model(parse::<BeamFile>(&text, &path)?, &path)?),
         Some("lumped") | None => {
             let file = parse::<LumpedFile>(&text, &path)?;
-            Box::new(LumpedModel::new(file).map_err(|source| in_file(&path, source))?)
+            Box::new(LumpedModel::new(file).map_err(|source| model_error(&path, source))?)
         }
         Some(other) => {
             let got = format!("{other:?}");
@@ -121,10 +120,10 @@ pub fn load_model(
             return Err(value_error(&path, "kind", &got, expected));
         }
     };
-    loaded(model, sensors_of_file, overrides)
+    with_parameters(model, sensors_of_file, overrides)
 }
 
-fn loaded(
+fn with_parameters(
     model: Box<dyn TheoreticalModel>,
     sensors: Vec<Sensor>,
     overrides: &BTreeMap<String, f64>,
@@ -139,18 +138,10 @@ fn loaded(
 
 fn beam_model(file: BeamFile, path: &str) -> Result<BeamModel, SceneError> {
     check_schema(&file.schema, SCHEMA, path)?;
-    BeamModel::new(file).map_err(|source| in_file(path, source))
+    BeamModel::new(file).map_err(|source| model_error(path, source))
 }
 
-/// The error of a model with the file that it is about.
-fn in_file(path: &str, source: TheoryError) -> SceneError {
-    SceneError::Model {
-        path: path.to_owned(),
-        source: Box::new(source),
-    }
-}
-
-/// Sensors as meant.
+/// The sensors of `[[sensor]]` tables.
 ///
 /// # Errors
 /// [`SceneError::Value`] for a sensor that names neither or both of a body's point and a
@@ -236,7 +227,7 @@ impl LoadedModel {
         )?)
     }
 
-    /// The model file's sensors and those of a scene, which counts where both name one.
+    /// The model file's sensors and those of a scene, which replace equal ones of the model file.
     pub fn sensors_with(&self, sensors: &[Sensor]) -> Vec<Sensor> {
         let sensors_of_model = self.sensors.iter();
         let unreplaced =
@@ -244,7 +235,7 @@ impl LoadedModel {
         unreplaced.chain(sensors).cloned().collect()
     }
 
-    /// The numbers that the model's theory gives beside its roots.
+    /// The quantities that the model's theory gives in addition to its roots.
     ///
     /// # Errors
     /// The error of the model.

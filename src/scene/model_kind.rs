@@ -8,12 +8,12 @@ use super::model_name::is_built_in;
 use super::modes_file::is_modes_file;
 use super::plan::Scene;
 
-/// What a path of the command line names where a model is meant.
+/// Kind of a model that a path of the command line names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelKind {
     /// A built-in model, perhaps with a set.
     BuiltIn,
-    /// A scene whose model is meant.
+    /// A scene, for its model.
     Scene,
     /// A file of finished modes.
     Modes,
@@ -21,8 +21,8 @@ pub enum ModelKind {
     File,
 }
 
-/// What a path names: a built-in name is the built-in model; `NAME/SET` is it unless it is a file
-/// or a folder with a scene.
+/// Kind of the model at a path: a built-in name is the built-in model, as is `NAME/SET` unless it
+/// is a file or a folder with a scene.
 pub fn model_kind(path: &Path) -> ModelKind {
     let is_plain = path.components().count() == 1;
     if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
@@ -36,9 +36,8 @@ pub fn model_kind(path: &Path) -> ModelKind {
     }
 }
 
-/// The finding that a built-in model was taken where a file, or a folder with a scene, has its
-/// name.
-pub fn built_in_taken(path: &Path) -> Option<Finding> {
+/// The finding on a built-in model whose name a file, or a folder with a scene, has too.
+pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
     let other = match (path.is_file(), holds_scene(path)) {
         (true, _) => "file",
         (_, true) => "folder",

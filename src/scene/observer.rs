@@ -1,7 +1,7 @@
 //! Progress messages of long computations.
 
-/// Hears of the steps of long work. The library has no clock and no terminal: what is shown, and
-/// when, is the caller's.
+/// Receives the steps of long work. The library has no clock and no terminal: the caller decides
+/// what is shown, and when.
 pub trait Observer: Sync {
     /// Step `number` of `count`, from 1, begins.
     fn step(&self, what: &str, number: usize, count: usize);

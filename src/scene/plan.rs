@@ -1,5 +1,4 @@
-//! A scene as meant: paths resolved, names turned into options, everything checked that can be
-//! before data is read.
+//! The plan of a scene has resolved paths and options, checked before data are read.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +10,7 @@ use crate::signal::{ForceWindow, Offset};
 
 use super::SceneError;
 use super::error::value_error;
-use super::expected::{Expected, beside};
+use super::expected::{Expected, published_results};
 use super::limits::Limits;
 use super::model::sensors;
 use super::model_name::named_model;
@@ -52,7 +51,7 @@ pub struct Scene {
     pub order: Option<usize>,
     /// Pairing.
     pub pair: PairOptions,
-    /// Tests that more points are wanted for.
+    /// Tests for which additional points are selected.
     pub placement: Vec<PlacementPlan>,
     /// Options of updating; `None` for a scene that states none.
     pub update: Option<UpdateTable>,
@@ -60,7 +59,7 @@ pub struct Scene {
     pub limits: Limits,
     /// Published results; `None` for a scene without an `expected.toml`.
     pub expected: Option<Expected>,
-    /// Format of every file, instead of judging by content; the command line's word.
+    /// Format of every file, from the command line; detected from the content when `None`.
     pub format: Option<String>,
 }
 
@@ -70,8 +69,8 @@ impl Scene {
         path.is_dir() || path.file_name().is_some_and(|name| name == "scene.toml")
     }
 
-    /// Takes the good part of every partly bad file that it names.
-    pub fn take_good_parts(&mut self) {
+    /// Uses the good part of every partly bad file of the scene.
+    pub fn accept_partial_files(&mut self) {
         for test in &mut self.tests {
             test.partial = true;
         }
@@ -132,7 +131,7 @@ impl Scene {
             order: typed.identify.order,
             update: typed.update,
             limits: typed.limits,
-            expected: beside(&folder)?,
+            expected: published_results(&folder)?,
             format: None,
             path: name,
             folder,
@@ -252,7 +251,7 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
     })
 }
 
-/// What is done with the mean before the hit, as stated.
+/// Treatment of the mean before the hit.
 pub fn offset(remove: Option<bool>) -> Offset {
     match remove {
         None => Offset::RemoveIfQuiet,

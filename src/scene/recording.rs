@@ -1,4 +1,4 @@
-//! A synthetic test's spec as meant, and its recording as a measurement system would export it.
+//! A synthetic test is computed from its spec and written as a measurement system exports it.
 
 use std::path::Path;
 

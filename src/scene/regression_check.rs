@@ -1,6 +1,5 @@
-//! Comparison of a result with a baseline of its kind: the allowed change follows from
-//! uncertainties that both state, so that the rate at which a perfect result is refused is known,
-//! or from absolute limits.
+//! A result is compared with a baseline: the allowed change follows from the uncertainties that
+//! both state, so that the false-alarm probability is known, or from absolute limits.
 
 use std::collections::BTreeMap;
 
@@ -14,41 +13,40 @@ use crate::modal::{ModalModel, Mode, mac, modal_scale_factor};
 use super::limits::{LimitCheck, percent};
 
 /// Largest change of a frequency whose uncertainty one side does not state, percent.
-pub const FREQUENCY_PERCENT: f64 = 0.05;
-/// The same of a damping ratio.
-pub const DAMPING_PERCENT: f64 = 5.0;
+pub const MAX_FREQUENCY_CHANGE_PERCENT: f64 = 0.05;
+/// Largest change of a damping ratio whose uncertainty one side does not state, percent.
+pub const MAX_DAMPING_CHANGE_PERCENT: f64 = 5.0;
 /// Largest 1 − MAC of a shape whose uncertainty one side does not state, and largest change of a
 /// MAC.
-pub const MAC_CHANGE: f64 = 0.01;
+pub const MAX_MAC_CHANGE: f64 = 0.01;
 
-/// A difference of this part of a value is rounding: the same input gives the same result elsewhere
-/// to 1e-9.
-const ROUNDING: f64 = 1e-6;
-/// Modes farther apart than this part of their frequency are not the same mode, however it has
-/// changed.
-const SAME_MODE: f64 = 0.02;
-/// Components below this part of the largest one may have either sign.
-const SIGN_MATTERS: f64 = 0.1;
+/// Minimum relative change above rounding: the same input gives the same result to 1e-9 on another
+/// machine.
+const MIN_RELATIVE_CHANGE: f64 = 1e-6;
+/// Maximum relative frequency shift of a mode between baseline and result.
+const MAX_SHIFT_OF_ONE_MODE: f64 = 0.02;
+/// Minimum component, over the largest one, whose sign is compared.
+const MIN_COMPONENT_WITH_SIGN: f64 = 0.1;
 
 /// How far a result may lie from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChangeLimits {
     /// Largest change of every frequency, percent; by the stated uncertainties when `None`.
     pub frequency_percent: Option<f64>,
-    /// The same of damping ratios.
+    /// Largest change of every damping ratio, percent; by the stated uncertainties when `None`.
     pub damping_percent: Option<f64>,
     /// Largest 1 − MAC of every shape, and largest change of a MAC; by the stated uncertainties
     /// when `None`.
     pub mac: Option<f64>,
-    /// Standard deviation of a frequency that is granted beside the stated ones, a fraction: what
-    /// no recording repeats.
+    /// Standard deviation of a frequency from one recording to the next, in addition to the stated
+    /// ones, a fraction.
     pub frequency_floor: f64,
-    /// The same of a damping ratio.
+    /// Additional standard deviation of a damping ratio, a fraction.
     pub damping_floor: f64,
-    /// The same of a shape component, as a part of the root mean square of the shape.
+    /// Additional standard deviation of a shape component, over the root mean square of the shape.
     pub shape_floor: f64,
-    /// Probability that a result which differs from its baseline by these uncertainties alone is
-    /// refused, over all its values.
+    /// False-alarm probability over all values: that a result which differs from its baseline by
+    /// these uncertainties alone fails.
     pub false_refusals: f64,
 }
 
@@ -66,22 +64,21 @@ impl Default for ChangeLimits {
     }
 }
 
-/// One value beside that of the baseline.
+/// Change of one value from the baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// The row of the result that it belongs to.
     pub row: String,
-    /// What it is.
+    /// The quantity.
     pub what: String,
-    /// How it is judged.
+    /// The measure of the change and its limit.
     pub measure: Measure,
 }
 
-/// How a change is judged.
+/// Measure of a change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// A difference of standard deviation `std`, both as parts of the baseline's value: normal,
-    /// two-sided.
+    /// A normally distributed relative difference, tested two-sided.
     Normal {
         /// |difference|, a fraction.
         difference: f64,
@@ -101,7 +98,7 @@ pub enum Measure {
     AtLeast(f64, f64),
 }
 
-/// The value that was compared with one row of the baseline.
+/// Checks of one row against the baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowVerdict {
     /// The row: a mode, a root with its test, or the whole.
@@ -112,12 +109,12 @@ pub struct RowVerdict {
 
 impl RowVerdict {
     /// Whether every check is met.
-    pub fn met(&self) -> bool {
-        self.checks.iter().all(LimitCheck::met)
+    pub fn is_met(&self) -> bool {
+        self.checks.iter().all(LimitCheck::is_met)
     }
 }
 
-/// Changes judged together, by row in the order of their first change.
+/// Checks of all changes, by row in the order of their first change.
 ///
 /// Each of the `n` changes that are compared with stated uncertainties gets the level `1 − (1 −
 /// false_refusals)^(1/n)`, which makes `false_refusals` the rate of all together where they are
@@ -126,7 +123,7 @@ impl RowVerdict {
 /// # Reference
 /// Šidák (1967), Rectangular confidence regions for the means of multivariate normal distributions,
 /// JASA 62(318).
-pub fn judge_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict> {
+pub fn check_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict> {
     let by_uncertainty = |change: &&Change| {
         matches!(
             change.measure,
@@ -137,7 +134,7 @@ pub fn judge_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict>
     let level = -((-false_refusals).ln_1p() / count as f64).exp_m1();
     let mut rows: Vec<RowVerdict> = Vec::new();
     for change in changes {
-        let check = judged(change, level);
+        let check = check_change(change, level);
         match rows.iter_mut().find(|row| row.row == change.row) {
             Some(row) => row.checks.push(check),
             None => rows.push(RowVerdict {
@@ -149,7 +146,7 @@ pub fn judge_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict>
     rows
 }
 
-fn judged(change: &Change, level: f64) -> LimitCheck {
+fn check_change(change: &Change, level: f64) -> LimitCheck {
     let check = |value, limit, upper| LimitCheck {
         what: change.what.clone(),
         value,
@@ -159,7 +156,7 @@ fn judged(change: &Change, level: f64) -> LimitCheck {
     match change.measure {
         Measure::Normal { difference, std } => {
             let deviations = Normal::standard().inverse_cdf(1.0 - 0.5 * level);
-            let limit = (deviations * std).max(ROUNDING);
+            let limit = (deviations * std).max(MIN_RELATIVE_CHANGE);
             check(Some(100.0 * difference), 100.0 * limit, true)
         }
         Measure::ChiSquared { sum, degrees } => {
@@ -176,39 +173,39 @@ fn judged(change: &Change, level: f64) -> LimitCheck {
 
 /// A value with the standard deviation that its side states.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Uncertain {
+pub struct UncertainValue {
     /// The value.
     pub value: f64,
     /// Its standard deviation, where it is stated.
     pub std: Option<f64>,
 }
 
-/// How one kind of value is judged.
+/// Allowed change of a frequency or damping ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Allowed {
+pub struct AllowedChange {
     /// The absolute limit, percent, in place of uncertainties.
     pub percent: Option<f64>,
     /// Largest change where a side states no uncertainty, percent.
     pub unstated_percent: f64,
-    /// Standard deviation granted beside those of both sides, a fraction.
+    /// Standard deviation in addition to those of both sides, a fraction.
     pub floor: f64,
 }
 
 impl ChangeLimits {
-    /// What a frequency may change.
-    pub fn frequency(&self) -> Allowed {
-        Allowed {
+    /// Allowed change of a frequency.
+    pub fn frequency(&self) -> AllowedChange {
+        AllowedChange {
             percent: self.frequency_percent,
-            unstated_percent: FREQUENCY_PERCENT,
+            unstated_percent: MAX_FREQUENCY_CHANGE_PERCENT,
             floor: self.frequency_floor,
         }
     }
 
-    /// What a damping ratio may change.
-    pub fn damping(&self) -> Allowed {
-        Allowed {
+    /// Allowed change of a damping ratio.
+    pub fn damping(&self) -> AllowedChange {
+        AllowedChange {
             percent: self.damping_percent,
-            unstated_percent: DAMPING_PERCENT,
+            unstated_percent: MAX_DAMPING_CHANGE_PERCENT,
             floor: self.damping_floor,
         }
     }
@@ -217,7 +214,11 @@ impl ChangeLimits {
 /// A change of a value: against the absolute limit where there is one, else against both sides'
 /// uncertainties and the floor, else, where a side states none, against the limit for that; limits
 /// in percent of the baseline's value.
-pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allowed) -> Measure {
+pub fn relative_change(
+    now: Option<UncertainValue>,
+    before: UncertainValue,
+    allowed: AllowedChange,
+) -> Measure {
     let otherwise = allowed.percent.unwrap_or(allowed.unstated_percent);
     let Some(now) = now else {
         return Measure::AtMost(None, otherwise);
@@ -231,12 +232,13 @@ pub fn relative_change(now: Option<Uncertain>, before: Uncertain, allowed: Allow
     }
 }
 
-/// Every mode of a baseline must be there with its frequency, damping and shape, and no other.
+/// Changes of the modes of a baseline: each must be found with its frequency, damping and shape,
+/// and no other.
 ///
-/// Modes meet one to one, by frequency (within 2 %) and MAC. A shape is compared after its best
-/// complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components where
-/// both sides state their deviations, else by 1 − MAC and the number of components of the opposite
-/// sign.
+/// Modes are assigned one to one, by frequency (within 2 %) and MAC. A shape is compared after its
+/// best complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components
+/// where both sides state their deviations, else by 1 − MAC and the number of components of the
+/// opposite sign.
 pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
     let partner = partners(now, before);
     let mut changes = Vec::new();
@@ -295,32 +297,32 @@ fn rounded(hz: f64) -> f64 {
     format!("{hz:.5e}").parse().unwrap_or(hz)
 }
 
-fn frequency_of(mode: &Mode) -> Uncertain {
-    Uncertain {
+fn frequency_of(mode: &Mode) -> UncertainValue {
+    UncertainValue {
         value: mode.frequency_hz,
         std: mode.frequency_uncertainty_hz(),
     }
 }
 
-fn damping_of(mode: &Mode) -> Option<Uncertain> {
+fn damping_of(mode: &Mode) -> Option<UncertainValue> {
     let bias = mode.damping_bias.unwrap_or(0.0);
-    mode.damping_ratio.map(|value| Uncertain {
+    mode.damping_ratio.map(|value| UncertainValue {
         value,
         std: mode.damping_std.map(|std| std.hypot(bias)),
     })
 }
 
-/// The mode of now that each mode of the baseline has become.
+/// For each mode of the baseline the mode of the result.
 fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
     let cost = |old: &Mode, new: &Mode| {
         let apart = (new.frequency_hz - old.frequency_hz).abs();
-        let part = apart / (SAME_MODE * old.frequency_hz.abs()).max(f64::MIN_POSITIVE);
+        let part = apart / (MAX_SHIFT_OF_ONE_MODE * old.frequency_hz.abs()).max(f64::MIN_POSITIVE);
         // Another mode, as is one whose frequency is no number.
         if !matches!(part, 0.0..=1.0) {
             return None;
         }
-        let (new_shape, other, _) = common(new, old);
-        let unlike = 1.0 - mac(&new_shape, &other).unwrap_or(1.0);
+        let common = CommonComponents::new(new, old);
+        let unlike = 1.0 - mac(&common.now, &common.before).unwrap_or(1.0);
         // Below 1, the cost of a mode without a partner.
         Some(0.49 * (part + unlike))
     };
@@ -332,25 +334,35 @@ fn partners(now: &ModalModel, before: &ModalModel) -> Vec<Option<usize>> {
     assign(&costs, 1.0)
 }
 
-/// The components that two shapes have in common, along positive axes, with the deviations of both
-/// where they are stated.
-type Common = (Vec<Complex64>, Vec<Complex64>, Option<Vec<(f64, f64)>>);
+/// Components that two shapes have in common, along positive axes.
+struct CommonComponents {
+    now: Vec<Complex64>,
+    before: Vec<Complex64>,
+    /// Standard deviations of both; `None` where one is not stated.
+    stds: Option<Vec<(f64, f64)>>,
+}
 
-fn common(now: &Mode, before: &Mode) -> Common {
-    let (mut new_values, mut other, mut stds) = (Vec::new(), Vec::new(), Some(Vec::new()));
-    for (dof, value) in before.shape.iter() {
-        let Some(new) = now.shape.along_positive(dof) else {
-            continue;
+impl CommonComponents {
+    fn new(now: &Mode, before: &Mode) -> Self {
+        let mut common = Self {
+            now: Vec::new(),
+            before: Vec::new(),
+            stds: Some(Vec::new()),
         };
-        new_values.push(new);
-        other.push(value * dof.sign());
-        let pair = std_at(&now.shape_std, dof).zip(std_at(&before.shape_std, dof));
-        stds = stds.zip(pair).map(|(mut all, pair): (Vec<_>, _)| {
-            all.push(pair);
-            all
-        });
+        for (dof, value) in before.shape.iter() {
+            let Some(new) = now.shape.along_positive(dof) else {
+                continue;
+            };
+            common.now.push(new);
+            common.before.push(value * dof.sign());
+            let pair = std_at(&now.shape_std, dof).zip(std_at(&before.shape_std, dof));
+            common.stds = common.stds.zip(pair).map(|(mut all, pair): (Vec<_>, _)| {
+                all.push(pair);
+                all
+            });
+        }
+        common
     }
-    (new_values, other, stds)
 }
 
 fn std_at(stds: &Option<BTreeMap<Dof, f64>>, dof: &Dof) -> Option<f64> {
@@ -368,16 +380,23 @@ fn shape_changes(
     if before.shape.is_empty() {
         return Vec::new();
     }
-    let (new_shape, other, stds) = common(now, before);
+    let CommonComponents {
+        now: new_shape,
+        before: other,
+        stds,
+    } = CommonComponents::new(now, before);
     let points = Measure::AtLeast(new_shape.len() as f64, before.shape.len() as f64);
     let mut changes = vec![("degrees of freedom", points)];
     // One component is a scale and no shape.
     if new_shape.len() < 2 {
         return changes;
     }
-    let most = limits.mac.unwrap_or(MAC_CHANGE);
+    let most = limits.mac.unwrap_or(MAX_MAC_CHANGE);
     if root.len() > 1 {
-        let span: Vec<Vec<Complex64>> = root.iter().map(|mode| along(mode, now, before)).collect();
+        let span: Vec<Vec<Complex64>> = root
+            .iter()
+            .map(|mode| values_at_common_dofs(mode, now, before))
+            .collect();
         let outside = subspace_mac(&new_shape, &span).map(|share| 1.0 - share);
         changes.push((
             "part outside the repeated root",
@@ -386,7 +405,7 @@ fn shape_changes(
         return changes;
     }
     if let (None, Some(stds)) = (limits.mac, stds) {
-        let sum = misfit(&new_shape, &other, &stds, limits.shape_floor);
+        let sum = chi_square(&new_shape, &other, &stds, limits.shape_floor);
         let degrees = 2.0 * (new_shape.len() - 1) as f64;
         let measure = Measure::ChiSquared { sum, degrees };
         changes.push(("shape, chi-square per degree of freedom", measure));
@@ -394,7 +413,7 @@ fn shape_changes(
     }
     let unlike = mac(&new_shape, &other).map(|mac| 1.0 - mac);
     changes.push(("1 - MAC", Measure::AtMost(unlike, most)));
-    let reversed = reversed(&new_shape, &other);
+    let reversed = count_reversed_components(&new_shape, &other);
     changes.push((
         "reversed components",
         Measure::AtMost(Some(reversed as f64), 0.0),
@@ -402,8 +421,8 @@ fn shape_changes(
     changes
 }
 
-/// The shape of a mode where two others have components in common; 0 where it has none itself.
-fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
+/// Values of a mode at the degrees of freedom that two others have in common; 0 where it has none.
+fn values_at_common_dofs(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
     let dofs = before.shape.iter().map(|(dof, _)| dof);
     let both = dofs.filter(|dof| now.shape.along_positive(dof).is_some());
     both.map(|dof| mode.shape.along_positive(dof).unwrap_or_default())
@@ -413,13 +432,13 @@ fn along(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex64> {
 /// `Σ |measured − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it
 /// smallest for the weights of its plain value; the deviations are those of real and imaginary part
 /// each.
-fn misfit(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
+fn chi_square(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
     let square: f64 = measured.iter().map(|value| value.norm_sqr()).sum();
-    let granted = floor.max(ROUNDING) * (square / measured.len() as f64).sqrt();
+    let floor_std = floor.max(MIN_RELATIVE_CHANGE) * (square / measured.len() as f64).sqrt();
     let plain = modal_scale_factor(other, measured).unwrap_or_default();
     let deviation = |(new_std, other): &(f64, f64)| {
         let stated = new_std.hypot(plain.norm() * other);
-        stated.hypot(granted).max(f64::MIN_POSITIVE)
+        stated.hypot(floor_std).max(f64::MIN_POSITIVE)
     };
     let weighted = |values: &[Complex64]| -> Vec<Complex64> {
         let pairs = values.iter().zip(stds);
@@ -427,24 +446,23 @@ fn misfit(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floo
     };
     let (new_values, other) = (weighted(measured), weighted(other));
     let scale = modal_scale_factor(&other, &new_values).unwrap_or_default();
-    let rests = new_values
+    let residuals = new_values
         .iter()
         .zip(&other)
         .map(|(new_value, other)| new_value - scale * other);
-    rests.map(|rest| rest.norm_sqr()).sum()
+    residuals.map(|residual| residual.norm_sqr()).sum()
 }
 
-/// Number of components against the others: those that lie on the other side of the scaled
-/// baseline.
-fn reversed(new_values: &[Complex64], other: &[Complex64]) -> usize {
+/// Number of components with the sign opposite to that of the scaled baseline.
+fn count_reversed_components(new_values: &[Complex64], other: &[Complex64]) -> usize {
     let Some(scale) = modal_scale_factor(other, new_values) else {
         return 0;
     };
     let largest =
         |values: &[Complex64]| values.iter().map(|value| value.norm()).fold(0.0, f64::max);
     let (least_new, least_other) = (
-        SIGN_MATTERS * largest(new_values),
-        SIGN_MATTERS * largest(other),
+        MIN_COMPONENT_WITH_SIGN * largest(new_values),
+        MIN_COMPONENT_WITH_SIGN * largest(other),
     );
     let against = |(new_value, other): &(&Complex64, &Complex64)| {
         let both_large = new_value.norm() >= least_new && other.norm() >= least_other;

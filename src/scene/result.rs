@@ -9,7 +9,7 @@ use super::model::Theory;
 use super::placement::PlacedTest;
 use super::test_result::TestResult;
 
-/// What a scene came to.
+/// Result of a scene.
 #[derive(Clone, Debug)]
 pub struct SceneResult {
     /// Tests in order.

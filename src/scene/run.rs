@@ -1,4 +1,4 @@
-//! The chain: files or a synthetic recording to hits, FRFs and modes; the model to modes; both to
+//! Files or a synthetic recording become hits, FRFs and modes; the model becomes modes; both become
 //! the comparison table.
 
 use std::path::Path;
@@ -18,7 +18,7 @@ use super::SceneError;
 use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
-use super::limits::{LimitCheck, Limits, judge_comparison, judge_modes};
+use super::limits::{LimitCheck, Limits, check_comparison, check_modes};
 use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
@@ -30,7 +30,7 @@ use super::result::SceneResult;
 use super::test_plan::{TestPlan, TestSource};
 use super::test_result::TestResult;
 
-/// Runs a scene, unobserved.
+/// Runs a scene without an observer.
 ///
 /// # Errors
 /// As [`run_observed`].
@@ -38,10 +38,10 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
     run_observed(scene, &())
 }
 
-/// Runs a scene; every test, the model and the comparison are a step each.
+/// Runs a scene; the observer gets a step for every test, for the model and for the comparison.
 ///
 /// # Errors
-/// [`SceneError`], with the test's name where one test is at fault.
+/// [`SceneError`], with the name of the test where one test fails.
 pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResult, SceneError> {
     let steps = scene.tests.len() + 2 * usize::from(scene.model.is_some());
     let step = |what: &str, number| observer.step(what, number, steps);
@@ -54,7 +54,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
     let limits = tests.iter().flat_map(|test| mode_limits(scene, test));
     let mut limits: Vec<LimitCheck> = limits.collect();
     let Some(table) = &scene.model else {
-        return without_model(scene, tests, limits);
+        return tests_only_result(scene, tests, limits);
     };
     step("model", tests.len() + 1);
     let options = ModeOptions {
@@ -83,13 +83,13 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
     limits.extend(
         table
             .iter()
-            .flat_map(|table| judge_comparison(&scene.limits, &table.summary)),
+            .flat_map(|table| check_comparison(&scene.limits, &table.summary)),
     );
     Ok(SceneResult {
         placements: placed_tests(&scene.placement, &tests, &theory.modes),
         tests,
         limits,
-        expected: judged(scene, known_roots(&theory))?,
+        expected: compare_published(scene, model_roots(&theory))?,
         theory,
         comparison_findings,
         pairings,
@@ -98,7 +98,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
 }
 
 /// The published results, if there are any, compared with the model.
-fn judged(
+fn compare_published(
     scene: &Scene,
     roots: Option<&[ModelRoot]>,
 ) -> Result<Option<ExpectedResult>, SceneError> {
@@ -106,7 +106,7 @@ fn judged(
         return Ok(None);
     };
     let quantities = quantities(scene, &expected.claims)?;
-    Ok(Some(expected.judge(roots, quantities)))
+    Ok(Some(expected.compare(roots, quantities)))
 }
 
 /// Checks one test against `[[limits.mode]]`.
@@ -121,14 +121,14 @@ fn mode_limits(scene: &Scene, test: &TestResult) -> Vec<LimitCheck> {
         what: format!("{}: {}", test.name, check.what),
         ..check
     };
-    judge_modes(&scene.limits, &found)
+    check_modes(&scene.limits, &found)
         .into_iter()
         .map(named)
         .collect()
 }
 
 /// A scene without a model ends with the modes of its tests.
-fn without_model(
+fn tests_only_result(
     scene: &Scene,
     tests: Vec<TestResult>,
     limits: Vec<LimitCheck>,
@@ -151,7 +151,7 @@ fn without_model(
         tests,
         limits,
         placements: Vec::new(),
-        expected: judged(scene, None)?,
+        expected: compare_published(scene, None)?,
         theory: Theory::default(),
         table: None,
         comparison_findings: Vec::new(),
@@ -172,7 +172,7 @@ pub(super) fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
 
 pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
     if let TestSource::Modes(path) = &test.source {
-        return finished_modes(test, path);
+        return load_finished_modes(test, path);
     }
     let data = test_data(scene, test)?;
     let result = identify_test(scene, test, data.ingested, data.inputs)?;
@@ -182,7 +182,7 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
     })
 }
 
-/// What a test begins with.
+/// Data of a test.
 #[derive(Default)]
 pub struct TestData {
     /// Its hits or FRFs; neither for a test of finished modes.
@@ -243,7 +243,7 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
             };
             let ingested = ingest_files(files, &options)?;
             Ok(TestData {
-                inputs: with_dofs(inputs, &ingested),
+                inputs: add_file_dofs(inputs, &ingested),
                 ingested,
                 recording: None,
             })
@@ -251,8 +251,8 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
     }
 }
 
-/// The files with the degrees of freedom that each has alone.
-pub(crate) fn with_dofs(mut inputs: Vec<InputFile>, ingested: &Ingested) -> Vec<InputFile> {
+/// The files, each with the degrees of freedom that no other file has.
+pub(crate) fn add_file_dofs(mut inputs: Vec<InputFile>, ingested: &Ingested) -> Vec<InputFile> {
     for (input, dofs) in inputs.iter_mut().zip(&ingested.dofs_of_files) {
         input.dofs.clone_from(dofs);
     }
@@ -267,7 +267,7 @@ fn input_file(path: &Path) -> Result<InputFile, SceneError> {
     })
 }
 
-pub(super) fn finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
+pub(super) fn load_finished_modes(test: &TestPlan, path: &Path) -> Result<TestResult, SceneError> {
     let options = ModesOptions {
         partial: test.partial,
         ..ModesOptions::default()
@@ -305,7 +305,7 @@ fn identify_test(
             let options = test.hammer_options(&scene.hammer);
             let hammer_result = hammer(recording.as_mut(), &options).map_err(of_test)?;
             let set = hammer_result.estimated.set;
-            let band = band_to_search(&set, hammer_result.usable, test.band, &mut findings)
+            let band = search_band(&set, hammer_result.usable, test.band, &mut findings)
                 .map_err(of_test)?;
             hits = hammer_result.hits;
             (vec![set], Some(band))
@@ -337,16 +337,16 @@ fn identify_test(
     })
 }
 
-/// The band that was asked for as far as the force excites it, else the usable band; with a finding
-/// when it is narrower than the one wanted.
-fn band_to_search(
+/// The requested band as far as the force excites it, else the usable band; adds a finding where it
+/// is narrower than the requested one.
+fn search_band(
     set: &FrfSet,
     usable: Band,
     wanted: Option<Band>,
     findings: &mut Vec<Finding>,
 ) -> Result<Band, FrfError> {
     let Some(wanted) = wanted else {
-        findings.push(band_limited(usable));
+        findings.push(band_limited_finding(usable));
         return Ok(usable);
     };
     let excited = set.excited_band.unwrap_or(usable);
@@ -355,17 +355,17 @@ fn band_to_search(
         hi_hz: excited.hi_hz,
     })?;
     if wanted.hi_hz > band.hi_hz {
-        findings.push(band_limited(band));
+        findings.push(band_limited_finding(band));
     }
     Ok(band)
 }
 
-fn band_limited(band: Band) -> Finding {
+fn band_limited_finding(band: Band) -> Finding {
     Finding::new(Severity::Info, Code::BandLimited, Place::Whole).value(band.hi_hz, "Hz")
 }
 
 /// A warning for each mode above the valid band.
-fn outside_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
+fn modes_above_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
     let Some(valid) = valid else {
         return Vec::new();
     };
@@ -381,8 +381,8 @@ fn outside_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Finding> {
         .collect()
 }
 
-/// The roots of a model; `None` for finished modes, which have no roots.
-fn known_roots(theory: &Theory) -> Option<&[ModelRoot]> {
+/// The roots of a model; `None` for modes from a file.
+fn model_roots(theory: &Theory) -> Option<&[ModelRoot]> {
     (!theory.roots.is_empty()).then_some(theory.roots.as_slice())
 }
 
@@ -396,7 +396,7 @@ pub fn identify_sets(
     options: &IdentifyOptions,
     test: &str,
 ) -> Result<Identification, SceneError> {
-    let set = of_one_axis(sets, test)?;
+    let set = single_set(sets, test)?;
     let mut identification_result =
         identification(set, options).map_err(|source| SceneError::Identify {
             test: test.to_owned(),
@@ -410,7 +410,7 @@ pub fn identify_sets(
             Place::Whole,
         ));
     }
-    let outside = outside_valid_band(model, set.valid_band);
+    let outside = modes_above_valid_band(model, set.valid_band);
     model.findings.extend(outside);
     let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
@@ -427,13 +427,13 @@ pub fn indicators_of_sets(
     options: &IdentifyOptions,
     test: &str,
 ) -> Result<Indicators, SceneError> {
-    indicators(of_one_axis(sets, test)?, options).map_err(|source| SceneError::Identify {
+    indicators(single_set(sets, test)?, options).map_err(|source| SceneError::Identify {
         test: test.to_owned(),
         source: Box::new(source),
     })
 }
 
-fn of_one_axis<'a>(sets: &'a [FrfSet], test: &str) -> Result<&'a FrfSet, SceneError> {
+fn single_set<'a>(sets: &'a [FrfSet], test: &str) -> Result<&'a FrfSet, SceneError> {
     match sets {
         [set] => Ok(set),
         _ => Err(SceneError::Axes {
@@ -454,7 +454,7 @@ pub struct Comparison {
     pub pairings: Vec<Pairing>,
 }
 
-/// A test as it comes to a comparison.
+/// A test to be compared.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedTest<'a> {
     /// Name, as it heads its columns.

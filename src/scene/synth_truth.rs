@@ -1,5 +1,5 @@
-//! The truth that a spec's `[truth]` means: modes of a model, some of them moved, or finished
-//! modes.
+//! The truth of a synthetic test: modes of a model, some at stated frequencies, or modes from a
+//! file.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -38,8 +38,8 @@ pub(super) fn truth(
     let folder = folder_of(path);
     if let Some(file) = &table.modes {
         let model = table.name.is_some() || table.file.is_some() || !table.parameters.is_empty();
-        let rest = table.damping_ratio.is_some() || table.highest_hz.is_some();
-        if model || rest || !table.mode.is_empty() {
+        let has_options = table.damping_ratio.is_some() || table.highest_hz.is_some();
+        if model || has_options || !table.mode.is_empty() {
             let got = "name, file, parameters, damping_ratio, highest_hz or mode beside `modes`";
             return Err(value_error(&name, "[truth]", got, "`modes` alone"));
         }
@@ -63,14 +63,14 @@ pub(super) fn truth(
     };
     let mut model = theory(&table.model(), folder, &name, sensors, &options)?.modes;
     if !table.mode.is_empty() {
-        model.modes = moved_modes(&model, &table.mode, &name)?;
+        model.modes = modes_at_stated_frequencies(&model, &table.mode, &name)?;
     }
     Ok(Truth::from_real_shapes(&model, &responses, &hits)?)
 }
 
 /// The rigid-body modes of the model, and of its elastic roots those that are named, at their new
 /// frequencies.
-fn moved_modes(
+fn modes_at_stated_frequencies(
     model: &ModalModel,
     wanted: &[TruthModeTable],
     path: &str,

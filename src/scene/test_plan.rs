@@ -18,11 +18,11 @@ use super::typed::TestTable;
 pub struct TestPlan {
     /// Name.
     pub name: String,
-    /// Where its data come from.
+    /// Source of its data.
     pub source: TestSource,
     /// Band of identification.
     pub band: Option<Band>,
-    /// Whether the good part of a partly bad file will do.
+    /// Whether the good part of a partly bad file is used.
     pub partial: bool,
     /// Numbers, from 1, of hits that are used whatever the rules say.
     pub accept: BTreeSet<usize>,
@@ -30,7 +30,7 @@ pub struct TestPlan {
     pub reject: BTreeSet<usize>,
 }
 
-/// Where a test's data come from.
+/// Source of a test's data.
 #[derive(Clone, Debug)]
 pub enum TestSource {
     /// Recordings or FRFs.
@@ -55,9 +55,9 @@ pub enum TestSource {
 pub struct FilePlan {
     /// Path.
     pub path: PathBuf,
-    /// The scene's word for its response.
+    /// Its response, where the scene states it.
     pub response: Option<Dof>,
-    /// The scene's word for its reference (hit point).
+    /// Its excitation point, where the scene states it.
     pub reference: Option<Dof>,
 }
 
@@ -137,13 +137,13 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
     let mut files = Vec::new();
     for pattern in &test.files {
         for found in expand(folder, pattern, path)? {
-            let word = test
+            let stated = test
                 .file
                 .iter()
-                .find(|word| folder.join(&word.path) == found)
+                .find(|stated| folder.join(&stated.path) == found)
                 .cloned();
-            let response = word.as_ref().and_then(|word| word.response.clone());
-            let reference = word.as_ref().and_then(|word| word.reference.clone());
+            let response = stated.as_ref().and_then(|stated| stated.response.clone());
+            let reference = stated.as_ref().and_then(|stated| stated.reference.clone());
             files.push(FilePlan {
                 path: found,
                 response,
@@ -157,15 +157,15 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
         let got = format!("{} twice", files[twice].path.display());
         return Err(value_error(path, "[[test]] files", &got, "each file once"));
     }
-    if let Some(word) = test.file.iter().find(|word| {
+    if let Some(stated) = test.file.iter().find(|stated| {
         !files
             .iter()
-            .any(|file| file.path == folder.join(&word.path))
+            .any(|file| file.path == folder.join(&stated.path))
     }) {
         return Err(value_error(
             path,
             "[[test.file]] path",
-            &format!("{:?}", word.path),
+            &format!("{:?}", stated.path),
             "one of the test's files",
         ));
     }

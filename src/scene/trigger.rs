@@ -12,16 +12,16 @@ use crate::signal::{Segments, TriggerOptions, segments, to_si};
 ///
 /// # Errors
 /// [`FrfError`] for records that cannot be read, and as [`segments`].
-pub(super) fn cut(
+pub(super) fn cut_hits(
     mut whole: Box<dyn Recording>,
     options: &TriggerOptions,
 ) -> Result<(Cut, Vec<Finding>), FrfError> {
     let infos: Vec<HitInfo> = whole.hits().to_vec();
     let mut found = Vec::with_capacity(infos.len());
     for (record, info) in infos.iter().enumerate() {
-        found.push(hits_of(whole.as_mut(), record, info, options)?);
+        found.push(detect_hits(whole.as_mut(), record, info, options)?);
     }
-    // Without a stated length the shortest of all records is that of all.
+    // Without a stated length all records get that of the shortest one.
     let all = || found.iter().flat_map(|record| &record.segments);
     let before = all().map(|hit| hit.onset - hit.range.start).min();
     let before = before.unwrap_or(0);
@@ -54,7 +54,7 @@ pub(super) fn cut(
     Ok((Cut::new(whole, &pieces), findings))
 }
 
-fn hits_of(
+fn detect_hits(
     whole: &mut dyn Recording,
     record: usize,
     info: &HitInfo,
@@ -137,7 +137,7 @@ mod tests {
         let infos = records.iter().map(Hit::info).collect();
         let whole = Box::new(Owned(records, infos));
         let (mut cut, findings) =
-            cut(whole, &TriggerOptions::default()).expect("a record with hits");
+            cut_hits(whole, &TriggerOptions::default()).expect("a record with hits");
         let codes: Vec<Code> = findings.iter().map(|finding| finding.code).collect();
         let each = [Code::TriggerLevel, Code::HitLength];
         assert_eq!(codes, [each, each].concat());

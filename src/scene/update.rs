@@ -22,15 +22,15 @@ use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
 use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
-use super::updated_model::{overrides_note, replaced, table};
+use super::updated_model::{model_table_text, overrides_note, replace_nominal_values};
 
 /// Name of the published frequencies beside the tests.
 const PUBLISHED: &str = "published";
 
 /// Findings on the signs of sensors.
-const REVERSED: [Code; 2] = [Code::ReversedSensor, Code::ReversedGroup];
+const REVERSED_CODES: [Code; 2] = [Code::ReversedSensor, Code::ReversedGroup];
 
-/// What updating a scene's model came to.
+/// Result of updating a scene's model.
 #[derive(Clone, Debug)]
 pub struct SceneUpdate {
     /// The tests that counted.
@@ -52,7 +52,7 @@ pub struct SceneUpdate {
     /// The updated `model.toml`, or the `[model]` table of a scene for a model that has no such
     /// file.
     pub model_toml: String,
-    /// What was said on the way.
+    /// Findings of the tests, the comparison and the update.
     pub findings: Vec<Finding>,
 }
 
@@ -80,9 +80,10 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let band = band(&stated, &scene.path)?;
     let in_band: Vec<Measured> = measured
         .iter()
-        .map(|measured_modes| measured_modes.inside(band))
+        .map(|measured_modes| measured_modes.in_band(band))
         .collect();
-    let all_measured: Vec<MeasuredModes<'_>> = in_band.iter().map(Measured::borrowed).collect();
+    let all_measured: Vec<MeasuredModes<'_>> =
+        in_band.iter().map(Measured::as_measured_modes).collect();
     let values = &model.values;
     let problem = UpdateProblem::new(
         model.model.as_ref(),
@@ -109,7 +110,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         ..model
     };
     let theory_after = updated.solve(&sensors, &mode_options)?;
-    let compared = |theory: &Theory| compared(scene, &measured, &tests, theory);
+    let compared = |theory: &Theory| compare_measured(scene, &measured, &tests, theory);
     let (before, after) = (compared(&theory_before)?, compared(&theory_after)?);
     let mut findings: Vec<Finding> = tests
         .iter()
@@ -126,7 +127,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .findings
         .iter()
         .flat_map(|(_, finding_list)| finding_list);
-    let reversed = reversed.filter(|finding| REVERSED.contains(&finding.code));
+    let reversed = reversed.filter(|finding| REVERSED_CODES.contains(&finding.code));
     let new: Vec<Finding> = reversed
         .filter(|finding| {
             !findings
@@ -151,7 +152,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     })
 }
 
-/// Options that nothing would read.
+/// Checks that every stated option has an effect.
 fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
     if !stated.always.is_empty() && !stated.explain {
         let got = stated.always.join(", ");
@@ -206,7 +207,7 @@ fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>,
 struct Measured {
     name: String,
     modes: ModalModel,
-    /// Number of each mode, by which labels name it whatever counts.
+    /// Number of each mode in labels, which counts the modes outside the band too.
     numbers: Vec<usize>,
     frfs: Vec<FrfSet>,
 }
@@ -221,7 +222,7 @@ impl Measured {
         }
     }
 
-    /// Published roots apart from which nothing was inferred, numbered as the scene numbers the
+    /// Published roots from which no parameter was inferred, numbered as the scene numbers the
     /// roots of its model.
     fn published(expected: &Expected, first_root: usize) -> Self {
         let mut collected = Self {
@@ -250,7 +251,7 @@ impl Measured {
     }
 
     /// The modes inside the band.
-    fn inside(&self, band: Option<Band>) -> Self {
+    fn in_band(&self, band: Option<Band>) -> Self {
         let pairs = self.modes.modes.iter().zip(&self.numbers);
         let kept =
             pairs.filter(|(mode, _)| band.is_none_or(|band| band.contains(mode.frequency_hz)));
@@ -267,7 +268,7 @@ impl Measured {
         }
     }
 
-    fn borrowed(&self) -> MeasuredModes<'_> {
+    fn as_measured_modes(&self) -> MeasuredModes<'_> {
         MeasuredModes {
             name: &self.name,
             modes: &self.modes,
@@ -321,11 +322,11 @@ fn sensors(model: &LoadedModel, scene: &Scene) -> Result<Vec<Sensor>, SceneError
 fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneError> {
     let default = UpdateOptions::default();
     let floor = stated.shape_floor.or(default.shape_floor);
-    let or = |stated: Option<f64>, default: f64| stated.unwrap_or(default);
+    let stated_or = |stated: Option<f64>, default: f64| stated.unwrap_or(default);
     Ok(UpdateOptions {
         residuals: residuals(stated, &scene.path)?,
-        assumed_shape_std: or(stated.assumed_shape_std, default.assumed_shape_std),
-        frf_floor: or(stated.frf_floor, default.frf_floor),
+        assumed_shape_std: stated_or(stated.assumed_shape_std, default.assumed_shape_std),
+        frf_floor: stated_or(stated.frf_floor, default.frf_floor),
         frf_lines: stated.frf_lines.unwrap_or(default.frf_lines),
         frequency_floor: stated.frequency_floor.unwrap_or(default.frequency_floor),
         shape_floor: floor.filter(|_| stated.shapes != Some(false)),
@@ -402,8 +403,8 @@ fn choice(
     })
 }
 
-/// All that was measured against a model: modes that did not count, too.
-fn compared(
+/// Compares all measured modes with a model, those outside the band too.
+fn compare_measured(
     scene: &Scene,
     measured: &[Measured],
     tests: &[TestResult],
@@ -433,13 +434,13 @@ fn model_text(
     let specs = model.model.parameters();
     let Some(file) = &named.file else {
         let name = named.name.clone().unwrap_or_default();
-        return Ok(table("name", &name, specs, values));
+        return Ok(model_table_text("name", &name, specs, values));
     };
     let text = read_text(&named_model(named, &scene.folder, &scene.path)?)?;
-    let replaced = replaced(&text, specs, &model.values, values);
+    let replaced = replace_nominal_values(&text, specs, &model.values, values);
     let overrides = overrides_note(named.parameters.keys());
     Ok(replaced.map_or_else(
-        || table("file", file, specs, values),
+        || model_table_text("file", file, specs, values),
         |text| overrides + &text,
     ))
 }

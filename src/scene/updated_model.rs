@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use crate::theory::ParameterSpec;
 
-/// The `model.toml` with other nominal values, those that updating moved from `start` as inferred
-/// ones; `None` where a parameter's table was not found.
-pub(super) fn replaced(
+/// The `model.toml` with new nominal values, with status `inferred` where the update changed them
+/// from `start`; `None` where a parameter's table was not found.
+pub(super) fn replace_nominal_values(
     text: &str,
     specs: &[ParameterSpec],
     start: &[f64],
@@ -27,12 +27,12 @@ pub(super) fn replaced(
         };
         let table_range = parameter_table(&lines, &spec.name)?;
         let nominal = key_line(&lines, &table_range, "nominal")?;
-        set(
+        replace_text(
             &mut lines[nominal],
             &format!("nominal = {value:?}    # {comment}"),
         );
-        let printed = key_line(&lines, &table_range, "status")?;
-        set(&mut lines[printed], &format!("status = \"{status}\""));
+        let status_line = key_line(&lines, &table_range, "status")?;
+        replace_text(&mut lines[status_line], &format!("status = \"{status}\""));
     }
     Some(lines.join("\n") + "\n")
 }
@@ -50,21 +50,21 @@ pub(super) fn overrides_note<'a>(names: impl Iterator<Item = &'a String>) -> Str
     )
 }
 
-/// Another text at the indent of a line.
-fn set(line: &mut String, text: &str) {
+/// Replaces the text of a line, not its indent.
+fn replace_text(line: &mut String, text: &str) {
     let indent = line.len() - line.trim_start().len();
     line.truncate(indent);
     line.push_str(text);
 }
 
 /// The value of a key on a line, with the comment behind it.
-fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
+fn key_value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
     let (line_key, value) = line.split_once('=')?;
     (line_key.trim() == key).then(|| value.trim())
 }
 
 fn key_line(lines: &[String], table: &Range<usize>, key: &str) -> Option<usize> {
-    table.clone().find(|&i| value(&lines[i], key).is_some())
+    table.clone().find(|&i| key_value(&lines[i], key).is_some())
 }
 
 /// The lines of the `[[parameter]]` table of this name.
@@ -78,7 +78,7 @@ fn parameter_table(lines: &[String], name: &str) -> Option<Range<usize>> {
     };
     let named = |table: &Range<usize>| {
         table.clone().any(|i| {
-            let table_name = value(&lines[i], "name");
+            let table_name = key_value(&lines[i], "name");
             table_name
                 .is_some_and(|table_name| quoted.iter().any(|q| table_name.starts_with(q.as_str())))
         })
@@ -87,7 +87,12 @@ fn parameter_table(lines: &[String], name: &str) -> Option<Range<usize>> {
 }
 
 /// The `[model]` table of a scene that gives a model these values.
-pub(super) fn table(key: &str, model: &str, specs: &[ParameterSpec], values: &[f64]) -> String {
+pub(super) fn model_table_text(
+    key: &str,
+    model: &str,
+    specs: &[ParameterSpec],
+    values: &[f64],
+) -> String {
     let mut text = format!(
         "# The [model] table of a scene.toml with the updated parameters.\n[model]\n{key} = {model:?}\n\n[model.parameters]\n"
     );
@@ -126,12 +131,18 @@ mod tests {
         let text = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.0 # start\nname = \"a\"\nstatus = \"printed\"\n[[parameter]]\nname = 'ab'\n  nominal = 2.0\n status = 'printed'\n[[body]]\nname = \"a\"\n";
         let specs = [spec("a", 1.0), spec("ab", 2.0)];
         // The scene states 3 for the second one, which updating leaves.
-        let new = replaced(text, &specs, &[1.0, 3.0], &[1.5, 3.0]).unwrap();
+        let new = replace_nominal_values(text, &specs, &[1.0, 3.0], &[1.5, 3.0]).unwrap();
         let expected = "kind = \"lumped\"\n[[parameter]]\nnominal = 1.5    # updated from 1.0\nname = \"a\"\nstatus = \"inferred\"\n[[parameter]]\nname = 'ab'\n  nominal = 3.0    # stated by the scene; 2.0 before\n status = \"assumed\"\n[[body]]\nname = \"a\"\n";
         assert_eq!(new, expected);
         let same = [1.0, 2.0];
-        assert_eq!(replaced(text, &specs, &same, &same).unwrap(), text);
-        assert_eq!(replaced(text, &[spec("c", 1.0)], &[1.0], &[2.0]), None);
+        assert_eq!(
+            replace_nominal_values(text, &specs, &same, &same).unwrap(),
+            text
+        );
+        assert_eq!(
+            replace_nominal_values(text, &[spec("c", 1.0)], &[1.0], &[2.0]),
+            None
+        );
     }
 
     #[test]
@@ -147,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_table_of_a_scene_has_what_changed() {
-        let text = table(
+        let text = model_table_text(
             "name",
             "gear/A",
             &[spec("a", 1.0), spec("b", 2.0)],

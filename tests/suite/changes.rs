@@ -8,7 +8,7 @@ use rand_distr::StandardNormal;
 
 use modalign::Dof;
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
-use modalign::scene::{ChangeLimits, RowVerdict, judge_changes, mode_changes};
+use modalign::scene::{ChangeLimits, RowVerdict, check_changes, mode_changes};
 
 const POINTS: usize = 10;
 const SHAPE_STD: f64 = 0.01;
@@ -77,7 +77,7 @@ fn seen(truth: &ModalModel, rng: &mut ChaCha8Rng) -> ModalModel {
 }
 
 fn missed(rows: &[RowVerdict]) -> Vec<String> {
-    let missed = rows.iter().filter(|row| !row.met());
+    let missed = rows.iter().filter(|row| !row.is_met());
     missed.map(|row| row.row.clone()).collect()
 }
 
@@ -88,7 +88,7 @@ fn a_perfect_result_is_refused_as_often_as_stated() {
     let mut refused = 0;
     for _ in 0..draws {
         let (now, before) = (seen(&truth, &mut rng), seen(&truth, &mut rng));
-        let rows = judge_changes(&mode_changes(&now, &before, &limits(stated)), stated);
+        let rows = check_changes(&mode_changes(&now, &before, &limits(stated)), stated);
         assert_eq!(rows.len(), 6);
         refused += usize::from(!missed(&rows).is_empty());
     }
@@ -112,7 +112,7 @@ fn missed_after(seed: u64, harm: impl Fn(&mut ModalModel)) -> Vec<String> {
         false_refusals: 1e-6,
         ..ChangeLimits::default()
     };
-    missed(&judge_changes(
+    missed(&check_changes(
         &mode_changes(&now, &before, &limits),
         limits.false_refusals,
     ))
@@ -124,7 +124,7 @@ fn the_floors_refuse_less_and_never_more() {
     for _ in 0..300 {
         let (now, before) = (seen(&truth, &mut rng), seen(&truth, &mut rng));
         let refused = |limits: ChangeLimits| {
-            let rows = judge_changes(&mode_changes(&now, &before, &limits), limits.false_refusals);
+            let rows = check_changes(&mode_changes(&now, &before, &limits), limits.false_refusals);
             !missed(&rows).is_empty()
         };
         let with_floors = ChangeLimits {
@@ -192,7 +192,7 @@ fn without_stated_deviations_absolute_limits_hold() {
     let judged = |harm: &dyn Fn(&mut ModalModel), limits: ChangeLimits| {
         let mut now = before.clone();
         harm(&mut now);
-        missed(&judge_changes(
+        missed(&check_changes(
             &mode_changes(&now, &before, &limits),
             limits.false_refusals,
         ))
@@ -245,7 +245,7 @@ fn a_repeated_root_may_turn_within_its_plane_and_not_out_of_it() {
             ModeShape::new((0..POINTS).map(|point| (dof(point), value(&dof(point)))))
         };
         (now.modes[0].shape, now.modes[1].shape) = (mix(0.6, 0.8), mix(-0.8, 0.6));
-        missed(&judge_changes(
+        missed(&check_changes(
             &mode_changes(&now, &before, &limits(0.01)),
             0.01,
         ))

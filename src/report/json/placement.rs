@@ -19,7 +19,7 @@ pub(super) fn limits_value(limits: &[LimitCheck]) -> Option<Value> {
             "value": check.value,
             "limit": check.limit,
             "bound": if check.upper { "upper" } else { "lower" },
-            "met": check.met(),
+            "met": check.is_met(),
         })
     };
     (!limits.is_empty()).then(|| limits.iter().map(check).collect())

@@ -62,7 +62,7 @@ pub struct CaseTable {
     pub lowest_hz: Option<f64>,
     /// Hz from the pair to the third mode.
     pub gap_hz: Option<f64>,
-    /// Sensors, 3 or more.
+    /// Number of sensors, 4 to 1000.
     pub responses: Option<usize>,
     /// Lines of the band where FRFs are drawn.
     pub lines: Option<usize>,
