@@ -1,5 +1,5 @@
-//! `modalign study breakdown`: where methods fail, slice by slice; finished slices are kept and
-//! found again.
+//! `modalign study breakdown`: failure boundaries of methods, slice by slice; finished slices are
+//! stored and reused.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,14 +39,14 @@ pub fn breakdown(
     spec.table.draws = args.draws.or(spec.table.draws);
     let plan = spec.table.plan().map_err(StudyError::from)?;
     let part = args.cells.unwrap_or(Part::WHOLE);
-    let finished = finished(args, &plan, part, output)?;
+    let finished = compute_slices(args, &plan, part, output)?;
     for name in &finished.outdated {
-        output.text(&format!(
+        output.add_text(&format!(
             "{name}: the kept cells are of another spec; computed again"
         ));
     }
     for name in &finished.reused {
-        output.text(&format!("{name}: found finished"));
+        output.add_text(&format!("{name}: found finished"));
     }
     if part.count > 1 {
         let names = finished
@@ -54,13 +54,13 @@ pub fn breakdown(
             .iter()
             .map(|result| result.slice.name.as_str());
         let names: Vec<&str> = names.collect();
-        output.text(&format!(
+        output.add_text(&format!(
             "part {} of {}: {}; --merge joins the parts",
             part.number,
             part.count,
             names.join(", ")
         ));
-        output.blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
+        output.add_blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
         return Ok(Outcome::Done);
     }
     let MarkedModes {
@@ -80,43 +80,43 @@ pub fn breakdown(
         let measured = !finished.times.is_empty();
         let times = measured.then(|| breakdown_times(&finished.times));
         for (name, bytes) in files(&file, times, args.png) {
-            output.file(folder.join(name), bytes);
+            output.add_file(folder.join(name), bytes);
         }
     }
     let blocks: Vec<Block> = breakdown_blocks(&file).into_iter().chain(rates).collect();
-    output.blocks(&blocks);
-    output.json(|| json::breakdown_to_json(&file));
+    output.add_blocks(&blocks);
+    output.add_json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
 }
 
-fn finished(
+fn compute_slices(
     args: &BreakdownArgs,
     plan: &Plan,
     part: Part,
     output: &Output,
 ) -> Result<BreakdownResults, Error> {
     let cells: Box<dyn CellStore + '_> = match &args.output {
-        Some(folder) => Box::new(Folder {
-            path: folder.join(CELLS),
+        Some(folder) => Box::new(FolderStore {
+            path: folder.join(CELLS_FOLDER),
             output: Some(output),
         }),
-        None => Box::new(Memory::default()),
+        None => Box::new(MemoryStore::default()),
     };
     if args.merge.is_empty() {
         let observer = TimeLeft::new(output.observer());
         let computed = compute(plan, part, &*cells, &observer, &ProcessMeter);
         return Ok(computed.map_err(StudyError::from)?);
     }
-    let folder = |path: &PathBuf| Folder {
-        path: path.join(CELLS),
+    let folder = |path: &PathBuf| FolderStore {
+        path: path.join(CELLS_FOLDER),
         output: None,
     };
-    let parts: Vec<Folder> = args.merge.iter().map(folder).collect();
+    let parts: Vec<FolderStore> = args.merge.iter().map(folder).collect();
     let parts: Vec<&dyn CellStore> = parts.iter().map(|cells| cells as &dyn CellStore).collect();
     Ok(merge(plan, &parts, &*cells).map_err(StudyError::from)?)
 }
 
-/// A spec with where it lies.
+/// A spec with its folder.
 struct Spec {
     table: BreakdownTable,
     folder: PathBuf,
@@ -163,7 +163,7 @@ impl Spec {
             };
             let loaded = load_modes(&self.folder.join(path), &options)?;
             if loaded.partly_bad {
-                output.findings_of("", &lost_part_findings(&loaded.modes.findings));
+                output.add_findings_of("", &lost_part_findings(&loaded.modes.findings));
             }
             return Ok(MarkedModes {
                 title: None,
@@ -177,7 +177,7 @@ impl Spec {
         let scene = reading.scene(scene)?;
         let result = run_observed(&scene, output.observer())?;
         for test in result.tests.iter().filter(|test| test.partly_bad) {
-            output.findings_of(&test.name, &lost_part_findings(&test.modes.findings));
+            output.add_findings_of(&test.name, &lost_part_findings(&test.modes.findings));
         }
         let several = result.tests.len() > 1;
         let of_test = result.tests.iter().flat_map(|test| {
@@ -202,23 +202,23 @@ struct MarkedModes {
     is_bad: bool,
 }
 
-/// Folder of the finished slices in that of the results.
-const CELLS: &str = "cells";
+/// Folder of the finished slices in the folder of the results.
+const CELLS_FOLDER: &str = "cells";
 
 /// Finished slices as files.
-struct Folder<'a> {
+struct FolderStore<'a> {
     path: PathBuf,
     /// Whose interrupts wait while a file is written.
     output: Option<&'a Output>,
 }
 
-impl Folder<'_> {
+impl FolderStore<'_> {
     fn file(&self, name: &str) -> PathBuf {
         self.path.join(format!("{name}.json"))
     }
 }
 
-impl CellStore for Folder<'_> {
+impl CellStore for FolderStore<'_> {
     fn load(&self, name: &str) -> Result<Option<String>, String> {
         let file = self.file(name);
         if !file.exists() {
@@ -231,7 +231,9 @@ impl CellStore for Folder<'_> {
 
     fn save(&self, name: &str, text: &str) -> Result<(), String> {
         let file = self.file(name);
-        let _writing = self.output.map(|output| output.writing([file.as_path()]));
+        let _writing = self
+            .output
+            .map(|output| output.guard_writing([file.as_path()]));
         std::fs::create_dir_all(&self.path)
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
         write_all_whole(&[(file, text.as_bytes().to_vec())]).map_err(|error| error.to_string())
@@ -240,9 +242,9 @@ impl CellStore for Folder<'_> {
 
 /// Finished slices of a run that writes nothing.
 #[derive(Default)]
-struct Memory(Mutex<BTreeMap<String, String>>);
+struct MemoryStore(Mutex<BTreeMap<String, String>>);
 
-impl CellStore for Memory {
+impl CellStore for MemoryStore {
     fn load(&self, name: &str) -> Result<Option<String>, String> {
         let kept = self.0.lock().map_err(|error| error.to_string())?;
         Ok(kept.get(name).cloned())
@@ -255,7 +257,7 @@ impl CellStore for Memory {
     }
 }
 
-/// Says of the steps of a pass how long the rest of them takes.
+/// Adds the remaining time of a pass to its steps.
 struct TimeLeft<'a> {
     inner: &'a dyn Observer,
     pass: Mutex<(String, Instant)>,

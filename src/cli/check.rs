@@ -24,11 +24,12 @@ use super::outcome::Outcome;
 use super::output::Output;
 use super::targets::{check_targets, targets};
 
-/// The theory of a comparison is computed: the same model gives the same roots but for rounding.
-const THEORY_PERCENT: f64 = 1e-4;
+/// Largest change of a theory's frequency, percent: the same model gives the same roots up to
+/// rounding.
+const MAX_THEORY_CHANGE_PERCENT: f64 = 1e-4;
 
-/// What a parameter may change: by its posterior deviations; one of value 0 by nothing.
-const PARAMETER: AllowedChange = AllowedChange {
+/// Allowed change of a parameter: by its posterior standard deviations; none for a value of 0.
+const PARAMETER_CHANGE: AllowedChange = AllowedChange {
     percent: None,
     unstated_percent: 0.0,
     floor: 0.0,
@@ -80,10 +81,10 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     if let Some(path) = &args.junit {
         let suite = args.result.display().to_string();
         let against = args.against.display().to_string();
-        output.file(path, junit(&suite, &against, &rows));
+        output.add_file(path, junit(&suite, &against, &rows));
     }
-    output.blocks(&[verdicts_block(&rows)]);
-    output.json(|| checks_json(&rows));
+    output.add_blocks(&[verdicts_block(&rows)]);
+    output.add_json(|| checks_json(&rows));
     Ok(Outcome::missed_if(rows.iter().any(|row| !row.is_met())))
 }
 
@@ -133,11 +134,11 @@ fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, E
         // No limit is about parameters.
         ResultFile::Update(_) => Vec::new(),
     };
-    Ok(by_row(checks))
+    Ok(group_by_row(checks))
 }
 
 /// `hammer: smallest MAC` is the check `smallest MAC` of the row `hammer`.
-fn by_row(checks: Vec<LimitCheck>) -> Vec<RowVerdict> {
+fn group_by_row(checks: Vec<LimitCheck>) -> Vec<RowVerdict> {
     let mut rows: Vec<RowVerdict> = Vec::new();
     for mut check in checks {
         let (row, what) = match check.what.rsplit_once(": ") {
@@ -204,7 +205,7 @@ fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> V
         let changed = new.map(|new| f64::from(u8::from(new.verdict != old.verdict)));
         let verdict = Measure::AtMost(changed, 0.0);
         changes.push(change(&old.name, "verdict changed", verdict));
-        let value = relative_change(new.map(uncertain), uncertain(old), PARAMETER);
+        let value = relative_change(new.map(uncertain), uncertain(old), PARAMETER_CHANGE);
         changes.push(change(&old.name, "value change (%)", value));
     }
     let added = now.iter().filter(|parameter| !has(before, &parameter.name));
@@ -215,8 +216,7 @@ fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> V
     changes
 }
 
-/// Every field of the baseline's table against the same field now; a row or test that is gone is
-/// missed, one that has come too.
+/// Changes of every cell of the baseline's table; a row or test that only one side has is missed.
 fn comparison_changes(
     now: &ComparisonFile,
     before: &ComparisonFile,
@@ -227,7 +227,10 @@ fn comparison_changes(
         let current = now.rows.iter().find(|found| found.label == row.label);
         let theory = |hz: f64| {
             let new = current.and_then(|found| found.theory.as_ref());
-            Measure::AtMost(new.map(|new| percent(new.hz, hz)), THEORY_PERCENT)
+            Measure::AtMost(
+                new.map(|new| percent(new.hz, hz)),
+                MAX_THEORY_CHANGE_PERCENT,
+            )
         };
         changes.extend(row.theory.as_ref().map(|cell| Change {
             row: format!("{} theory", row.label),
@@ -238,10 +241,10 @@ fn comparison_changes(
             let same =
                 current.and_then(|row| row.tests.iter().find(|test| test.test == field.test));
             let name = format!("{} {}", row.label, field.test);
-            changes.extend(field_changes(&name, same, field, limits));
+            changes.extend(cell_changes(&name, same, field, limits));
         }
     }
-    changes.extend(added(now, before).into_iter().map(|row| Change {
+    changes.extend(added_rows(now, before).into_iter().map(|row| Change {
         row,
         what: "in the baseline".to_owned(),
         measure: Measure::AtLeast(0.0, 1.0),
@@ -250,7 +253,7 @@ fn comparison_changes(
 }
 
 /// Names of rows, and of tests in rows, that the baseline does not have.
-fn added(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
+fn added_rows(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
     let mut names = Vec::new();
     for row in &now.rows {
         let Some(old) = before.rows.iter().find(|old| old.label == row.label) else {
@@ -264,7 +267,7 @@ fn added(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
     names
 }
 
-fn field_changes(
+fn cell_changes(
     name: &str,
     now: Option<&TestFile>,
     before: &TestFile,
@@ -295,7 +298,7 @@ fn field_changes(
     changes
 }
 
-/// The frequency with its whole uncertainty: that of the error counted in it, which knows of the
+/// The frequency with its uncertainty: that of the normalised error, which includes the bias from
 /// modes outside the band, else the standard deviation.
 fn frequency_of(field: &TestFile) -> Option<UncertainValue> {
     let counted = field.error_hz.zip(field.normalised_error);

@@ -19,7 +19,7 @@ pub enum ColorChoice {
 impl ColorChoice {
     /// Whether what is written to a stream is coloured. NO_COLOR counts when it is set and not
     /// empty (no-color.org); a terminal that calls itself `dumb` has no colours.
-    pub fn paints(self, stream: &impl IsTerminal) -> bool {
+    pub fn is_enabled_on(self, stream: &impl IsTerminal) -> bool {
         let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         match self {
             ColorChoice::Always => true,
@@ -41,12 +41,12 @@ const GREEN: &str = "32";
 /// Verdicts that a table of results may end with.
 const VERDICTS: [(&str, &str); 2] = [("MISSED", RED), ("met", GREEN)];
 
-fn painted(text: &str, color: &str) -> String {
+fn paint(text: &str, color: &str) -> String {
     format!("\u{1b}[1;{color}m{text}\u{1b}[0m")
 }
 
 /// A message with its severity, the word before the first colon, in colour.
-pub fn message(line: &str) -> String {
+pub fn color_message(line: &str) -> String {
     let color = |word: &str| match word {
         "error" | "错误" => Some(RED),
         "warning" | "警告" => Some(YELLOW),
@@ -54,7 +54,7 @@ pub fn message(line: &str) -> String {
     };
     match line.split_once(':') {
         Some((word, rest)) => match color(word) {
-            Some(color) => format!("{}:{rest}", painted(word, color)),
+            Some(color) => format!("{}:{rest}", paint(word, color)),
             None => line.to_owned(),
         },
         None => line.to_owned(),
@@ -63,16 +63,16 @@ pub fn message(line: &str) -> String {
 
 /// A result with its verdicts in colour. Whole words alone are coloured, so that columns stay
 /// aligned.
-pub fn result(text: &str) -> String {
+pub fn color_result(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
-        let mut rest = line;
-        while let Some((at, word, color)) = next_verdict(rest) {
-            out += &rest[..at];
-            out += &painted(word, color);
-            rest = &rest[at + word.len()..];
+        let mut remaining = line;
+        while let Some((at, word, color)) = next_verdict(remaining) {
+            out += &remaining[..at];
+            out += &paint(word, color);
+            remaining = &remaining[at + word.len()..];
         }
-        out += rest;
+        out += remaining;
     }
     out
 }
@@ -97,14 +97,17 @@ mod tests {
 
     #[test]
     fn words_are_coloured_and_the_text_is_unchanged() {
-        assert_eq!(message("error: x: y"), "\u{1b}[1;31merror\u{1b}[0m: x: y");
-        assert_eq!(message("info: x"), "info: x");
+        assert_eq!(
+            color_message("error: x: y"),
+            "\u{1b}[1;31merror\u{1b}[0m: x: y"
+        );
+        assert_eq!(color_message("info: x"), "info: x");
         let text = " f1  MISSED  metre \n f2  met\n";
-        let plain = result(text)
+        let plain = color_result(text)
             .replace("\u{1b}[1;31m", "")
             .replace("\u{1b}[1;32m", "")
             .replace("\u{1b}[0m", "");
         assert_eq!(plain, text);
-        assert_eq!(result(text).matches("\u{1b}[1;").count(), 2);
+        assert_eq!(color_result(text).matches("\u{1b}[1;").count(), 2);
     }
 }

@@ -10,6 +10,6 @@ use super::output::Output;
 pub fn completions(args: &CompletionsArgs, output: &mut Output) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "modalign", &mut script);
-    output.text(&String::from_utf8_lossy(&script));
+    output.add_text(&String::from_utf8_lossy(&script));
     Outcome::Done
 }

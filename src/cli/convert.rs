@@ -14,7 +14,7 @@ use crate::scene::{Scene, TestSource, open_test};
 use super::args::ConvertArgs;
 use super::outcome::Outcome;
 use super::output::{Output, check_extension};
-use super::targets::{check_targets, files_of, targets};
+use super::targets::{check_targets, input_files, targets};
 
 /// Writes what the inputs hold; says what could not be carried. Exit code 1 when part of an input
 /// was bad and left out.
@@ -27,7 +27,7 @@ pub fn convert(
     let read: Vec<PathBuf> = args
         .inputs
         .iter()
-        .flat_map(|input| files_of(input))
+        .flat_map(|input| input_files(input))
         .collect();
     check_targets(&targets([("-o", Some(&args.output))]), &read)?;
     let mut merged = sources(args, format)?;
@@ -45,7 +45,7 @@ pub fn convert(
         precision: precision(args),
         ..WriteOptions::default()
     };
-    let writing = output.writing([args.output.as_path()]);
+    let writing = output.guard_writing([args.output.as_path()]);
     let lost = write_path(&args.output, &mut merged, options)?;
     drop(writing);
     // What the file holds is what it says when it is read again.
@@ -54,11 +54,11 @@ pub fn convert(
         table: None,
     };
     let written = open_path(&args.output, &hints, None)?;
-    output.blocks(&[Block::Text(summary(written.catalog(), &damage))]);
+    output.add_blocks(&[Block::Text(summary(written.catalog(), &damage))]);
     let findings = [findings, lost].concat();
     let json = summary_json(written.catalog(), &damage, &findings);
-    output.json(|| format!("{json:#}"));
-    output.findings(&findings);
+    output.add_json(|| format!("{json:#}"));
+    output.add_findings(&findings);
     Ok(Outcome::missed_if(!damage.is_empty()))
 }
 

@@ -25,13 +25,13 @@ use crate::scene::{
 use crate::theory::ModeOptions;
 
 use super::args::CorrelateArgs;
-use super::correlate_dofs::{Tied, has_common, tied};
+use super::correlate_dofs::{MatchedTheory, check_common_dofs, match_dofs};
 use super::correlate_frfs::correlate_frfs;
-use super::correlation_output::{Printed, print};
+use super::correlation_output::{CorrelationOutput, print};
 use super::outcome::Outcome;
-use super::output::{MODES, Output, check_extension};
+use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::scene_reading::SceneReading;
-use super::targets::check_correlate;
+use super::targets::check_correlate_targets;
 
 /// Prints the table; writes it with `-o` in the format of the file's extension. FRFs are
 /// compared with FRFs, a test without a theory with itself.
@@ -45,7 +45,7 @@ pub fn correlate(
         &["md", "csv", "tex", "txt", "html", "json"],
     )?;
     let Some(theory) = &args.theory else {
-        return itself(args, format, output);
+        return compare_with_itself(args, format, output);
     };
     if holds_functions(theory, format) {
         return correlate_frfs(args, theory, format, output);
@@ -57,20 +57,24 @@ pub fn correlate(
             expected: "FRFs on both sides".to_owned(),
         });
     }
-    compared(args, theory, format, output)
+    compare_with_theory(args, theory, format, output)
 }
 
-/// Modes of tests against those of a theory.
-fn compared(
+/// Compares the modes of tests with those of a theory.
+fn compare_with_theory(
     args: &CorrelateArgs,
     theory: &Path,
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_correlate(args, false)?;
+    check_correlate_targets(args, false)?;
     let options = pair_options(args)?;
-    let reduction = args.orthogonality.as_deref().map(reduction).transpose()?;
-    check_extension(args.expand.as_deref(), MODES)?;
+    let reduction = args
+        .orthogonality
+        .as_deref()
+        .map(parse_reduction)
+        .transpose()?;
+    check_extension(args.expand.as_deref(), MODES_EXTENSIONS)?;
     if args.expand.is_some() && args.test.len() > 1 {
         return Err(Error::Argument {
             argument: "--expand",
@@ -86,14 +90,14 @@ fn compared(
     let Loaded { theory, model } = load(theory, args, format)?;
     let loaded = tests.iter().map(|(_, test)| test).chain([&theory]);
     let partly_bad = loaded.into_iter().any(|loaded| loaded.partly_bad);
-    let Tied {
+    let MatchedTheory {
         theory,
         names,
         alignment,
-    } = tied(args, &mut tests, theory)?;
+    } = match_dofs(args, &mut tests, theory)?;
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
-        has_common(name, &test.modes, &theory.modes)?;
+        check_common_dofs(name, &test.modes, &theory.modes)?;
         let sensors = correct_reversed_sensors(args, &mut test.modes, &theory.modes, &options)?;
         reversed.push((name.clone(), sensors));
     }
@@ -106,7 +110,7 @@ fn compared(
         })
         .collect();
     let comparison = compare_tests(&theory.modes, &named, &options)?;
-    let wanted = Wanted {
+    let requested = RequestedResults {
         args,
         reduction,
         options: &options,
@@ -116,7 +120,7 @@ fn compared(
     };
     let mut all = Vec::new();
     for ((name, test), pairing) in tests.iter().zip(&comparison.pairings) {
-        let measures = wanted.of(&test.modes, pairing, output)?;
+        let measures = requested.measures(&test.modes, pairing, output)?;
         all.extend(measures.map(|measures| (name.clone(), measures)));
     }
     let mut blocks = whole_comparison(&comparison.table, &theory);
@@ -131,38 +135,38 @@ fn compared(
     blocks.extend(reversed_block(&reversed, args.turn_reversed));
     let json = json::comparison_with(
         &comparison.table,
-        &json::Additions {
+        &json::ExtraResults {
             measures: &all,
             reversed: &reversed,
             alignment: alignment.as_ref(),
-            ..json::Additions::default()
+            ..json::ExtraResults::default()
         },
     );
-    print(args, Printed::one(blocks, json), output);
+    print(args, CorrelationOutput::of_blocks(blocks, json), output);
     let named_models = args.test.iter().chain(&args.theory);
     let taken: Vec<Finding> = named_models
         .filter_map(|path| built_in_name_finding(path))
         .collect();
-    output.findings(&taken);
+    output.add_findings(&taken);
     let models = tests.iter().map(|(_, test)| &test.modes);
     for model in models.chain([&theory.modes]) {
-        output.findings(&model.findings);
+        output.add_findings(&model.findings);
     }
     for (name, measures) in &all {
         let orthogonality = measures.orthogonality.as_ref();
-        output.findings_of(
+        output.add_findings_of(
             name,
             &orthogonality.map_or_else(Vec::new, Orthogonality::findings),
         );
     }
     for (test, findings) in &comparison.findings {
-        output.findings_of(test, findings);
+        output.add_findings_of(test, findings);
     }
     Ok(Outcome::missed_if(partly_bad))
 }
 
-/// The reversed sensors of a test, turned where that is wanted; those that are not are findings of
-/// the pairing.
+/// The reversed sensors of a test, corrected where that is requested; else the pairing reports
+/// them.
 fn correct_reversed_sensors(
     args: &CorrelateArgs,
     test: &mut ModalModel,
@@ -178,14 +182,14 @@ fn correct_reversed_sensors(
     Ok(found)
 }
 
-/// Every test against itself.
-fn itself(
+/// Compares every test with itself.
+fn compare_with_itself(
     args: &CorrelateArgs,
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let options = pair_options(args)?;
-    check_correlate(args, true)?;
+    check_correlate_targets(args, true)?;
     let (mut all, mut partly_bad) = (Vec::new(), false);
     for path in &args.test {
         let name = path.display().to_string();
@@ -203,12 +207,12 @@ fn itself(
         } = load(path, args, format)?.theory;
         partly_bad |= is_bad;
         let duplicates = auto_mac(&test, DuplicateLimits::default(), &options)?;
-        output.findings(&test.findings);
-        output.findings_of(&name, &duplicates.findings());
+        output.add_findings(&test.findings);
+        output.add_findings_of(&name, &duplicates.findings());
         all.push((name, duplicates));
     }
     let of_test = |(name, auto_mac): &(String, AutoMac)| auto_mac_blocks(name, auto_mac);
-    let printed = Printed::of_tests(
+    let printed = CorrelationOutput::of_tests(
         all.iter().map(of_test).collect(),
         json::auto_macs_to_json(&all),
     );
@@ -216,7 +220,7 @@ fn itself(
     Ok(Outcome::missed_if(partly_bad))
 }
 
-fn reduction(name: &str) -> Result<Reduction, Error> {
+fn parse_reduction(name: &str) -> Result<Reduction, Error> {
     Reduction::from_name(name).ok_or_else(|| Error::Argument {
         argument: "--orthogonality",
         got: name.to_owned(),
@@ -224,8 +228,8 @@ fn reduction(name: &str) -> Result<Reduction, Error> {
     })
 }
 
-/// The results that were requested in addition to the table.
-struct Wanted<'a> {
+/// Results that are requested in addition to the table.
+struct RequestedResults<'a> {
     args: &'a CorrelateArgs,
     reduction: Option<Reduction>,
     options: &'a PairOptions,
@@ -234,26 +238,26 @@ struct Wanted<'a> {
     names: Option<&'a DofNames>,
 }
 
-impl Wanted<'_> {
-    /// The measures of a test, where they are wanted; its expanded shapes go to their file.
-    fn of(
+impl RequestedResults<'_> {
+    /// The measures of a test, where they are requested; its expanded shapes go to their file.
+    fn measures(
         &self,
         test: &ModalModel,
         pairing: &Pairing,
         output: &mut Output,
     ) -> Result<Option<Measures>, Error> {
-        let (args, paired) = (self.args, paired_theory(pairing));
-        // By statics no modes are kept: what expands shapes is then what orthogonality takes.
-        let mut expanding = None;
+        let (args, paired) = (self.args, paired_theory_modes(pairing));
+        // A static reduction keeps no modes: orthogonality reuses the one of the expansion.
+        let mut mass_of_expansion = None;
         if let Some(path) = &args.expand {
             let reduction = self.reduction.unwrap_or(Reduction::Serep);
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
-            let (model, mass) = self.mass(dofs, reduction, &paired)?;
+            let (model, mass) = self.reduced_mass(dofs, reduction, &paired)?;
             let all = model.model.coordinate_dofs()?;
             let expanded_modes = expanded(test, &pairing.map, &mass, &all)?;
             let json = modes_to_json(&expanded_modes, None);
-            output.modes(path, &expanded_modes, &Geometry::default(), &json)?;
-            expanding = Some(mass);
+            output.add_modes(path, &expanded_modes, &Geometry::default(), &json)?;
+            mass_of_expansion = Some(mass);
         }
         if !args.measures && self.reduction.is_none() {
             return Ok(None);
@@ -266,9 +270,9 @@ impl Wanted<'_> {
                 Reduction::Guyan => (0..self.theory.modes.len()).collect(),
             };
             let kept = reduction == Reduction::Guyan || columns == paired;
-            let mass = match expanding.filter(|_| kept) {
+            let mass = match mass_of_expansion.filter(|_| kept) {
                 Some(mass) => mass,
-                None => self.mass(dofs, reduction, &columns)?.1,
+                None => self.reduced_mass(dofs, reduction, &columns)?.1,
             };
             measured.orthogonality = Some(orthogonality(
                 test,
@@ -282,7 +286,7 @@ impl Wanted<'_> {
     }
 
     /// The model, and its mass matrix reduced to the sensors of both.
-    fn mass(
+    fn reduced_mass(
         &self,
         dofs: Vec<Dof>,
         reduction: Reduction,
@@ -306,7 +310,7 @@ impl Wanted<'_> {
 }
 
 /// Indices of the theory's modes that are paired.
-fn paired_theory(pairing: &Pairing) -> Vec<usize> {
+fn paired_theory_modes(pairing: &Pairing) -> Vec<usize> {
     let modes = pairing.pairs.iter().flat_map(|pair| pair.theory.iter());
     modes.copied().collect()
 }

@@ -1,5 +1,5 @@
-//! Which degree of freedom of a test is which of a theory, where the names do not say it: by a
-//! list, or by place.
+//! Degrees of freedom of a test are matched with those of a theory by a list or by position, where
+//! the names differ.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::scene::{Theory, read_text};
 use super::args::CorrelateArgs;
 
 /// A theory under the names of the test.
-pub struct Tied {
+pub struct MatchedTheory {
     /// The theory.
     pub theory: Theory,
     /// Model DOFs behind each test name; `None` where test and theory use the same names.
@@ -25,31 +25,35 @@ pub struct Tied {
     pub alignment: Option<Alignment>,
 }
 
-/// The theory under the names of the test, where the names differ. With several tests all must have
-/// the first one's.
-pub fn tied(
+/// The theory under the names of the test, where the names differ. Several tests must have the
+/// names of the first one.
+pub fn match_dofs(
     args: &CorrelateArgs,
     tests: &mut [(String, Theory)],
     theory: Theory,
-) -> Result<Tied, Error> {
+) -> Result<MatchedTheory, Error> {
     if let Some(path) = &args.dof_map {
-        return Ok(named(list(path, "--dof-map")?, theory, None));
+        return Ok(rename_theory(
+            read_dof_list(path, "--dof-map")?,
+            theory,
+            None,
+        ));
     }
     let (Some(tolerance), Some((_, first))) = (args.nearest_node, tests.first_mut()) else {
-        return Ok(Tied {
+        return Ok(MatchedTheory {
             theory,
             names: None,
             alignment: None,
         });
     };
-    has_nodes(&args.test[0], &first.geometry)?;
-    has_nodes(
+    check_nodes(&args.test[0], &first.geometry)?;
+    check_nodes(
         args.theory.as_deref().unwrap_or(Path::new("")),
         &theory.geometry,
     )?;
     let alignment = match &args.align {
         None => None,
-        Some(list) => Some(aligned(list.as_deref(), first, &theory, tolerance)?),
+        Some(list) => Some(fit_alignment(list.as_deref(), first, &theory, tolerance)?),
     };
     let frame = alignment.as_ref().map(Alignment::similarity);
     let (names, finding) = DofNames::nearest(
@@ -61,9 +65,9 @@ pub fn tied(
     first
         .modes
         .findings
-        .extend(alignment.as_ref().map(finding_of));
+        .extend(alignment.as_ref().map(alignment_finding));
     first.modes.findings.push(finding);
-    Ok(named(names, theory, alignment))
+    Ok(rename_theory(names, theory, alignment))
 }
 
 fn located(modes: &Theory) -> LocatedModes<'_> {
@@ -73,8 +77,8 @@ fn located(modes: &Theory) -> LocatedModes<'_> {
     }
 }
 
-fn named(names: DofNames, theory: Theory, alignment: Option<Alignment>) -> Tied {
-    Tied {
+fn rename_theory(names: DofNames, theory: Theory, alignment: Option<Alignment>) -> MatchedTheory {
+    MatchedTheory {
         theory: Theory {
             modes: names.rename(&theory.modes),
             ..theory
@@ -84,7 +88,7 @@ fn named(names: DofNames, theory: Theory, alignment: Option<Alignment>) -> Tied 
     }
 }
 
-fn list(path: &Path, argument: &'static str) -> Result<DofNames, Error> {
+fn read_dof_list(path: &Path, argument: &'static str) -> Result<DofNames, Error> {
     let text = read_text(path)?;
     DofNames::parse(&text).map_err(|error| Error::Argument {
         argument,
@@ -94,30 +98,30 @@ fn list(path: &Path, argument: &'static str) -> Result<DofNames, Error> {
 }
 
 /// The test's frame fitted to the theory's by a list of partners, or by the nearest points.
-fn aligned(
+fn fit_alignment(
     path: Option<&Path>,
     test: &Theory,
     theory: &Theory,
     tolerance_m: f64,
 ) -> Result<Alignment, Error> {
     let Some(path) = path else {
-        let (test, theory) = (places(test), places(theory));
+        let (test, theory) = (point_positions(test), point_positions(theory));
         return Ok(align_nearest(&test, &theory, tolerance_m)?);
     };
-    let names = list(path, "--align")?;
-    let place = |geometry: &Geometry, point: &str| geometry.node(point).map(|node| node.at_m);
+    let names = read_dof_list(path, "--align")?;
+    let position = |geometry: &Geometry, point: &str| geometry.node(point).map(|node| node.at_m);
     let both = |(measured, other): &(&str, &str)| {
         Some((
-            place(&test.geometry, measured)?,
-            place(&theory.geometry, other)?,
+            position(&test.geometry, measured)?,
+            position(&theory.geometry, other)?,
         ))
     };
     let pairs: Vec<(Vector3, Vector3)> = names.points().iter().filter_map(both).collect();
     Ok(align_known(&pairs, tolerance_m)?)
 }
 
-/// Where the points are at which some mode has a value, each once.
-fn places(theory: &Theory) -> Vec<Vector3> {
+/// Positions of the points at which a mode has a value, each once.
+fn point_positions(theory: &Theory) -> Vec<Vector3> {
     let shapes = theory.modes.modes.iter().map(|mode| &mode.shape);
     let points = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof.point().to_owned()));
     let points: std::collections::BTreeSet<String> = points.collect();
@@ -127,7 +131,7 @@ fn places(theory: &Theory) -> Vec<Vector3> {
     nodes.map(|node| node.at_m).collect()
 }
 
-fn finding_of(alignment: &Alignment) -> Finding {
+fn alignment_finding(alignment: &Alignment) -> Finding {
     let severity = if alignment.as_good > 0 {
         Severity::Warning
     } else {
@@ -136,7 +140,7 @@ fn finding_of(alignment: &Alignment) -> Finding {
     Finding::new(severity, Code::NodesAligned, Place::Whole).value(alignment.scale, "")
 }
 
-fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
+fn check_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
     if !geometry.nodes.is_empty() {
         return Ok(());
     }
@@ -147,9 +151,8 @@ fn has_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
     })
 }
 
-/// Shapes on both sides without one common degree of freedom have other names, or are of another
-/// machine.
-pub fn has_common(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
+/// Checks that shapes of test and theory have a degree of freedom in common.
+pub fn check_common_dofs(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
     let example = |model: &ModalModel| {
         let mut shapes = model.modes.iter().flat_map(|mode| mode.shape.iter());
         shapes.next().map(|(dof, _)| dof.to_string())

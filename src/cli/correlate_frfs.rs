@@ -9,11 +9,11 @@ use crate::report::{CsvText, Renderer, frf_correlation_blocks, frf_lines_block, 
 use crate::scene::{FilePlan, IngestOptions, ingest_files};
 
 use super::args::CorrelateArgs;
-use super::correlation_output::{Printed, print};
+use super::correlation_output::{CorrelationOutput, print};
 use super::outcome::Outcome;
 use super::output::{Output, check_extension};
 use super::scene_reading::SceneReading;
-use super::targets::check_correlate;
+use super::targets::check_correlate_targets;
 
 /// Prints FRAC of every function and the criteria over frequency; writes them with `-o`, those of
 /// every line with `--lines`.
@@ -24,30 +24,30 @@ pub fn correlate_frfs(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     check_arguments(args)?;
-    check_correlate(args, true)?;
+    check_correlate_targets(args, true)?;
     let partial = args.partial;
     let mut partly_bad = false;
-    let mut functions = |path: &Path| -> Result<FrfSet, Error> {
+    let mut read = |path: &Path| -> Result<FrfSet, Error> {
         let reading = SceneReading { format, partial };
-        let (set, bad) = functions(path, reading, output)?;
+        let (set, bad) = read_frfs(path, reading, output)?;
         partly_bad |= bad;
         Ok(set)
     };
-    let other = functions(theory)?;
+    let other = read(theory)?;
     let second = theory.display().to_string();
     let (mut tests, mut lines, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for path in &args.test {
         let name = path.display().to_string();
-        let correlation = frf_correlation(&functions(path)?, &other, args.band)?;
+        let correlation = frf_correlation(&read(path)?, &other, args.band)?;
         tests.push(frf_correlation_blocks(&name, &second, &correlation));
         lines.push(frf_lines_block(&name, &second, &correlation));
         all.push((name, correlation));
     }
     if let Some(path) = &args.lines {
-        output.file(path, CsvText.render(&lines));
+        output.add_file(path, CsvText.render(&lines));
     }
     let json = json::frf_correlations_to_json(&all);
-    print(args, Printed::of_tests(tests, json), output);
+    print(args, CorrelationOutput::of_tests(tests, json), output);
     Ok(Outcome::missed_if(partly_bad))
 }
 
@@ -77,7 +77,7 @@ fn check_arguments(args: &CorrelateArgs) -> Result<(), Error> {
 }
 
 /// The FRFs of a file, on one axis, and whether part of it was bad.
-fn functions(
+fn read_frfs(
     path: &Path,
     reading: SceneReading,
     output: &mut Output,
@@ -89,12 +89,12 @@ fn functions(
         ..IngestOptions::default()
     };
     let data = ingest_files(&[FilePlan::without_points(path)], &options)?;
-    output.findings(&data.findings);
+    output.add_findings(&data.findings);
     let count = data.frfs.len();
     let mut sets = data.frfs.into_iter();
     match (sets.next(), sets.next(), data.recording) {
         (Some(set), None, None) => {
-            output.findings(&set.findings);
+            output.add_findings(&set.findings);
             Ok((set, data.partly_bad))
         }
         (_, _, recording) => Err(Error::Argument {

@@ -6,19 +6,19 @@ use crate::report::{Block, renderer_for_extension};
 
 use super::args::CorrelateArgs;
 use super::output::Output;
-use super::targets::numbered;
+use super::targets::numbered_path;
 
-/// A result in all its forms.
-pub(super) struct Printed {
+/// A result as text and as JSON.
+pub(super) struct CorrelationOutput {
     blocks: Vec<Block>,
-    /// Numbers of the blocks that are a CSV file each: its reader expects one table.
+    /// Indices of the blocks that become a CSV file each.
     tables: Vec<usize>,
     json: String,
 }
 
-impl Printed {
+impl CorrelationOutput {
     /// Blocks of which the first is the table.
-    pub(super) fn one(blocks: Vec<Block>, json: String) -> Self {
+    pub(super) fn of_blocks(blocks: Vec<Block>, json: String) -> Self {
         let tables = vec![0];
         Self {
             blocks,
@@ -61,26 +61,26 @@ impl Printed {
         }
         let tables = (1..).zip(&self.tables);
         tables
-            .map(|(number, at)| (numbered(path, number), table(*at)))
+            .map(|(number, at)| (numbered_path(path, number), table(*at)))
             .collect()
     }
 }
 
 /// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
 /// `x-1.csv`, `x-2.csv`.
-pub(super) fn print(args: &CorrelateArgs, printed: Printed, output: &mut Output) {
-    let blocks = &formatted(args, output.language().translated(printed.blocks.clone()));
+pub(super) fn print(args: &CorrelateArgs, printed: CorrelationOutput, output: &mut Output) {
+    let blocks = &format_blocks(args, output.language().translated(printed.blocks.clone()));
     if let Some(path) = &args.output {
         for (path, text) in printed.files(path, blocks) {
-            output.file(path, text);
+            output.add_file(path, text);
         }
     }
-    output.translated(blocks);
-    output.json(|| printed.json);
+    output.add_translated_blocks(blocks);
+    output.add_json(|| printed.json);
 }
 
 /// Blocks with the caption and the number format that were chosen.
-fn formatted(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
+fn format_blocks(args: &CorrelateArgs, mut blocks: Vec<Block>) -> Vec<Block> {
     let tables = blocks.iter_mut().filter_map(|block| match block {
         Block::Table(table) => Some(table),
         _ => None,

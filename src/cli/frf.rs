@@ -19,8 +19,8 @@ use crate::signal::{Offset, TriggerOptions};
 
 use super::args::FrfArgs;
 use super::outcome::Outcome;
-use super::output::{FUNCTIONS, Output, check_extension};
-use super::targets::{check_targets, files_of, targets};
+use super::output::{FRF_EXTENSIONS, Output, check_extension};
+use super::targets::{check_targets, input_files, targets};
 
 /// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad
 /// and left out.
@@ -28,20 +28,20 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     let grouping = match args.hits.as_deref() {
         None => HitGrouping::Records,
         Some(name) => HitGrouping::from_name(name)
-            .ok_or_else(|| argument("--hits", name, "records, files or trigger"))?,
+            .ok_or_else(|| argument_error("--hits", name, "records, files or trigger"))?,
     };
-    check_extension(args.output.as_deref(), FUNCTIONS)?;
+    check_extension(args.output.as_deref(), FRF_EXTENSIONS)?;
     let read: Vec<PathBuf> = args
         .inputs
         .iter()
-        .flat_map(|input| files_of(input))
+        .flat_map(|input| input_files(input))
         .collect();
     check_targets(&targets([("-o", args.output.as_ref())]), &read)?;
-    let scene = scene(args)?;
+    let scene = load_scene(args)?;
     check_arguments(args, scene.is_some())?;
     let data = match &scene {
-        Some(scene) => scene_files(args, scene, format)?,
-        None => files(args, grouping, format)?,
+        Some(scene) => ingest_scene_files(args, scene, format)?,
+        None => ingest_recordings(args, grouping, format)?,
     };
     let options = options(args, scene.as_ref())?;
     let mut recording = data.recording.ok_or_else(no_records)?;
@@ -55,22 +55,22 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     if let Some(path) = &args.output {
         let mut source = frf_source(&set, "FRFs");
         source.catalog.geometry = data.geometry.clone();
-        let window = window_of(&estimate);
+        let window = record_window(&estimate);
         for entry in &mut source.catalog.entries {
             entry.note.window = window;
         }
-        let _writing = output.writing([path.as_path()]);
-        output.findings(&write_path(path, &mut source, WriteOptions::default())?);
+        let _writing = output.guard_writing([path.as_path()]);
+        output.add_findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
-    output.blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);
-    output.json(|| set_json(&set, usable, &hits));
-    output.findings(&data.findings);
-    output.findings(&set.findings);
+    output.add_blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);
+    output.add_json(|| set_json(&set, usable, &hits));
+    output.add_findings(&data.findings);
+    output.add_findings(&set.findings);
     Ok(Outcome::missed_if(data.partly_bad))
 }
 
 /// The scene that the only input is, if it is one.
-fn scene(args: &FrfArgs) -> Result<Option<Scene>, Error> {
+fn load_scene(args: &FrfArgs) -> Result<Option<Scene>, Error> {
     let [only] = args.inputs.as_slice() else {
         return Ok(None);
     };
@@ -82,7 +82,11 @@ fn scene(args: &FrfArgs) -> Result<Option<Scene>, Error> {
 }
 
 /// The files of a scene's first test, as the scene describes them.
-fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<Ingested, Error> {
+fn ingest_scene_files(
+    args: &FrfArgs,
+    scene: &Scene,
+    format: Option<&str>,
+) -> Result<Ingested, Error> {
     let test = &scene.tests[0];
     let TestSource::Files {
         files,
@@ -91,7 +95,7 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
         typed,
     } = &test.source
     else {
-        return Err(argument(
+        return Err(argument_error(
             "INPUT",
             &scene.path,
             "recordings, or a scene whose first test has `files`",
@@ -114,7 +118,11 @@ fn scene_files(args: &FrfArgs, scene: &Scene, format: Option<&str>) -> Result<In
     )?)
 }
 
-fn files(args: &FrfArgs, grouping: HitGrouping, format: Option<&str>) -> Result<Ingested, Error> {
+fn ingest_recordings(
+    args: &FrfArgs,
+    grouping: HitGrouping,
+    format: Option<&str>,
+) -> Result<Ingested, Error> {
     let plan = |path: &Path| FilePlan {
         reference: args.reference.clone(),
         ..FilePlan::without_points(path)
@@ -135,7 +143,7 @@ fn files(args: &FrfArgs, grouping: HitGrouping, format: Option<&str>) -> Result<
 }
 
 /// The window of the records, as files name it.
-fn window_of(options: &EstimateOptions) -> Option<Window> {
+fn record_window(options: &EstimateOptions) -> Option<Window> {
     match (options.force_window, options.exponential) {
         (None, None) => None,
         (Some(_), None) => Some(Window::Force),
@@ -145,7 +153,7 @@ fn window_of(options: &EstimateOptions) -> Option<Window> {
 }
 
 fn no_records() -> Error {
-    argument("INPUT", "files without time records", "recorded hits")
+    argument_error("INPUT", "files without time records", "recorded hits")
 }
 
 /// Options of the command line, else of the scene, else the defaults.
@@ -163,7 +171,7 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
     let estimator = match args.estimator.as_deref() {
         None => base.estimate.estimator,
         Some(name) => Estimator::from_name(name)
-            .ok_or_else(|| argument("--estimator", name, "h1, h2 or hv"))?,
+            .ok_or_else(|| argument_error("--estimator", name, "h1, h2 or hv"))?,
     };
     let scene_options = base.estimate;
     Ok(HammerOptions {
@@ -185,22 +193,21 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
             None => base.response_window,
             Some(text) => response_window(text)?,
         },
-        // The command line's word goes before the scene's.
-        accept: joined(&base.accept, &args.accept, &args.reject),
-        reject: joined(&base.reject, &args.reject, &args.accept),
+        // The command line precedes the scene.
+        accept: merge_hit_numbers(&base.accept, &args.accept, &args.reject),
+        reject: merge_hit_numbers(&base.reject, &args.reject, &args.accept),
         keep_all: base.keep_all || args.keep_all,
         ..base
     })
 }
 
-/// The numbers of a scene and those that are added to them, without those that now stand on the
-/// other side.
-fn joined(scene: &BTreeSet<usize>, added: &[usize], other: &[usize]) -> BTreeSet<usize> {
+/// The hit numbers of a scene and of the command line, without those of the opposite option.
+fn merge_hit_numbers(scene: &BTreeSet<usize>, added: &[usize], other: &[usize]) -> BTreeSet<usize> {
     let kept = scene.iter().filter(|number| !other.contains(number));
     kept.chain(added).copied().collect()
 }
 
-/// Options that a scene states itself, and options of the trigger without it.
+/// Rejects options that a scene states, and options of the trigger without it.
 fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
     let stated = [
         ("--hits", args.hits.is_some()),
@@ -214,7 +221,7 @@ fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
     if of_scene {
         return match stated.next() {
             None => Ok(()),
-            Some((name, _)) => Err(argument(
+            Some((name, _)) => Err(argument_error(
                 name,
                 "a scene",
                 "recordings; a scene states it in [[test]]",
@@ -223,7 +230,7 @@ fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
     }
     match stated.find(|(name, _)| !by_trigger && !["--hits", "--reference"].contains(name)) {
         None => Ok(()),
-        Some((name, _)) => Err(argument(name, "no trigger", "--hits trigger")),
+        Some((name, _)) => Err(argument_error(name, "no trigger", "--hits trigger")),
     }
 }
 
@@ -233,11 +240,11 @@ fn response_window(text: &str) -> Result<ResponseWindow, Error> {
         ("auto", _) => Ok(ResponseWindow::Auto),
         ("none", _) => Ok(ResponseWindow::Off),
         (_, Ok(end)) => Ok(ResponseWindow::End(end)),
-        _ => Err(argument("--response-window", text, expected)),
+        _ => Err(argument_error("--response-window", text, expected)),
     }
 }
 
-fn argument(argument: &'static str, got: &str, expected: &str) -> Error {
+fn argument_error(argument: &'static str, got: &str, expected: &str) -> Error {
     Error::Argument {
         argument,
         got: got.to_owned(),

@@ -1,4 +1,4 @@
-//! The nearest thing to what was typed and is not there.
+//! An error about a missing file or model suggests the nearest existing name.
 
 use std::io::ErrorKind;
 use std::path::Path;

@@ -18,7 +18,7 @@ use crate::scene::{
 
 use super::args::IdentifyArgs;
 use super::outcome::Outcome;
-use super::output::{MODES, Output, check_extension};
+use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::targets::{check_targets, targets};
 
 /// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left
@@ -28,7 +28,7 @@ pub fn identify(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), MODES)?;
+    check_extension(args.output.as_deref(), MODES_EXTENSIONS)?;
     check_extension(args.stabilization.as_deref(), &["csv"])?;
     check_extension(args.indicators.as_deref(), &["csv"])?;
     let written = targets([
@@ -78,23 +78,23 @@ pub fn identify(
         for node in &mut geometry.nodes {
             node.displacement_system = None;
         }
-        output.modes(path, &modes, &geometry, &json)?;
+        output.add_modes(path, &modes, &geometry, &json)?;
     }
-    output.blocks(&[modes_block(&name, &modes)]);
+    output.add_blocks(&[modes_block(&name, &modes)]);
     if let Some(path) = &args.stabilization {
         let poles = stabilization_block(&name, &identified.stabilization);
-        output.file(path, CsvText.render(&[poles]));
+        output.add_file(path, CsvText.render(&[poles]));
     }
     if let Some(path) = &args.indicators {
         let indicators = indicators_of_sets(&data.frfs, &options, &name)?;
-        output.file(
+        output.add_file(
             path,
             CsvText.render(&[indicators_block(&name, &indicators)]),
         );
-        output.blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
+        output.add_blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
-    output.json(|| json);
-    output.findings(&modes.findings);
+    output.add_json(|| json);
+    output.add_findings(&modes.findings);
     let has = |code| modes.findings.iter().any(|finding| finding.code == code);
     let partly_bad = data.partly_bad || has(Code::ValueNotFinite);
     Ok(Outcome::missed_if(partly_bad || has(Code::SelectionMissed)))

@@ -34,7 +34,7 @@ pub fn inspect(
             Ok(source) => source,
             // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
-                output.blocks(&[Block::Text(format!("not read: {error}"))]);
+                output.add_blocks(&[Block::Text(format!("not read: {error}"))]);
                 files.push(json!({ "path": hints.path, "error": error.to_string() }));
                 first_error.get_or_insert(error);
                 continue;
@@ -43,8 +43,8 @@ pub fn inspect(
         };
         opened += 1;
         let catalog = source.catalog();
-        output.blocks(&blocks(catalog));
-        output.findings(&catalog.findings);
+        output.add_blocks(&blocks(catalog));
+        output.add_findings(&catalog.findings);
         damaged |= !catalog.damage.is_empty();
         if output.wants_json() {
             files.push(catalog_json(catalog));
@@ -53,7 +53,7 @@ pub fn inspect(
     if let (0, Some(error)) = (opened, first_error.take()) {
         return Err(error.into());
     }
-    output.json(|| {
+    output.add_json(|| {
         let result = json!({ "schema": "modalign-inspect/1", "files": files });
         format!("{result:#}")
     });

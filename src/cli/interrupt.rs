@@ -1,4 +1,4 @@
-//! Ctrl-C: what is being written is finished, then the program ends.
+//! At Ctrl-C the program finishes the files that it is writing, then ends.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write};
@@ -12,7 +12,7 @@ use super::color::is_dumb;
 
 /// The longest time that an interrupt waits for files that are being written, in hundredths of a
 /// second.
-const PATIENCE: u32 = 500;
+const MAX_WAIT_HUNDREDTHS_S: u32 = 500;
 
 /// Held while files are written.
 #[derive(Clone, Copy)]
@@ -22,11 +22,11 @@ pub struct Writing(&'static Shared);
 #[derive(Default)]
 struct Shared {
     lock: Mutex<()>,
-    begun: Mutex<Begun>,
+    folders_in_use: Mutex<OpenFolders>,
 }
 
-/// Folders that are written into, with the temporary files that others had there before.
-type Begun = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
+/// Folders that are written into, each with the temporary files that were there before.
+type OpenFolders = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 impl Writing {
     /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a
@@ -35,7 +35,7 @@ impl Writing {
         let shared: &'static Shared = Box::leak(Box::default());
         // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends
         // the program at once.
-        let _ = ctrlc::try_set_handler(move || end(shared));
+        let _ = ctrlc::try_set_handler(move || end_program(shared));
         Self(shared)
     }
 
@@ -44,17 +44,21 @@ impl Writing {
     pub fn begin<'a>(self, targets: impl IntoIterator<Item = &'a Path>) -> MutexGuard<'static, ()> {
         let guard = self.0.lock.lock();
         let folders: BTreeSet<PathBuf> = targets.into_iter().map(folder_of).collect();
-        let begun = folders
+        let folders_in_use = folders
             .into_iter()
-            .map(|folder| (temporaries(&folder), folder));
-        *self.0.begun() = begun.map(|(before, folder)| (folder, before)).collect();
+            .map(|folder| (temporary_files(&folder), folder));
+        *self.0.folders_in_use() = folders_in_use
+            .map(|(before, folder)| (folder, before))
+            .collect();
         guard.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Shared {
-    fn begun(&self) -> MutexGuard<'_, Begun> {
-        self.begun.lock().unwrap_or_else(PoisonError::into_inner)
+    fn folders_in_use(&self) -> MutexGuard<'_, OpenFolders> {
+        self.folders_in_use
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -65,7 +69,7 @@ fn folder_of(target: &Path) -> PathBuf {
 }
 
 /// The files in a folder that are not whole yet.
-fn temporaries(folder: &Path) -> BTreeSet<PathBuf> {
+fn temporary_files(folder: &Path) -> BTreeSet<PathBuf> {
     let is_temporary = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         name.starts_with(TEMPORARY_PREFIX)
@@ -77,22 +81,22 @@ fn temporaries(folder: &Path) -> BTreeSet<PathBuf> {
         .collect()
 }
 
-/// Removes what the writer has begun and will not finish.
-fn remove_begun(begun: &Begun) {
-    for (folder, before) in begun {
-        for path in temporaries(folder).difference(before) {
+/// Removes the temporary files that the writer will not finish.
+fn remove_unfinished(folders_in_use: &OpenFolders) {
+    for (folder, before) in folders_in_use {
+        for path in temporary_files(folder).difference(before) {
             // The program ends: an error has no reader.
             let _ = std::fs::remove_file(path);
         }
     }
 }
 
-fn end(shared: &'static Shared) {
+fn end_program(shared: &'static Shared) {
     let mut waited = 0;
-    // Held to the end: nothing new is begun.
+    // Held to the end, so that no new file is begun.
     let guard = loop {
         match shared.lock.try_lock() {
-            Err(TryLockError::WouldBlock) if waited < PATIENCE => {
+            Err(TryLockError::WouldBlock) if waited < MAX_WAIT_HUNDREDTHS_S => {
                 waited += 1;
                 std::thread::sleep(Duration::from_millis(10));
             }
@@ -109,7 +113,7 @@ fn end(shared: &'static Shared) {
     let word = "error: interrupted; every file that is there is whole";
     let _ = writeln!(&stderr, "{clear}{word}");
     if matches!(guard, Err(TryLockError::WouldBlock)) {
-        remove_begun(&shared.begun());
+        remove_unfinished(&shared.folders_in_use());
     }
     std::process::exit(2);
 }
@@ -140,7 +144,7 @@ mod tests {
         ] {
             std::fs::write(path(target), "x").expect("a folder of the test can be written");
         }
-        remove_begun(&writing.0.begun());
+        remove_unfinished(&writing.0.folders_in_use());
         let left: Vec<bool> = ["out/.modalign-1", "new/.modalign-2"]
             .map(|temporary| path(temporary).exists())
             .into();

@@ -62,8 +62,12 @@ pub fn main() -> ExitCode {
         Err(error) => {
             let line = format!("error: {error}{}", hint(&error));
             let stderr = std::io::stderr();
-            let paints = cli.global.color.paints(&stderr);
-            let line = if paints { color::message(&line) } else { line };
+            let paints = cli.global.color.is_enabled_on(&stderr);
+            let line = if paints {
+                color::color_message(&line)
+            } else {
+                line
+            };
             let _ = writeln!(&stderr, "{line}");
             ExitCode::from(2)
         }
@@ -113,7 +117,7 @@ fn in_pool<T: Send>(
 
 fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
     if let Some(code) = cli.global.explain {
-        output.text(&format!(
+        output.add_text(&format!(
             "{}: {}\n\n{}",
             code.name(),
             output.language().sentence(code),
@@ -138,7 +142,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::New(args)) => new::new(args, format, output),
         Some(Verb::Completions(args)) => Ok(completions::completions(args, output)),
         None => {
-            output.text(&Cli::command().render_help().to_string());
+            output.add_text(&Cli::command().render_help().to_string());
             Ok(Outcome::Done)
         }
     }

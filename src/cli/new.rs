@@ -92,14 +92,14 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (name, text) in NAMES.iter().zip([source.as_str(), EXPECTED, &draft.scene]) {
         written.push((args.folder.join(name), NewFile::Text(text)));
     }
-    let writing = output.writing(written.iter().map(|(path, _)| path.as_path()));
+    let writing = output.guard_writing(written.iter().map(|(path, _)| path.as_path()));
     write_all_new(&written)?;
     drop(writing);
     for (source, _) in &opened {
-        output.findings(&source.catalog().findings);
+        output.add_findings(&source.catalog().findings);
     }
-    output.blocks(&[Block::Text(next_steps(args, &draft.scene))]);
-    output.json(|| {
+    output.add_blocks(&[Block::Text(next_steps(args, &draft.scene))]);
+    output.add_json(|| {
         let open: Vec<_> = open_lines(&draft.scene)
             .into_iter()
             .map(|line| serde_json::json!({ "line": line.line, "key": line.key, "expected": line.expected }))

@@ -28,14 +28,14 @@ pub fn needs(
             ("order.json", json::order_to_json(&analysis)),
         ];
         for (name, text) in texts {
-            output.file(folder.join(name), text.into_bytes());
+            output.add_file(folder.join(name), text.into_bytes());
         }
         for (name, bytes) in figure_files(order_figures(&analysis), args.png) {
-            output.file(folder.join(name), bytes);
+            output.add_file(folder.join(name), bytes);
         }
     }
-    output.blocks(&blocks);
-    output.json(|| json::order_to_json(&analysis));
+    output.add_blocks(&blocks);
+    output.add_json(|| json::order_to_json(&analysis));
     let is_bad = report_damage(&scene, output)?;
     Ok(Outcome::missed_if(is_bad || !analysis.failed.is_empty()))
 }

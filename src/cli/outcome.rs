@@ -1,6 +1,6 @@
 //! The outcome of a verb gives the exit code.
 
-/// How a verb that did not fail ended.
+/// Outcome of a verb that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Done: exit code 0.
@@ -10,7 +10,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// `Missed` when something was.
+    /// `Missed` when a limit is missed or input was bad.
     pub fn missed_if(missed: bool) -> Self {
         if missed {
             Outcome::Missed

@@ -1,4 +1,4 @@
-//! Standard output carries the result alone, standard error the findings.
+//! Standard output carries only the result, standard error the findings.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
@@ -18,16 +18,16 @@ use super::color::{self, ColorChoice};
 use super::interrupt::Writing;
 use super::progress::Progress;
 
-/// More findings of one code than this are counted instead of listed.
-const LISTED_PER_CODE: usize = 5;
+/// Maximum number of findings of one code that are listed; further ones are counted.
+const MAX_LISTED_PER_CODE: usize = 5;
 
 /// Extensions of the formats that hold modes.
-pub const MODES: &[&str] = &[
+pub const MODES_EXTENSIONS: &[&str] = &[
     "json", "csv", "uff", "unv", "ufb", "h5", "hdf5", "mat", "npz",
 ];
 
 /// Extensions of the formats that hold FRFs.
-pub const FUNCTIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];
+pub const FRF_EXTENSIONS: &[&str] = &["uff", "unv", "ufb", "h5", "hdf5", "mat", "npz", "csv"];
 
 /// The file of modes in the format of the path's extension: `modes.json` as given, any other from
 /// the model.
@@ -68,8 +68,8 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
     })
 }
 
-/// Collects what a verb prints and writes, so that nothing is printed and no file comes before it
-/// has succeeded.
+/// Collects the texts and files of a verb, which are printed and written only when it has
+/// succeeded.
 pub struct Output {
     quiet: bool,
     json: bool,
@@ -83,7 +83,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Nothing printed yet; the progress of the verb is shown until it ends.
+    /// An empty output; the progress of the verb is shown until it ends.
     pub fn new(global: &Global, verb: &str) -> Self {
         Self {
             quiet: global.quiet,
@@ -104,18 +104,18 @@ impl Output {
     }
 
     /// Adds blocks to the result in the wanted language, unless JSON is wanted.
-    pub fn blocks(&mut self, blocks: &[Block]) {
-        self.translated(&self.language.translated(blocks.to_vec()));
+    pub fn add_blocks(&mut self, blocks: &[Block]) {
+        self.add_translated_blocks(&self.language.translated(blocks.to_vec()));
     }
 
     /// Adds blocks that are in the wanted language already.
-    pub fn translated(&mut self, blocks: &[Block]) {
+    pub fn add_translated_blocks(&mut self, blocks: &[Block]) {
         if !self.json {
             let text = Terminal.render(blocks);
-            if self.color.paints(&std::io::stdout()) {
-                self.text(&color::result(&text));
+            if self.color.is_enabled_on(&std::io::stdout()) {
+                self.add_text(&color::color_result(&text));
             } else {
-                self.text(&text);
+                self.add_text(&text);
             }
         }
     }
@@ -125,15 +125,15 @@ impl Output {
         self.progress.as_ref().map_or(&(), |progress| progress)
     }
 
-    /// Until the guard is dropped, while these files are written, an interrupt waits.
-    pub fn writing<'a>(
+    /// A guard that delays an interrupt while these files are written.
+    pub fn guard_writing<'a>(
         &self,
         targets: impl IntoIterator<Item = &'a Path>,
     ) -> MutexGuard<'static, ()> {
         self.writing.begin(targets)
     }
 
-    /// Ends what is shown of the progress.
+    /// Ends the progress line.
     pub fn end_progress(&mut self) {
         self.progress = None;
     }
@@ -144,14 +144,14 @@ impl Output {
     }
 
     /// Adds JSON to the result, when it is wanted.
-    pub fn json(&mut self, text: impl FnOnce() -> String) {
+    pub fn add_json(&mut self, text: impl FnOnce() -> String) {
         if self.json {
-            self.text(&text());
+            self.add_text(&text());
         }
     }
 
     /// Adds text to the result.
-    pub fn text(&mut self, text: &str) {
+    pub fn add_text(&mut self, text: &str) {
         if !self.result.is_empty() {
             self.result.push('\n');
         }
@@ -162,7 +162,7 @@ impl Output {
     }
 
     /// Adds a file: all of them are written at the end, or none.
-    pub fn file(&mut self, path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
+    pub fn add_file(&mut self, path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
         self.files.push((path.into(), content.into()));
     }
 
@@ -170,7 +170,7 @@ impl Output {
     ///
     /// # Errors
     /// As [`modes_file`].
-    pub fn modes(
+    pub fn add_modes(
         &mut self,
         path: &Path,
         model: &ModalModel,
@@ -178,18 +178,18 @@ impl Output {
         json: &str,
     ) -> Result<(), IoError> {
         let (bytes, lost) = modes_file(path, model, geometry, json)?;
-        self.findings(&lost);
-        self.file(path, bytes);
+        self.add_findings(&lost);
+        self.add_file(path, bytes);
         Ok(())
     }
 
     /// Adds findings for standard error.
-    pub fn findings(&mut self, findings: &[Finding]) {
-        self.findings_of("", findings);
+    pub fn add_findings(&mut self, findings: &[Finding]) {
+        self.add_findings_of("", findings);
     }
 
     /// Adds findings that belong to one of several tests, by name.
-    pub fn findings_of(&mut self, test: &str, findings: &[Finding]) {
+    pub fn add_findings_of(&mut self, test: &str, findings: &[Finding]) {
         let named = findings
             .iter()
             .map(|finding| (test.to_owned(), finding.clone()));
@@ -202,10 +202,10 @@ impl Output {
     /// [`Error::Io`] when a file cannot be written, [`Error::Output`] when standard output cannot.
     pub fn finish(mut self) -> Result<(), Error> {
         self.end_progress();
-        let boxed = lacking_letters(&self.files);
-        self.findings(&boxed);
+        let boxed = letters_lacking_findings(&self.files);
+        self.add_findings(&boxed);
         if !self.files.is_empty() {
-            let _writing = self.writing(self.files.iter().map(|(path, _)| path.as_path()));
+            let _writing = self.guard_writing(self.files.iter().map(|(path, _)| path.as_path()));
             write_all_whole(&self.files)?;
         }
         let mut stdout = std::io::stdout().lock();
@@ -214,9 +214,13 @@ impl Output {
             .and_then(|()| stdout.flush())
             .map_err(Error::Output)?;
         if !self.quiet {
-            let paints = self.color.paints(&std::io::stderr());
+            let paints = self.color.is_enabled_on(&std::io::stderr());
             for line in finding_lines(&self.findings, self.language) {
-                let line = if paints { color::message(&line) } else { line };
+                let line = if paints {
+                    color::color_message(&line)
+                } else {
+                    line
+                };
                 // A closed standard error is no failure.
                 let _ = writeln!(std::io::stderr(), "{line}");
             }
@@ -225,8 +229,8 @@ impl Output {
     }
 }
 
-/// The figures whose PNG shows boxes, by the SVG beside each.
-fn lacking_letters(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
+/// Findings on PNG figures that lack letters, as their SVG shows.
+fn letters_lacking_findings(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
     let is = |path: &Path, kind: &str| path.extension().is_some_and(|extension| extension == kind);
     let pngs = files.iter().filter(|(path, _)| is(path, "png"));
     let pngs: BTreeSet<PathBuf> = pngs.map(|(path, _)| path.with_extension("svg")).collect();
@@ -266,8 +270,8 @@ fn finding_lines(findings: &[(String, Finding)], language: Language) -> Vec<Stri
     }
     let mut lines = Vec::new();
     for ((severity, code), all) in by_code {
-        let listed = if all.len() > LISTED_PER_CODE + 1 {
-            LISTED_PER_CODE
+        let listed = if all.len() > MAX_LISTED_PER_CODE + 1 {
+            MAX_LISTED_PER_CODE
         } else {
             all.len()
         };

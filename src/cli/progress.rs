@@ -1,4 +1,4 @@
-//! A line on the terminal that says what is being done and for how long.
+//! A line on the terminal shows the current step and its time.
 
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -9,9 +9,9 @@ use crate::scene::Observer;
 
 use super::color::is_dumb;
 
-/// Work that ends within this time shows nothing.
-const SILENT: Duration = Duration::from_millis(500);
-const REDRAWN: Duration = Duration::from_millis(200);
+/// Minimum time of work that shows its progress.
+const MIN_SHOWN_TIME: Duration = Duration::from_millis(500);
+const REDRAW_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Shows steps on standard error while it lives; nothing where that is no terminal, or one that
 /// cannot draw in place.
@@ -24,7 +24,7 @@ impl Progress {
     pub fn new(what: &str, quiet: bool) -> Self {
         let wanted = !quiet && std::io::stderr().is_terminal() && !is_dumb();
         Self {
-            shown: wanted.then(|| shown(what.to_owned())),
+            shown: wanted.then(|| start_drawing(what.to_owned())),
         }
     }
 }
@@ -51,18 +51,18 @@ fn line(what: &str, number: usize, count: usize) -> String {
     format!("[{number}/{count}] {what}")
 }
 
-fn shown(first: String) -> (Sender<String>, JoinHandle<()>) {
+fn start_drawing(first: String) -> (Sender<String>, JoinHandle<()>) {
     let (sender, receiver) = channel::<String>();
     let (begin, mut what) = (Instant::now(), first);
     let thread = std::thread::spawn(move || {
         let mut drawn = false;
         loop {
-            match receiver.recv_timeout(REDRAWN) {
+            match receiver.recv_timeout(REDRAW_INTERVAL) {
                 Ok(next) => what = next,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
-            if begin.elapsed() >= SILENT {
+            if begin.elapsed() >= MIN_SHOWN_TIME {
                 draw(&format!("{what}  {} s", begin.elapsed().as_secs()));
                 drawn = true;
             }

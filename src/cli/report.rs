@@ -11,7 +11,7 @@ use crate::report::json::{
     report_from_json, report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
-    Beside, Block, Language, TableGroup, claims_block, comparison_blocks, energies_block,
+    Block, CompanionResults, Language, TableGroup, claims_block, comparison_blocks, energies_block,
     figure_files, figures_svg, hits_block, limits_block, modes_block, parameters_block,
     placement_blocks, published_comparison_block, published_roots_block, quantities_block,
     report_page, update_figures_svg,
@@ -24,55 +24,60 @@ use super::output::Output;
 use super::test_stem::test_stem;
 
 /// The file from which the page is built.
-const DATA: &str = "report.json";
+const REPORT_FILE: &str = "report.json";
 /// The page.
-const PAGE: &str = "report.html";
+const PAGE_FILE: &str = "report.html";
 /// The result of `update -o`.
-const UPDATE: &str = "update.json";
+const UPDATE_FILE: &str = "update.json";
 /// The results of `study … -o`.
-const SPEED_ACCURACY: &str = "speed-accuracy.json";
-const BREAKDOWN: &str = "breakdown.json";
-const ORDER: &str = "order.json";
+const SPEED_ACCURACY_FILE: &str = "speed-accuracy.json";
+const BREAKDOWN_FILE: &str = "breakdown.json";
+const ORDER_FILE: &str = "order.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let (run, beside) = (stored(&args.folder)?, beside(&args.folder)?);
-    let mut files = pages(&run, &beside, output.language(), args.png);
-    // An update that lacks something is on the page as far as it goes.
-    let updated = beside.updated;
+    let (run, companions) = (read_report(&args.folder)?, read_companions(&args.folder)?);
+    let mut files = page_files(&run, &companions, output.language(), args.png);
+    // The page shows an incomplete update as far as possible.
+    let updated = companions.updated;
     let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
     if let Some(whole) = &whole {
         let synthetic = run.figures.tests.iter().any(|test| test.synthetic);
         files.extend(update_figures(whole, synthetic, args.png));
     }
     for (name, bytes) in files {
-        output.file(args.folder.join(name), bytes);
+        output.add_file(args.folder.join(name), bytes);
     }
-    output.text(&args.folder.join(PAGE).display().to_string());
+    output.add_text(&args.folder.join(PAGE_FILE).display().to_string());
     Ok(Outcome::Done)
 }
 
 /// The report of a run that a folder holds.
-fn stored(folder: &Path) -> Result<RunReport, Error> {
-    let path = folder.join(DATA);
+fn read_report(folder: &Path) -> Result<RunReport, Error> {
+    let path = folder.join(REPORT_FILE);
     let name = path.display().to_string();
     Ok(report_from_json(&read_text(&path)?, &name)?)
 }
 
-/// The page of a folder that has one, with the update that another verb puts beside it.
-pub(super) fn rebuilt(
+/// The page of a folder that has one, with a new update.
+pub(super) fn rebuild_page(
     folder: &Path,
     updated: &Value,
     language: Language,
     png: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    match folder.join(DATA).exists() {
+    match folder.join(REPORT_FILE).exists() {
         true => {
-            let beside = Beside {
+            let companions = CompanionResults {
                 updated: Some(updated.clone()),
-                ..studies(folder)?
+                ..read_studies(folder)?
             };
-            Ok(pages(&stored(folder)?, &beside, language, png))
+            Ok(page_files(
+                &read_report(folder)?,
+                &companions,
+                language,
+                png,
+            ))
         }
         false => Ok(Vec::new()),
     }
@@ -84,10 +89,10 @@ pub(super) fn update_figures(
     synthetic: bool,
     png: bool,
 ) -> Vec<(String, Vec<u8>)> {
-    in_folder(update_figures_svg(update, synthetic), png)
+    files_in_figure_folder(update_figures_svg(update, synthetic), png)
 }
 
-fn in_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
+fn files_in_figure_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(String, Vec<u8>)> {
     let files = figure_files(figures, png).into_iter();
     files
         .map(|(name, bytes)| (format!("figures/{name}"), bytes))
@@ -121,44 +126,55 @@ pub(super) fn report_files(
         figures,
         provenance,
     };
-    let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
-    files.extend(pages(&report, &beside(folder)?, language, png));
+    let mut files = vec![(REPORT_FILE.to_owned(), report_to_json(&report).into_bytes())];
+    files.extend(page_files(
+        &report,
+        &read_companions(folder)?,
+        language,
+        png,
+    ));
     Ok(files)
 }
 
-/// The page and its figures, with what other verbs put beside the run.
-fn pages(
+/// The page and its figures, with the results of other verbs.
+fn page_files(
     report: &RunReport,
-    beside: &Beside,
+    companions: &CompanionResults,
     language: Language,
     png: bool,
 ) -> Vec<(String, Vec<u8>)> {
-    let page = report_page(report, beside, language);
-    let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
-    files.extend(in_folder(figures_svg(&report.figures), png));
+    let page = report_page(report, companions, language);
+    let mut files = vec![(PAGE_FILE.to_owned(), page.into_bytes())];
+    files.extend(files_in_figure_folder(figures_svg(&report.figures), png));
     files
 }
 
 /// The results of other verbs in a folder.
-fn beside(folder: &Path) -> Result<Beside, Error> {
-    Ok(Beside {
-        updated: found(folder.join(UPDATE), update_from)?,
-        ..studies(folder)?
+fn read_companions(folder: &Path) -> Result<CompanionResults, Error> {
+    Ok(CompanionResults {
+        updated: read_if_present(folder.join(UPDATE_FILE), update_from)?,
+        ..read_studies(folder)?
     })
 }
 
 /// The studies in a folder.
-fn studies(folder: &Path) -> Result<Beside, Error> {
-    Ok(Beside {
+fn read_studies(folder: &Path) -> Result<CompanionResults, Error> {
+    Ok(CompanionResults {
         updated: None,
-        speed_accuracy: found(folder.join(SPEED_ACCURACY), speed_accuracy_from_json)?,
-        breakdown: found(folder.join(BREAKDOWN), breakdown_from_json)?,
-        order: found(folder.join(ORDER), order_from_json)?,
+        speed_accuracy: read_if_present(
+            folder.join(SPEED_ACCURACY_FILE),
+            speed_accuracy_from_json,
+        )?,
+        breakdown: read_if_present(folder.join(BREAKDOWN_FILE), breakdown_from_json)?,
+        order: read_if_present(folder.join(ORDER_FILE), order_from_json)?,
     })
 }
 
 /// The contents of a file; `None` where there is none.
-fn found<T>(path: PathBuf, read: fn(&str, &str) -> Result<T, IoError>) -> Result<Option<T>, Error> {
+fn read_if_present<T>(
+    path: PathBuf,
+    read: fn(&str, &str) -> Result<T, IoError>,
+) -> Result<Option<T>, Error> {
     match path.exists() {
         true => Ok(Some(read(&read_text(&path)?, &path.display().to_string())?)),
         false => Ok(None),
@@ -176,7 +192,7 @@ fn update_from(text: &str, path: &str) -> Result<Value, IoError> {
 }
 
 /// The tests of a comparison table with its caption and its notes.
-pub(super) fn group(table: &ReportTableTable) -> TableGroup<'_> {
+pub(super) fn table_group(table: &ReportTableTable) -> TableGroup<'_> {
     TableGroup {
         caption: &table.caption,
         tests: &table.tests,
@@ -189,7 +205,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     let expected = result.expected.as_ref();
     let mut comparison = Vec::new();
     if let Some(table) = &result.table {
-        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
+        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(table_group).collect();
         comparison.extend(comparison_blocks(table, &groups, &result.theory));
     }
     for placed in &result.placements {

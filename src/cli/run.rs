@@ -16,7 +16,7 @@ use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 use super::args::RunArgs;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::report::{group, report_files};
+use super::report::{report_files, table_group};
 use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
 use super::test_stem::test_stem;
@@ -36,25 +36,25 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             output.language(),
             args.png,
         )?);
-        into_folder(folder, files, &scene, output)?;
+        add_folder_files(folder, files, &scene, output)?;
     }
-    output.translated(&blocks);
+    output.add_translated_blocks(&blocks);
     match &result.table {
-        Some(table) => output.json(|| comparison_json(table, &result)),
+        Some(table) => output.add_json(|| comparison_json(table, &result)),
         None if result.tests.is_empty() => {
-            output.json(|| modes_to_json(&result.theory.modes, None));
+            output.add_json(|| modes_to_json(&result.theory.modes, None));
         }
-        None => output.json(|| modes_of_tests(&result)),
+        None => output.add_json(|| modes_of_tests(&result)),
     }
     for (test, findings) in result.findings_by_test() {
-        output.findings_of(&test, &findings);
+        output.add_findings_of(&test, &findings);
     }
     let missed = result.limits.iter().any(|check| !check.is_met());
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
 
 /// Adds files of a folder, none of which the scene reads.
-pub(super) fn into_folder(
+pub(super) fn add_folder_files(
     folder: &Path,
     files: Vec<(String, Vec<u8>)>,
     scene: &Scene,
@@ -67,19 +67,19 @@ pub(super) fn into_folder(
     let names = files.iter().map(|(path, _)| ("-o", path.clone())).collect();
     check_targets(&names, &scene_files(scene))?;
     for (path, bytes) in files {
-        output.file(path, bytes);
+        output.add_file(path, bytes);
     }
     Ok(())
 }
 
 /// `comparison.json` with what the scene asked for beside the rows.
 fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
-    let more = json::Additions {
+    let extra = json::ExtraResults {
         placements: &result.placements,
         limits: &result.limits,
-        ..json::Additions::default()
+        ..json::ExtraResults::default()
     };
-    json::comparison_with(table, &more)
+    json::comparison_with(table, &extra)
 }
 
 /// The modes of one test as they are, those of several as an array.
@@ -114,7 +114,7 @@ fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
         blocks.extend(parameters_block(&result.theory.parameters));
     }
     if let Some(table) = &result.table {
-        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(group).collect();
+        let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(table_group).collect();
         blocks.extend(comparison_blocks(table, &groups, &result.theory));
     }
     for placed in &result.placements {

@@ -1,4 +1,4 @@
-//! The reading of a scene takes its files in a stated format, the good part of a bad one if asked.
+//! A scene is read with its files in a stated format, and the good part of a bad one if requested.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use crate::study::{StudyFile, parse_study};
 use super::output::Output;
 
 /// Name of the spec in a scene's folder.
-const SPEC: &str = "study.toml";
+const STUDY_FILE: &str = "study.toml";
 
 /// How the files of a scene are to be read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneReading<'a> {
-    /// Format of every file, instead of judging by content.
+    /// Format of every file; detected from the content when `None`.
     pub format: Option<&'a str>,
     /// Whether the good part of a partly bad file is sufficient.
     pub partial: bool,
@@ -35,7 +35,7 @@ impl SceneReading<'_> {
 /// The scene with its spec; the defaults for a scene without one.
 pub(super) fn load(path: &Path, reading: SceneReading) -> Result<(Scene, StudyFile), Error> {
     let is_scene = Scene::is_path(path);
-    let beside = path.is_dir().then(|| path.join(SPEC));
+    let beside = path.is_dir().then(|| path.join(STUDY_FILE));
     let spec = match is_scene {
         true => beside.filter(|spec| spec.is_file()),
         false => Some(path.to_owned()),
@@ -60,13 +60,13 @@ pub(super) fn load(path: &Path, reading: SceneReading) -> Result<(Scene, StudyFi
     Ok((reading.scene(&scene)?, file))
 }
 
-/// Lists what the files of the tests have lost; whether there is any.
+/// Adds the findings on damaged files of the tests; whether there are any.
 pub(super) fn report_damage(scene: &Scene, output: &mut Output) -> Result<bool, Error> {
     let mut is_bad = false;
     for test in &scene.tests {
         let findings = damage(scene, test)?;
         is_bad |= !findings.is_empty();
-        output.findings_of(&test.name, &findings);
+        output.add_findings_of(&test.name, &findings);
     }
     Ok(is_bad)
 }

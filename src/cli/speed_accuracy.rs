@@ -25,11 +25,11 @@ pub fn study(
     let result = speed_accuracy(&scene, &options, &ProcessMeter, output.observer())?;
     if let Some(folder) = &args.output {
         for (name, bytes) in files(&result, args.png) {
-            output.file(folder.join(name), bytes);
+            output.add_file(folder.join(name), bytes);
         }
     }
-    output.blocks(&speed_accuracy_blocks(&result));
-    output.json(|| json::speed_accuracy_to_json(&result));
+    output.add_blocks(&speed_accuracy_blocks(&result));
+    output.add_json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }
 

@@ -18,8 +18,8 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
     let truth = args.output.with_extension("modes.json");
     let written = targets([("-o", Some(&truth)), ("-o", Some(&args.output))]);
     check_targets(&written, std::slice::from_ref(&args.spec))?;
-    output.file(&truth, recording.truth_json.clone());
-    output.file(&args.output, recording.uff.clone());
+    output.add_file(&truth, recording.truth_json.clone());
+    output.add_file(&args.output, recording.uff.clone());
     let summary = format!(
         "{} synthetic hits of {} samples at {} Hz: {}; truth: {}",
         test.hit_count(),
@@ -28,10 +28,10 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
         args.output.display(),
         truth.display()
     );
-    output.blocks(&[
+    output.add_blocks(&[
         Block::Text(summary),
         theory_block("Truth of the synthetic test", &recording.truth),
     ]);
-    output.json(|| recording.truth_json.clone());
+    output.add_json(|| recording.truth_json.clone());
     Ok(Outcome::Done)
 }

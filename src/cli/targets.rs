@@ -1,4 +1,4 @@
-//! Where results go: no file that is read is written over, and no two results go to one name.
+//! The output files of a verb are checked: none overwrites an input, and no two have one name.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -19,11 +19,10 @@ pub fn targets<const N: usize>(given: [(&'static str, Option<&PathBuf>); N]) -> 
         .collect()
 }
 
-/// Refuses targets that are among what is read, whatever way both are written, and two targets of
-/// one name.
+/// Checks that no target is an input, by its canonical path, and that no two targets have one name.
 pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error> {
-    let place = |path: &PathBuf| path.canonicalize().ok();
-    let inputs: Vec<PathBuf> = inputs.iter().filter_map(place).collect();
+    let canonical = |path: &PathBuf| path.canonicalize().ok();
+    let inputs: Vec<PathBuf> = inputs.iter().filter_map(canonical).collect();
     let refused = |argument, path: &Path, what: &str, expected: &str| {
         Err(Error::Argument {
             argument,
@@ -32,7 +31,7 @@ pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error>
         })
     };
     for (number, (argument, path)) in targets.iter().enumerate() {
-        if place(path).is_some_and(|target| inputs.contains(&target)) {
+        if canonical(path).is_some_and(|target| inputs.contains(&target)) {
             return refused(
                 *argument,
                 path,
@@ -49,7 +48,7 @@ pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error>
 }
 
 /// The files behind a path that is read: those of a scene, else the path.
-pub fn files_of(path: &Path) -> Vec<PathBuf> {
+pub fn input_files(path: &Path) -> Vec<PathBuf> {
     match Scene::is_path(path).then(|| Scene::load(path)) {
         Some(Ok(scene)) => scene_files(&scene),
         // The verb reports a scene that cannot be loaded.
@@ -78,14 +77,14 @@ pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
 }
 
 /// `x-1.csv` of `x.csv`.
-pub fn numbered(path: &Path, number: usize) -> PathBuf {
+pub fn numbered_path(path: &Path, number: usize) -> PathBuf {
     let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let (stem, extension) = (text(path.file_stem()), text(path.extension()));
     path.with_file_name(format!("{stem}-{number}.{extension}"))
 }
 
 /// Checks what `correlate` writes; `several`: the tables of several tests are a CSV file each.
-pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error> {
+pub fn check_correlate_targets(args: &CorrelateArgs, several: bool) -> Result<(), Error> {
     let mut all = targets([
         ("--expand", args.expand.as_ref()),
         ("--lines", args.lines.as_ref()),
@@ -96,7 +95,7 @@ pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error>
             .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
         match args.test.len() {
             count if csv && several && count > 1 => {
-                all.extend((1..=count).map(|number| ("-o", numbered(path, number))));
+                all.extend((1..=count).map(|number| ("-o", numbered_path(path, number))));
             }
             _ => all.push(("-o", path.clone())),
         }
@@ -105,7 +104,7 @@ pub fn check_correlate(args: &CorrelateArgs, several: bool) -> Result<(), Error>
         .test
         .iter()
         .chain(&args.theory)
-        .flat_map(|input| files_of(input));
+        .flat_map(|input| input_files(input));
     let lists = args.dof_map.iter().chain(args.align.iter().flatten());
     let inputs: Vec<PathBuf> = read.chain(lists.cloned()).collect();
     check_targets(&all, &inputs)

@@ -20,9 +20,9 @@ use crate::theory::{ModeOptions, ModelQuantity};
 
 use super::args::TheoryArgs;
 use super::outcome::Outcome;
-use super::output::{MODES, Output, check_extension};
+use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::scene_reading::SceneReading;
-use super::targets::{check_targets, files_of, targets};
+use super::targets::{check_targets, input_files, targets};
 
 /// Prints the modes; writes them with `-o`.
 pub fn theory(
@@ -30,27 +30,27 @@ pub fn theory(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), MODES)?;
+    check_extension(args.output.as_deref(), MODES_EXTENSIONS)?;
     check_targets(
         &targets([("-o", args.output.as_ref())]),
-        &files_of(&args.model),
+        &input_files(&args.model),
     )?;
-    let named = Named::of(args, format)?;
+    let named = ModelInput::load(args, format)?;
     let mut result = match &named {
-        Named::Model(model) => model.solve(&model.sensors, &options(args))?,
-        Named::Finished(theory) => {
+        ModelInput::Model(model) => model.solve(&model.sensors, &options(args))?,
+        ModelInput::Finished(theory) => {
             check_effect(args)?;
-            inside(args, theory)
+            modes_in_band(args, theory)
         }
     };
-    if let (Named::Model(model), true) = (&named, args.damped) {
+    if let (ModelInput::Model(model), true) = (&named, args.damped) {
         let undamped = std::mem::take(&mut result.modes.findings);
         result.modes = model.solve_damped(&model.sensors, args.band)?;
         result.modes.findings = undamped;
     }
     let json = modes_to_json(&result.modes, None);
     if let Some(path) = &args.output {
-        output.modes(path, &result.modes, &result.geometry, &json)?;
+        output.add_modes(path, &result.modes, &result.geometry, &json)?;
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
     let name = args.model.display();
@@ -66,21 +66,21 @@ pub fn theory(
         ));
     }
     let json = match &named {
-        Named::Model(model) => {
+        ModelInput::Model(model) => {
             let part = details(args, model, &result, &mut blocks, output)?;
-            let special = special(args, model, &mut blocks)?.unwrap_or(json);
+            let special = separate_results(args, model, &mut blocks)?.unwrap_or(json);
             if part.is_empty() {
                 special
             } else {
                 with_theory(&special, &part)
             }
         }
-        Named::Finished(_) => json,
+        ModelInput::Finished(_) => json,
     };
-    output.blocks(&blocks);
-    output.json(|| json);
-    output.findings(&result.modes.findings);
-    output.findings(
+    output.add_blocks(&blocks);
+    output.add_json(|| json);
+    output.add_findings(&result.modes.findings);
+    output.add_findings(
         &built_in_name_finding(&args.model)
             .into_iter()
             .collect::<Vec<_>>(),
@@ -89,15 +89,15 @@ pub fn theory(
 }
 
 /// The meaning of MODEL.
-enum Named {
+enum ModelInput {
     /// A model that can be solved; its sensors are those of the scene, too.
     Model(LoadedModel),
     /// Finished modes.
     Finished(Box<Theory>),
 }
 
-impl Named {
-    fn of(args: &TheoryArgs, format: Option<&str>) -> Result<Self, SceneError> {
+impl ModelInput {
+    fn load(args: &TheoryArgs, format: Option<&str>) -> Result<Self, SceneError> {
         let partial = args.partial;
         let settings: BTreeMap<String, f64> = args.settings.iter().cloned().collect();
         match model_kind(&args.model) {
@@ -109,9 +109,9 @@ impl Named {
                     ..ModesOptions::default()
                 };
                 let loaded = load_modes(&args.model, &options)?;
-                return Ok(Named::Finished(Box::new(loaded.into())));
+                return Ok(ModelInput::Finished(Box::new(loaded.into())));
             }
-            _ => return load_model(&args.model, &settings).map(Named::Model),
+            _ => return load_model(&args.model, &settings).map(ModelInput::Model),
         }
         let scene = SceneReading { format, partial }.scene(&args.model)?;
         let mut table = scene.model.clone().unwrap_or_default();
@@ -120,10 +120,10 @@ impl Named {
         let Some(mut model) = table_model(&table, folder, path)? else {
             let options = ModeOptions::default();
             let theory = scene_theory(&table, folder, path, &scene.sensors, &options)?;
-            return Ok(Named::Finished(Box::new(theory)));
+            return Ok(ModelInput::Finished(Box::new(theory)));
         };
         model.sensors = model.sensors_with(&scene.sensors);
-        Ok(Named::Model(model))
+        Ok(ModelInput::Model(model))
     }
 }
 
@@ -135,14 +135,14 @@ fn options(args: &TheoryArgs) -> ModeOptions {
 }
 
 /// Finished modes inside the band.
-fn inside(args: &TheoryArgs, theory: &Theory) -> Theory {
+fn modes_in_band(args: &TheoryArgs, theory: &Theory) -> Theory {
     let mut theory = theory.clone();
     let kept = |hz: f64| args.band.is_none_or(|band| band.contains(hz));
     theory.modes.modes.retain(|mode| kept(mode.frequency_hz));
     theory
 }
 
-/// Finished modes have no parameters, bodies or springs that could be asked for.
+/// Rejects options that modes from a file cannot serve.
 fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
     let asked = [
         ("--set", !args.settings.is_empty()),
@@ -204,7 +204,7 @@ fn details<'a>(
             let place = Place::Quantity(quantity.name.to_owned());
             Finding::new(Severity::Info, Code::QuantityAbsent, place)
         };
-        output.findings(&absent.map(finding).collect::<Vec<_>>());
+        output.add_findings(&absent.map(finding).collect::<Vec<_>>());
         blocks.extend(quantities_block(name, &found));
         part.quantities = Some(found);
     }
@@ -212,7 +212,7 @@ fn details<'a>(
 }
 
 /// Responses, comparisons and sweeps, each with a separate JSON.
-fn special(
+fn separate_results(
     args: &TheoryArgs,
     model: &LoadedModel,
     blocks: &mut Vec<Block>,

@@ -7,8 +7,8 @@ use crate::scene::{TestResult, update_scene};
 use super::args::UpdateArgs;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::report::{rebuilt, update_figures};
-use super::run::into_folder;
+use super::report::{rebuild_page, update_figures};
+use super::run::add_folder_files;
 use super::scene_reading::SceneReading;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
@@ -48,14 +48,14 @@ pub fn update(
             .collect();
         let updated_json = serde_json::json!(updated);
         let language = output.language();
-        files.extend(rebuilt(folder, &updated_json, language, args.png)?);
+        files.extend(rebuild_page(folder, &updated_json, language, args.png)?);
         let synthetic = outcome.tests.iter().any(TestResult::is_synthetic);
         files.extend(update_figures(&updated, synthetic, args.png));
-        into_folder(folder, files, &scene, output)?;
+        add_folder_files(folder, files, &scene, output)?;
     }
-    output.translated(&blocks);
-    output.json(|| json::update_to_json(&outcome));
-    output.findings(&outcome.findings);
+    output.add_translated_blocks(&blocks);
+    output.add_json(|| json::update_to_json(&outcome));
+    output.add_findings(&outcome.findings);
     let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);
     Ok(Outcome::missed_if(
         partly_bad || !outcome.result.stop_reason.converged(),

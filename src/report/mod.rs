@@ -42,7 +42,7 @@ pub use comparison::{
 };
 pub use csv_text::CsvText;
 pub use frf::{frf_block, hits_block};
-pub use html::{Beside, Html, report_page};
+pub use html::{CompanionResults, Html, report_page};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
 pub use language::Language;
 pub use latex::Latex;

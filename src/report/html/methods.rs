@@ -7,7 +7,7 @@ use super::super::json::{BreakdownFile, RunReport};
 use super::super::{Block, Language, breakdown_blocks};
 use super::summary::text_with_code;
 use super::words::word;
-use super::{Beside, escape, fragment};
+use super::{CompanionResults, escape, fragment};
 use crate::study::breakdown::{
     Axis, Distance, Field, MIN_SUCCESS_RATE, Scale, SliceResult, Stability, StabilityPoint,
     SuccessRate, UserMode, UserModePosition, short_number,
@@ -34,7 +34,11 @@ pub(super) struct Methods {
 }
 
 /// The methods tab of a run; a note replaces a study of another scene.
-pub(super) fn methods(report: &RunReport, companions: &Beside, language: Language) -> Methods {
+pub(super) fn methods(
+    report: &RunReport,
+    companions: &CompanionResults,
+    language: Language,
+) -> Methods {
     let mut tab = Methods::default();
     let w = |text: &'static str| escape(word(language, text));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));

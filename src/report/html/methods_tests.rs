@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::Beside;
+use super::CompanionResults;
 use super::methods::{Methods, methods};
 use super::words::word;
 use crate::report::Language;
@@ -113,15 +113,15 @@ fn speed() -> Value {
     })
 }
 
-fn methods_tab(companions: &Beside) -> Methods {
+fn methods_tab(companions: &CompanionResults) -> Methods {
     methods(&run(), companions, Language::English)
 }
 
 #[test]
 fn a_map_has_contours_detection_rates_and_distances_of_user_modes() {
-    let companions = |study| Beside {
+    let companions = |study| CompanionResults {
         breakdown: Some(study),
-        ..Beside::default()
+        ..CompanionResults::default()
     };
     let tab = methods_tab(&companions(breakdown()));
     let slice = &tab.data["breakdown"]["slices"][0];
@@ -172,9 +172,9 @@ fn maps_of_another_scene_or_of_other_modes_are_replaced_by_a_note() {
     let with = |change: fn(&mut BreakdownFile)| {
         let mut study = breakdown();
         change(&mut study);
-        let companions = Beside {
+        let companions = CompanionResults {
             breakdown: Some(study),
-            ..Beside::default()
+            ..CompanionResults::default()
         };
         let tab = methods_tab(&companions);
         let left_out = tab.content.contains("modes of another scene");
@@ -197,9 +197,9 @@ fn a_study_of_other_data_is_replaced_by_a_note() {
     let with = |pointer: &str, value: &str| {
         let mut accuracy = speed();
         *accuracy.pointer_mut(pointer).expect("field of the study") = json!(value);
-        methods_tab(&Beside {
+        methods_tab(&CompanionResults {
             speed_accuracy: Some(accuracy),
-            ..Beside::default()
+            ..CompanionResults::default()
         })
     };
     let tab = with("/title", "wing");
@@ -219,7 +219,7 @@ fn a_study_of_other_data_is_replaced_by_a_note() {
             "{pointer}"
         );
     }
-    assert!(methods_tab(&Beside::default()).content.is_empty());
+    assert!(methods_tab(&CompanionResults::default()).content.is_empty());
 }
 
 #[test]
@@ -232,10 +232,10 @@ fn the_scene_study_precedes_the_method_studies() {
         "tables": [],
     });
     let tab = |order: &Value| {
-        methods_tab(&Beside {
+        methods_tab(&CompanionResults {
             order: Some(order.clone()),
             speed_accuracy: Some(speed()),
-            ..Beside::default()
+            ..CompanionResults::default()
         })
     };
     let content = tab(&study).content;

@@ -23,9 +23,9 @@ use super::{Align, Block, Cell, Column, Language, Renderer, Table};
 
 pub use page::report_page;
 
-/// Results of other verbs in the folder of a run, which its page shows too.
+/// Results of other verbs in the folder of a run, which the page of the run includes.
 #[derive(Clone, Debug, Default)]
-pub struct Beside {
+pub struct CompanionResults {
     /// `update.json`.
     pub updated: Option<Value>,
     /// `speed-accuracy.json`.

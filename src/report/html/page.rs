@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::super::Language;
 use super::super::json::RunReport;
 use super::words::{page_words, sentence, word};
-use super::{Beside, escape, fragment, head};
+use super::{CompanionResults, escape, fragment, head};
 use super::{methods, provenance, summary, update};
 
 /// The script, in the order in which its parts need each other.
@@ -39,7 +39,11 @@ const OTHER_RESULTS: &str = "The update in this folder is of other test frequenc
 
 /// The report of a run, with the update and the studies of its folder that belong to the same
 /// tests.
-pub fn report_page(report: &RunReport, companions: &Beside, language: Language) -> String {
+pub fn report_page(
+    report: &RunReport,
+    companions: &CompanionResults,
+    language: Language,
+) -> String {
     let updated = companions.updated.as_ref();
     let studied = methods::methods(report, companions, language);
     let stale = updated.is_some_and(|result| !update::belongs_to_run(result, &report.figures));
@@ -252,7 +256,7 @@ mod tests {
 
     #[test]
     fn names_with_script_tags_are_escaped() {
-        let page = report_page(&report(), &Beside::default(), Language::English);
+        let page = report_page(&report(), &CompanionResults::default(), Language::English);
         assert_eq!(page.matches("<script").count(), 2, "data and code");
         assert_eq!(page.matches("</script>").count(), 2);
         assert!(!page.to_lowercase().contains("\"</script>"));
@@ -261,7 +265,7 @@ mod tests {
 
     #[test]
     fn a_page_loads_no_resource_and_omits_empty_tabs() {
-        let page = report_page(&report(), &Beside::default(), Language::English);
+        let page = report_page(&report(), &CompanionResults::default(), Language::English);
         for door in ["http://", "https://", "src=", "@import", "url("] {
             let used = page.replace("http://www.w3.org/", "").replace("url(#", "");
             assert!(!used.contains(door), "{door}");
@@ -271,7 +275,7 @@ mod tests {
 
     #[test]
     fn a_chinese_page_has_chinese_tabs_and_heads() {
-        let page = report_page(&report(), &Beside::default(), Language::Chinese);
+        let page = report_page(&report(), &CompanionResults::default(), Language::Chinese);
         assert!(page.contains("<html lang=\"zh\">"));
         assert!(page.contains(">对比</a>") && page.contains("<th scope=\"col\">阶次</th>"));
     }

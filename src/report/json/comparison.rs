@@ -145,12 +145,12 @@ pub struct SummaryFile {
 
 /// The text of `comparison.json`, ending in a newline.
 pub fn comparison_to_json(table: &ComparisonTable) -> String {
-    comparison_with(table, &Additions::default())
+    comparison_with(table, &ExtraResults::default())
 }
 
-/// Further results that the file may contain.
+/// Results that the file contains in addition to the table.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Additions<'a> {
+pub struct ExtraResults<'a> {
     /// Measures of tests, by name.
     pub measures: &'a [(String, Measures)],
     /// Reversed sensors of tests, by name.
@@ -165,8 +165,8 @@ pub struct Additions<'a> {
 
 /// The text of `comparison.json` with further results beside the rows; each kind of result has a
 /// key, which is absent where there is none.
-pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String {
-    let alignment = more.alignment.map(serde_json::to_value);
+pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> String {
+    let alignment = extra.alignment.map(serde_json::to_value);
     let file = ComparisonFile {
         schema: COMPARISON_SCHEMA.to_owned(),
         error_reference: table.error_reference.name().to_owned(),
@@ -174,11 +174,11 @@ pub fn comparison_with(table: &ComparisonTable, more: &Additions<'_>) -> String 
         summary: SummaryFile {
             tests: table.summary.clone(),
         },
-        measures: (!more.measures.is_empty()).then(|| measures_value(more.measures)),
-        reversed_sensors: reversed_value(more.reversed),
+        measures: (!extra.measures.is_empty()).then(|| measures_value(extra.measures)),
+        reversed_sensors: reversed_value(extra.reversed),
         alignment: alignment.and_then(Result::ok),
-        placements: placements_value(more.placements),
-        limits: limits_value(more.limits),
+        placements: placements_value(extra.placements),
+        limits: limits_value(extra.limits),
     };
     let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
     text + "\n"

@@ -15,7 +15,7 @@ mod update;
 
 pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
-    Additions, COMPARISON_SCHEMA, ComparisonFile, JsonError, RowFile, SummaryFile, TestFile,
+    COMPARISON_SCHEMA, ComparisonFile, ExtraResults, JsonError, RowFile, SummaryFile, TestFile,
     TheoryFile, comparison_from_json, comparison_to_json, comparison_with,
 };
 pub use hits::hits;
