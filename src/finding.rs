@@ -5,16 +5,16 @@
 //! the same wording.
 
 mod chinese;
+mod location;
 mod numbers;
-mod place;
 mod severity;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub use location::Location;
 use numbers::{short, with_spread};
-pub use place::Place;
 pub use severity::Severity;
 
 /// Declares the codes with their sentence and their longer explanation in one table.
@@ -29,7 +29,7 @@ macro_rules! codes {
             /// Every code, in the order of its declaration.
             pub const ALL: &[Code] = &[$(Code::$name,)*];
 
-            /// The sentence without place, value and limit.
+            /// The sentence without location, value and limit.
             pub fn sentence(self) -> &'static str {
                 match self { $(Code::$name => $sentence,)* }
             }
@@ -433,7 +433,8 @@ pub struct Finding {
     /// Its subject.
     pub code: Code,
     /// Its location.
-    pub place: Place,
+    #[serde(rename = "place")]
+    pub location: Location,
     /// The value found.
     pub value: Option<f64>,
     /// The limit that the value is compared with.
@@ -448,11 +449,11 @@ pub struct Finding {
 
 impl Finding {
     /// A finding without numbers.
-    pub fn new(severity: Severity, code: Code, place: Place) -> Self {
+    pub fn new(severity: Severity, code: Code, location: Location) -> Self {
         Self {
             severity,
             code,
-            place,
+            location,
             value: None,
             limit: None,
             unit: None,
@@ -489,7 +490,7 @@ impl fmt::Display for Finding {
             Some(sentence) if !ends => sentence,
             _ => sentence,
         };
-        write!(f, "{}: {sentence}", self.place)?;
+        write!(f, "{}: {sentence}", self.location)?;
         let unit = self
             .unit
             .as_deref()

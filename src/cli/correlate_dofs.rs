@@ -7,7 +7,7 @@ use crate::correlate::{
     Alignment, DofMap, DofNames, LocatedModes, Similarity, align_known, align_nearest,
 };
 use crate::error::Error;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
 use crate::linalg::Vector3;
 use crate::modal::ModalModel;
@@ -137,7 +137,7 @@ fn alignment_finding(alignment: &Alignment) -> Finding {
     } else {
         Severity::Info
     };
-    Finding::new(severity, Code::NodesAligned, Place::Whole).value(alignment.scale, "")
+    Finding::new(severity, Code::NodesAligned, Location::Whole).value(alignment.scale, "")
 }
 
 fn check_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {

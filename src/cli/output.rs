@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::MutexGuard;
 
 use crate::error::Error;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
 use crate::io::{IoError, WriteOptions, bytes_for_path, modes_source, write_all_whole};
 use crate::modal::ModalModel;
@@ -239,8 +239,8 @@ fn letters_lacking_findings(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
     let finding = |path: &Path| {
         let path = path.with_extension("png").display().to_string();
         let (line, byte) = (None, None);
-        let place = Place::File { path, line, byte };
-        Finding::new(Severity::Warning, Code::LettersLacking, place)
+        let location = Location::File { path, line, byte };
+        Finding::new(Severity::Warning, Code::LettersLacking, location)
     };
     drawn
         .filter(|(_, bytes)| lacks(bytes))

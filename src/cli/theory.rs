@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::modes_to_json;
 use crate::report::json::{
     TheoryPart, details_to_json, response_to_json, sweeps_to_json, with_theory,
@@ -201,8 +201,8 @@ fn details<'a>(
         }
         let absent = found.iter().filter(|quantity| quantity.value.is_none());
         let finding = |quantity: &ModelQuantity| {
-            let place = Place::Quantity(quantity.name.to_owned());
-            Finding::new(Severity::Info, Code::QuantityAbsent, place)
+            let location = Location::Quantity(quantity.name.to_owned());
+            Finding::new(Severity::Info, Code::QuantityAbsent, location)
         };
         output.add_findings(&absent.map(finding).collect::<Vec<_>>());
         blocks.extend(quantities_block(name, &found));

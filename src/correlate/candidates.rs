@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
 
 use super::chance::{ChanceLevel, ChanceSetting, MIN_DOFS_OF_SHAPE, effective_dof_fraction};
@@ -412,8 +412,8 @@ impl CandidateTable {
         let partners = || pairs.iter().flat_map(|pair| &pair.partners);
         let mut findings = Vec::new();
         for (i, &mode) in self.modes.iter().enumerate() {
-            let place = Place::Mode(test.modes[mode].frequency_hz);
-            let warn = |code| Finding::new(Severity::Warning, code, place);
+            let location = Location::Mode(test.modes[mode].frequency_hz);
+            let warn = |code| Finding::new(Severity::Warning, code, location);
             if let Some(partner) = partners().find(|partner| partner.test == mode) {
                 let finding = verdict_finding(&partner.verdict, options);
                 let finding =

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use num_complex::Complex64;
 
 use crate::dof::{Axis, Dof};
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::{ModalModel, ModeShape};
 
 use super::{CorrelateError, PairOptions};
@@ -137,22 +137,22 @@ impl DofMap {
         if self.is_empty() && alone.is_empty() {
             return Vec::new();
         }
-        let warn = |code, place| Finding::new(Severity::Warning, code, place);
+        let warn = |code, location| Finding::new(Severity::Warning, code, location);
         let mut findings = Vec::new();
         if alone.len() <= NAMED_ALONE {
             findings.extend(alone.iter().map(|dof| {
-                let place = Place::Function {
+                let location = Location::Function {
                     response: Some(dof.clone()),
                     reference: None,
                 };
-                warn(Code::DofWithoutPartner, place)
+                warn(Code::DofWithoutPartner, location)
             }));
         } else {
             let count = alone.len() as f64;
-            findings.push(warn(Code::DofWithoutPartner, Place::Whole).value(count, ""));
+            findings.push(warn(Code::DofWithoutPartner, Location::Whole).value(count, ""));
         }
         if self.len() < min_dofs {
-            let few = warn(Code::FewDofs, Place::Whole);
+            let few = warn(Code::FewDofs, Location::Whole);
             findings.push(few.value(self.len() as f64, "").limit(min_dofs as f64));
         }
         findings
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn few_missing_ones_are_named_and_many_are_counted() {
         let named = map(&["1:+Z", "2:+Z"], &["1:+Z"]).findings(4);
-        let places: Vec<String> = named.iter().map(|f| f.place.to_string()).collect();
+        let places: Vec<String> = named.iter().map(|f| f.location.to_string()).collect();
         assert_eq!(places, ["channel 2:+Z", "whole test"]);
         assert_eq!((named[1].value, named[1].limit), (Some(1.0), Some(4.0)));
         let counted = map(&["1:+Z", "2:+Z", "3:+Z", "4:+Z", "5:+Z"], &[]).findings(0);

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use num_complex::Complex64;
 
 use crate::dof::{Axis, Dof};
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
 use crate::linalg::Vector3;
 use crate::modal::{ModalModel, ModeShape};
@@ -157,7 +157,7 @@ impl DofNames {
                 names.pairs.insert(dof.positive(), reading.collect());
             }
         }
-        let finding = Finding::new(Severity::Info, Code::DofsByNode, Place::Whole)
+        let finding = Finding::new(Severity::Info, Code::DofsByNode, Location::Whole)
             .value(largest, "m")
             .limit(tolerance_m);
         (names, finding)

@@ -1,6 +1,6 @@
 //! The global stiffness factor would pair modes of similar shape that differ too much in frequency.
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 /// Minimum MAC of a test mode with a root that is its partner at any frequency.
 const CLEAR_MAC: f64 = 0.8;
@@ -47,7 +47,7 @@ pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Op
     let squares: f64 = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum();
     let std = (squares / (kept - 1.0)).sqrt();
     let factor = (2.0 * mean).exp();
-    let finding = Finding::new(Severity::Warning, Code::CommonFactor, Place::Whole);
+    let finding = Finding::new(Severity::Warning, Code::CommonFactor, Location::Whole);
     let beyond = (mean.exp() - 1.0).abs() > table.gate;
     beyond.then(|| finding.value(factor, "").limit(2.0 * std * factor))
 }

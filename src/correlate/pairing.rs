@@ -3,7 +3,7 @@
 //! All pairs are found together, as the assignment of smallest total cost, in which a mode may stay
 //! unpaired. Complex test shapes are used without conversion to real ones.
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
@@ -126,8 +126,8 @@ pub fn pair(
 /// The finding on partners of a repeated root with similar shapes, at the highest of them.
 fn similar_partners(pair: &Pair, test: &ModalModel) -> Option<Finding> {
     let contribution = pair.weakest_direction?;
-    let place = Place::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
-    let finding = Finding::new(Severity::Warning, Code::AlikePartners, place);
+    let location = Location::Mode(test.modes[pair.partners.last()?.test].frequency_hz);
+    let finding = Finding::new(Severity::Warning, Code::AlikePartners, location);
     Some(
         finding
             .value(contribution, "")

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 use crate::modal::{ModalModel, Mode};
 
 use super::chance::MIN_DOFS_OF_SHAPE;
@@ -317,15 +317,16 @@ impl PairedTest<'_> {
 
     /// Findings of the identification on these modes, as reasons.
     fn warnings(&self, indices: &[usize]) -> Vec<String> {
-        let at_one = |place: &Place| {
+        let at_one = |location: &Location| {
             let frequencies = indices.iter().map(|&i| self.model.modes[i].frequency_hz);
-            let near = |hz: f64| matches!(place, Place::Mode(at) if (at - hz).abs() <= 1e-9 * hz);
+            let near =
+                |hz: f64| matches!(location, Location::Mode(at) if (at - hz).abs() <= 1e-9 * hz);
             frequencies.into_iter().any(near)
         };
         let doubtful = |finding: &&Finding| DOUBTFUL_MODES.contains(&finding.code);
         let findings = self.model.findings.iter().filter(doubtful);
         let all: BTreeSet<String> = findings
-            .filter(|finding| at_one(&finding.place))
+            .filter(|finding| at_one(&finding.location))
             .map(|finding| format!("the test mode is marked {}", finding.code.name()))
             .collect();
         all.into_iter().collect()

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 use crate::modal::ModalModel;
 
 use super::pairing_tests::{blend, mode, model, paired, repeated, shape};
@@ -209,9 +209,9 @@ fn one_mode_twice_is_not_both_modes_of_a_repeated_root() {
         let found_finding = pairing.findings.iter();
         let found_finding: Vec<_> = found_finding
             .filter(|finding| finding.code == Code::AlikePartners)
-            .map(|finding| (finding.place.clone(), finding.limit))
+            .map(|finding| (finding.location.clone(), finding.limit))
             .collect();
-        assert_eq!(found_finding, [(Place::Mode(101.0), Some(0.25))]);
+        assert_eq!(found_finding, [(Location::Mode(101.0), Some(0.25))]);
     }
     // 60 degrees apart are two directions as well as 90 are.
     let other = blend(-0.258_819, 0.965_926);

@@ -1,6 +1,6 @@
 //! Chinese sentences and explanations translate those of each finding code.
 
-use super::{Code, Finding, Place, Severity, short, with_spread};
+use super::{Code, Finding, Location, Severity, short, with_spread};
 
 macro_rules! chinese {
     ($($name:ident: $sentence:literal, $explanation:literal;)*) => {
@@ -299,31 +299,31 @@ impl Finding {
         let detail = detail.map_or_else(String::new, |detail| format!("；{detail}"));
         format!(
             "{}：{}{numbers}{detail}",
-            place(&self.place),
+            location_text(&self.location),
             self.code.chinese_sentence()
         )
     }
 }
 
-fn place(place: &Place) -> String {
-    match place {
-        Place::Whole => "整个试验".to_owned(),
-        Place::File { .. } => place.to_string().replace(" at byte ", " 字节 "),
-        Place::Hit(n) => format!("第 {n} 次锤击"),
-        Place::HitChannel { hit, dof } => format!("第 {hit} 次锤击 {dof}"),
-        Place::Function {
+fn location_text(location: &Location) -> String {
+    match location {
+        Location::Whole => "整个试验".to_owned(),
+        Location::File { .. } => location.to_string().replace(" at byte ", " 字节 "),
+        Location::Hit(n) => format!("第 {n} 次锤击"),
+        Location::HitChannel { hit, dof } => format!("第 {hit} 次锤击 {dof}"),
+        Location::Function {
             reference: Some(_), ..
-        } => place.to_string(),
-        Place::Function { response, .. } => {
+        } => location.to_string(),
+        Location::Function { response, .. } => {
             let name = response
                 .as_ref()
                 .map_or_else(|| "?".to_owned(), ToString::to_string);
             format!("通道 {name}")
         }
-        Place::Sensors(group) => format!("传感器组 {group}"),
-        Place::Mode(hz) => format!("{hz:.2} Hz 处的模态"),
-        Place::Parameter(name) => format!("参数 {name}"),
-        Place::Quantity(name) => format!("量 {name}"),
+        Location::Sensors(group) => format!("传感器组 {group}"),
+        Location::Mode(hz) => format!("{hz:.2} Hz 处的模态"),
+        Location::Parameter(name) => format!("参数 {name}"),
+        Location::Quantity(name) => format!("量 {name}"),
     }
 }
 
@@ -361,8 +361,8 @@ mod tests {
     }
 
     #[test]
-    fn the_sentence_has_place_value_limit_and_unit() {
-        let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(123.456))
+    fn the_sentence_has_location_value_limit_and_unit() {
+        let finding = Finding::new(Severity::Warning, Code::FewLines, Location::Mode(123.456))
             .value(2.5, "Hz")
             .limit(5.0);
         let text = finding.chinese();
@@ -371,13 +371,13 @@ mod tests {
             "{text}"
         );
         assert!(text.ends_with("（2.500 Hz，限值 5 Hz）"), "{text}");
-        let hit = Finding::new(Severity::Info, Code::NotDecayed, Place::Hit(3));
+        let hit = Finding::new(Severity::Info, Code::NotDecayed, Location::Hit(3));
         assert_eq!(hit.chinese(), "第 3 次锤击：记录结束时响应尚未衰减");
-        let file = Place::File {
+        let file = Location::File {
             path: "a.uff".to_owned(),
             line: None,
             byte: Some(7),
         };
-        assert_eq!(place(&file), "a.uff 字节 7");
+        assert_eq!(location_text(&file), "a.uff 字节 7");
     }
 }

@@ -17,8 +17,8 @@ fn numbers_in_a_sentence_have_at_most_four_digits() {
 }
 
 #[test]
-fn the_sentence_has_place_value_and_limit() {
-    let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(123.456))
+fn the_sentence_has_location_value_and_limit() {
+    let finding = Finding::new(Severity::Warning, Code::FewLines, Location::Mode(123.456))
         .value(2.5, "")
         .limit(5.0);
     let text = finding.to_string();
@@ -27,9 +27,9 @@ fn the_sentence_has_place_value_and_limit() {
         "{text}"
     );
     assert!(text.ends_with("(2.500, limit 5)"), "{text}");
-    let pure = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0)).value(0.3, "1");
+    let pure = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0)).value(0.3, "1");
     assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
-    let bare = Finding::new(Severity::Info, Code::FewLines, Place::Mode(1.0));
+    let bare = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0));
     assert!(bare.to_string().ends_with("a damping value."), "{bare}");
     let detailed = bare.detail("one line").to_string();
     assert!(

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::axis::{Band, TimeAxis};
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::ForwardPlan;
 use crate::record::{Hit, HitInfo, InMemory, Recording, Samples};
 
@@ -350,11 +350,11 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
     let medians = (0..set.len()).filter_map(|index| Some((index, median(index)?)));
     let (index, worst) = medians.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let function = &set.functions()[index];
-    let place = Place::Function {
+    let location = Location::Function {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),
     };
-    let finding = Finding::new(Severity::Warning, Code::LowCoherence, place);
+    let finding = Finding::new(Severity::Warning, Code::LowCoherence, location);
     Some(finding.value(worst, "").limit(LOW_COHERENCE))
 }
 
@@ -367,14 +367,14 @@ fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
     let finding = Finding::new(
         Severity::Warning,
         Code::ForceWindowCuts,
-        Place::Hit(index + 1),
+        Location::Hit(index + 1),
     );
     (*cut > MAX_CUT_FORCE_FRACTION).then(|| finding.value(*cut, "").limit(MAX_CUT_FORCE_FRACTION))
 }
 
 fn coherence_absent(functions: usize) -> Option<Finding> {
     (functions > 0).then(|| {
-        Finding::new(Severity::Warning, Code::CoherenceAbsent, Place::Whole)
+        Finding::new(Severity::Warning, Code::CoherenceAbsent, Location::Whole)
             .value(functions as f64, "functions")
     })
 }

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use super::*;
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
-use crate::finding::{Code, Place};
+use crate::finding::{Code, Location};
 use crate::quantity::{FrfKind, Quantity};
 use crate::record::{Channel, Hit, Role, Samples};
 use crate::signal::{ExponentialWindow, ForceWindow, SignalError};
@@ -213,8 +213,8 @@ fn the_noise_ratio_comes_from_pretrigger_variances() {
     let expected = over_hits(|h| &h.responses[0]) / over_hits(|h| &h.force);
     let from_record = estimate(&hits, &with(Estimator::Hv, None)).unwrap();
     assert!((ratio_of(&from_record) / expected - 1.0).abs() < 1e-12);
-    let place = from_record.findings[0].place.to_string();
-    assert_eq!(place, "2:+Z|1:+Z");
+    let location = from_record.findings[0].location.to_string();
+    assert_eq!(location, "2:+Z|1:+Z");
     let stated = estimate(&hits, &with(Estimator::Hv, Some(expected))).unwrap();
     let (a, b) = (from_record.values(0)[7], stated.values(0)[7]);
     assert!((a - b).norm() < 1e-12 * b.norm());
@@ -429,5 +429,5 @@ fn the_bound_is_there_for_every_pair() {
     assert_eq!(bounds.keys().collect::<Vec<_>>(), vec![&pair]);
     assert_eq!(bounds[&pair], Truncation::NOT_DECIDABLE);
     let set = estimate(&noisy_hits(), &EstimateOptions::default()).unwrap();
-    assert_eq!(set.findings.last().unwrap().place, Place::Whole);
+    assert_eq!(set.findings.last().unwrap().location, Location::Whole);
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use num_complex::Complex64;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{ChannelPlace, HitInfo, ReadError, Recording, Samples, Stretch};
 use crate::signal::{Extent, offset_of, overloaded, to_si};
@@ -201,11 +201,11 @@ impl Estimation<'_> {
 
     /// All records of a function are bad: they are used all the same.
     fn none_left(&self, task: &Task) -> Finding {
-        let place = Place::Function {
+        let location = Location::Function {
             response: Some(task.response.clone()),
             reference: Some(self.group.reference.clone()),
         };
-        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, place);
+        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, location);
         finding.value(task.members.len() as f64, "hits")
     }
 
@@ -235,15 +235,15 @@ impl Estimation<'_> {
             return None;
         }
         let channel = &self.group.hits[h].responses[r];
-        let place = Place::HitChannel {
+        let location = Location::HitChannel {
             hit: number + 1,
             dof: channel.dof.clone(),
         };
         if extent.range() <= 0.0 {
-            return Some(Finding::new(Severity::Warning, Code::DeadChannel, place));
+            return Some(Finding::new(Severity::Warning, Code::DeadChannel, location));
         }
         let check = overloaded(record, extent, channel.full_scale, limits)?;
-        let finding = Finding::new(Severity::Warning, Code::Overload, place);
+        let finding = Finding::new(Severity::Warning, Code::Overload, location);
         Some(
             finding
                 .value(check.value.unwrap_or_default(), check.unit)
@@ -347,11 +347,11 @@ impl Estimation<'_> {
         let ratio = powers.response.zip(powers.force).map(|(x, f)| x / f);
         match ratio.filter(|kappa| *kappa > 0.0 && kappa.is_finite()) {
             Some(kappa) => {
-                let place = Place::Function {
+                let location = Location::Function {
                     response: Some(response),
                     reference: Some(reference),
                 };
-                let finding = Finding::new(Severity::Info, Code::NoiseRatioFromRecord, place);
+                let finding = Finding::new(Severity::Info, Code::NoiseRatioFromRecord, location);
                 Ok((kappa, Some(finding.value(kappa, ""))))
             }
             None => Err(FrfError::NoiseUnknown {

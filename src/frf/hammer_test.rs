@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::record::Recording;
 use crate::signal::{ExponentialWindow, Outcome, Rule};
 
@@ -123,13 +123,13 @@ fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
         };
         let none_left = !hits.iter().any(|hit| hit.reference == point && hit.used);
         if none_left && assessed().count() > 0 {
-            let place = Place::Function {
+            let location = Location::Function {
                 response: None,
                 reference: Some(point.clone()),
             };
             let count = assessed().count() as f64;
             findings.push(
-                Finding::new(Severity::Warning, Code::NoHitPassed, place).value(count, "hits"),
+                Finding::new(Severity::Warning, Code::NoHitPassed, location).value(count, "hits"),
             );
             for hit in hits.iter_mut().filter(|hit| hit.reference == point) {
                 hit.used = !options.reject.contains(&hit.number);
@@ -150,7 +150,7 @@ fn roll_off(hits: &[HitReport]) -> Option<Finding> {
         checks.filter_map(|check| Some((hit.number, check.at?)))
     });
     let (number, at_hz) = noted.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let finding = Finding::new(Severity::Info, Code::ForceRollOff, Place::Hit(number));
+    let finding = Finding::new(Severity::Info, Code::ForceRollOff, Location::Hit(number));
     Some(finding.value(at_hz, "Hz"))
 }
 
@@ -166,7 +166,7 @@ fn windowed(
         ResponseWindow::Auto => match largest_left(hits) {
             None => (None, None),
             Some(left) => {
-                let finding = Finding::new(Severity::Info, Code::WindowAdded, Place::Whole);
+                let finding = Finding::new(Severity::Info, Code::WindowAdded, Location::Whole);
                 (
                     Some(WINDOW_END),
                     Some(finding.value(left, "").limit(WINDOW_END)),
@@ -187,7 +187,7 @@ fn windowed(
 
 /// A response still rings at the end of its record and no window is wanted.
 fn not_decayed(left: f64) -> Finding {
-    Finding::new(Severity::Warning, Code::NotDecayed, Place::Whole)
+    Finding::new(Severity::Warning, Code::NotDecayed, Location::Whole)
         .value(left, "")
         .limit(WINDOW_END)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
-use crate::finding::{Code, Place};
+use crate::finding::{Code, Location};
 use crate::quantity::Quantity;
 use crate::record::{Channel, Hit, InMemory, Role, Samples};
 
@@ -180,7 +180,7 @@ fn a_double_hit_is_rejected_unless_the_user_accepts_it() {
         .iter()
         .find(|f| f.code == Code::DoubleHit);
     let found = found.unwrap();
-    assert_eq!(found.place, Place::Hit(3));
+    assert_eq!(found.location, Location::Hit(3));
     assert!((found.value.unwrap() - 0.4).abs() < 0.02, "{found:?}");
     let accepted = HammerOptions {
         accept: numbers(&[3]),
@@ -228,8 +228,8 @@ fn clipped_response_is_left_out_of_its_function_alone() {
         .collect();
     assert_eq!(overloads.len(), 1, "{overloads:?}");
     assert_eq!(
-        overloads[0].place,
-        Place::HitChannel {
+        overloads[0].location,
+        Location::HitChannel {
             hit: 2,
             dof: dof("2:-Z")
         }

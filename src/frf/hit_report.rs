@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
 use crate::signal::{
@@ -80,14 +80,14 @@ impl HitReport {
             Outcome::Rejected => Severity::Warning,
             _ => Severity::Info,
         };
-        let place = match &check.dof {
-            None => Place::Hit(self.number),
-            Some(dof) => Place::HitChannel {
+        let location = match &check.dof {
+            None => Location::Hit(self.number),
+            Some(dof) => Location::HitChannel {
                 hit: self.number,
                 dof: dof.clone(),
             },
         };
-        let mut finding = Finding::new(severity, code(check.rule), place);
+        let mut finding = Finding::new(severity, code(check.rule), location);
         if let Some(value) = check.value {
             finding = finding.value(value, check.unit);
         }

@@ -21,7 +21,7 @@
 use std::collections::BTreeMap;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::signal::{lane_moments, lane_sum, lane_sum_of_pairs};
 
 /// The limit of the bound: six time constants in the record, `e^-6` = 2.5e-3.
@@ -161,18 +161,22 @@ pub(super) fn truncation_finding(bounds: &BTreeMap<(Dof, Dof), Truncation>) -> F
             },
         );
     let Some(((response, reference), bound)) = worst else {
-        return Finding::new(Severity::Info, Code::TruncationNotDecidable, Place::Whole);
+        return Finding::new(
+            Severity::Info,
+            Code::TruncationNotDecidable,
+            Location::Whole,
+        );
     };
     let severity = if bound > TRUNCATION_LIMIT {
         Severity::Warning
     } else {
         Severity::Info
     };
-    let place = Place::Function {
+    let location = Location::Function {
         response: Some(response.clone()),
         reference: Some(reference.clone()),
     };
-    Finding::new(severity, Code::Truncated, place)
+    Finding::new(severity, Code::Truncated, location)
         .value(bound, "")
         .limit(TRUNCATION_LIMIT)
 }
@@ -302,6 +306,6 @@ mod tests {
             (Code::Truncated, Severity::Warning)
         );
         assert_eq!(worst.value, Some(0.1));
-        assert_eq!(worst.place.to_string(), "3:+Z|9:+Z");
+        assert_eq!(worst.location.to_string(), "3:+Z|9:+Z");
     }
 }

@@ -4,7 +4,7 @@ use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::dof::Dof;
 use num_complex::Complex64;
 
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 use crate::geometry::Geometry;
 use crate::modal::Mode;
 use crate::quantity::Quantity;
@@ -234,17 +234,17 @@ impl Catalog {
             IoError::Binary { byte, .. } | IoError::Truncated { byte, .. } => (None, Some(*byte)),
             _ => (None, None),
         };
-        let place = Place::File {
+        let location = Location::File {
             path: self.path.clone(),
             line,
             byte,
         };
-        self.note_damage_at(error, part, place);
+        self.note_damage_at(error, part, location);
     }
 
     /// As [`Catalog::note_damage`], for damage that is noticed at a position.
-    pub(in crate::io) fn note_damage_at(&mut self, error: IoError, part: Part, place: Place) {
-        let finding = Finding::new(part.severity(), Code::BadDataset, place);
+    pub(in crate::io) fn note_damage_at(&mut self, error: IoError, part: Part, location: Location) {
+        let finding = Finding::new(part.severity(), Code::BadDataset, location);
         self.findings.push(finding.detail(error.without_place()));
         self.damage.push(Damage { error, part });
     }

@@ -2,7 +2,7 @@
 //! need it.
 
 use crate::axis::FrequencyAxis;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 /// Excess over 1, or below 0, by which a coherence is rounded: single precision and printed digits.
 /// Larger: 1.00001 of a wrong average counts as a coherence of 1, a noise-free line. Smaller: files
@@ -59,7 +59,7 @@ fn ignored(axis: &FrequencyAxis, values: &[f64], invalid: &[usize]) -> Finding {
     };
     let largest = invalid.iter().map(|line| values[*line]);
     let largest = largest.filter(|value| value.is_finite());
-    let finding = Finding::new(severity, Code::CoherenceInvalid, Place::Whole);
+    let finding = Finding::new(severity, Code::CoherenceInvalid, Location::Whole);
     let finding = match largest.max_by(f64::total_cmp) {
         Some(largest) => finding.value(largest, ""),
         None => finding,

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
 use crate::quantity::{FrfKind, Quantity};
 
@@ -131,11 +131,11 @@ impl Collected {
             (false, true) => Severity::Error,
             (false, false) => return Err(error),
         };
-        let place = Place::Function {
+        let location = Location::Function {
             response: entry.response.clone(),
             reference: entry.reference.clone(),
         };
-        let finding = Finding::new(severity, Code::FunctionLeftOut, place);
+        let finding = Finding::new(severity, Code::FunctionLeftOut, location);
         self.findings.push(finding.detail(error.to_string()));
         self.left_out.get_or_insert(error);
         Ok(())
@@ -201,7 +201,7 @@ impl Collecting {
         self.set.mixed_windows = self.windows.mixed();
         self.set.findings.extend(self.windows.finding());
         if self.averages_assumed {
-            let finding = Finding::new(Severity::Warning, Code::AveragesAssumed, Place::Whole);
+            let finding = Finding::new(Severity::Warning, Code::AveragesAssumed, Location::Whole);
             let averages = f64::from(ASSUMED_AVERAGES);
             self.set.findings.push(finding.value(averages, "averages"));
         }
@@ -305,11 +305,11 @@ fn auxiliary(
     match real_values(file, index) {
         Err(error) if !matches!(error, IoError::System { .. }) => {
             let entry = &file.source.catalog().entries[index];
-            let place = Place::Function {
+            let location = Location::Function {
                 response: entry.response.clone(),
                 reference: entry.reference.clone(),
             };
-            let finding = Finding::new(Severity::Warning, Code::BadDataset, place);
+            let finding = Finding::new(Severity::Warning, Code::BadDataset, location);
             findings.push(finding.detail(error.to_string()));
             Ok(None)
         }
@@ -400,11 +400,14 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     note.window = note.window.or(file.window);
     let coherence = of_axis(beside.coherence, &axis);
     let finding = coherence.as_ref().and_then(|valid| valid.finding.clone());
-    let place = Place::Function {
+    let location = Location::Function {
         response: Some(response.clone()),
         reference: Some(reference.clone()),
     };
-    let finding = finding.map(|finding| Finding { place, ..finding });
+    let finding = finding.map(|finding| Finding {
+        location,
+        ..finding
+    });
     let coherence = coherence.and_then(|valid| valid.values);
     let coherence = coherence.filter(|values| !is_one_everywhere(values));
     let stated = of_axis(beside.variance, &axis);

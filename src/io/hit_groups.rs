@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::quantity::Quantity;
 use crate::record::Role;
 
@@ -74,11 +74,11 @@ impl Roles<'_> {
     /// The finding of a record that is left out.
     pub fn left_out_finding(&self, index: usize) -> Finding {
         let entry = &self.entries()[index];
-        let place = Place::Function {
+        let location = Location::Function {
             response: entry.response.clone(),
             reference: None,
         };
-        let finding = Finding::new(Severity::Warning, Code::FunctionLeftOut, place);
+        let finding = Finding::new(Severity::Warning, Code::FunctionLeftOut, location);
         finding.detail(format!("{}: unit {:?}", self.path(), entry.unit_label))
     }
 
@@ -138,12 +138,12 @@ impl Roles<'_> {
         }
         groups.iter().try_for_each(|group| self.check(group))?;
         if !is_stated {
-            let place = Place::File {
+            let location = Location::File {
                 path: self.path().to_owned(),
                 line: None,
                 byte: None,
             };
-            let finding = Finding::new(Severity::Info, Code::GroupedByOrder, place);
+            let finding = Finding::new(Severity::Info, Code::GroupedByOrder, location);
             findings.push(finding.value(groups.len() as f64, "hits"));
         }
         Ok(groups)
@@ -162,12 +162,12 @@ impl Roles<'_> {
         let is_whole = |group: &Group| group.len() == usual && self.is_hit(group);
         for group in groups.iter().filter(|group| !is_whole(group)) {
             let entry = &self.entries()[group[0]];
-            let place = Place::File {
+            let location = Location::File {
                 path: self.path().to_owned(),
                 line: entry.line,
                 byte: entry.byte.filter(|_| entry.line.is_none()),
             };
-            let finding = Finding::new(Severity::Error, Code::HitLeftOut, place);
+            let finding = Finding::new(Severity::Error, Code::HitLeftOut, location);
             findings.push(
                 finding
                     .value(group.len() as f64, "records")

@@ -9,7 +9,7 @@
 
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::quantity::Quantity;
 use crate::record::{
     ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
@@ -251,12 +251,12 @@ fn hit_point(
         what: format!("the hit point of the hit that starts with record {}", group[0] + 1),
         expected: "a response node in the force record, a common reference of the responses, or `reference` in [[test.file]] (--reference)".to_owned(),
     })?;
-    let place = Place::File {
+    let location = Location::File {
         path: catalog.path.clone(),
         line: None,
         byte: None,
     };
-    let finding = Finding::new(Severity::Info, Code::HitPointAssumed, place);
+    let finding = Finding::new(Severity::Info, Code::HitPointAssumed, location);
     add_once(findings, finding);
     Ok(found)
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::dof::Dof;
-use crate::finding::Place;
+use crate::finding::Location;
 
 use super::sample_range::{check_range, even_abscissa};
 use super::{Block, Catalog, Damage, IoError, Part, ReadSeek, Source};
@@ -160,13 +160,13 @@ impl Merged {
                 *good = false;
                 let path = &self.sources[self.places[entry].0].catalog().path;
                 let entry = &self.catalog.entries[entry];
-                let place = Place::File {
+                let location = Location::File {
                     path: path.clone(),
                     line: entry.line,
                     byte: entry.byte.filter(|_| entry.line.is_none()),
                 };
                 let part = Part::of_function(entry.function_type);
-                self.catalog.note_damage_at(error, part, place);
+                self.catalog.note_damage_at(error, part, location);
             }
         }
         let mut kept = good.iter();

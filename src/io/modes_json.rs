@@ -283,7 +283,7 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::{Code, Place, Severity};
+    use crate::finding::{Code, Location, Severity};
     use proptest::prelude::*;
 
     fn dof(text: &str) -> Dof {
@@ -302,7 +302,7 @@ mod tests {
             mode.modal_overlap = Some(f);
             mode.half_power_lines = Some(f * zeta);
             (mode.frequency_bias_hz, mode.damping_bias) = (Some(1e-3 * f), Some(1e-3 * zeta));
-            let finding = Finding::new(Severity::Warning, Code::FewLines, Place::Mode(f)).value(re, "Hz");
+            let finding = Finding::new(Severity::Warning, Code::FewLines, Location::Mode(f)).value(re, "Hz");
             let model = ModalModel {
                 producer: "test".to_owned(),
                 band: Some(Band { lo_hz: 0.0, hi_hz: f }),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 /// How many of what were left out.
 #[derive(Debug, Default)]
@@ -25,8 +25,8 @@ impl NotCarried {
     /// A finding for each kind.
     pub fn findings(self) -> Vec<Finding> {
         let finding = |(what, count): (&str, usize)| {
-            let place = Place::Parameter(what.to_owned());
-            Finding::new(Severity::Warning, Code::NotCarried, place).value(count as f64, "")
+            let location = Location::Parameter(what.to_owned());
+            Finding::new(Severity::Warning, Code::NotCarried, location).value(count as f64, "")
         };
         self.0.into_iter().map(finding).collect()
     }

@@ -1,7 +1,7 @@
 //! Windows that the functions of one set state, of which the set takes one that all state.
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use super::Window;
 
@@ -64,7 +64,7 @@ impl StatedWindows {
         }
         let windows = self.different();
         let named: Vec<String> = windows.iter().map(|window| self.named(*window)).collect();
-        let finding = Finding::new(Severity::Warning, Code::WindowNotCommon, Place::Whole);
+        let finding = Finding::new(Severity::Warning, Code::WindowNotCommon, Location::Whole);
         let finding = finding.value(stating as f64, "functions");
         let finding = finding.limit(self.functions.len() as f64);
         Some(finding.detail(named.join("; ")))

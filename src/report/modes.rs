@@ -279,12 +279,12 @@ pub(super) fn largest_shares(root: &ModelRoot) -> String {
 
 /// Codes of the warnings that belong to one mode.
 fn remarks(model: &ModalModel, mode: &Mode) -> String {
-    use crate::finding::{Place, Severity};
-    let belongs = |place: &Place| matches!(place, Place::Mode(hz) if (hz - mode.frequency_hz).abs() <= 1e-9 * mode.frequency_hz);
+    use crate::finding::{Location, Severity};
+    let belongs = |location: &Location| matches!(location, Location::Mode(hz) if (hz - mode.frequency_hz).abs() <= 1e-9 * mode.frequency_hz);
     let warnings = model
         .findings
         .iter()
-        .filter(|f| f.severity > Severity::Info && belongs(&f.place));
+        .filter(|f| f.severity > Severity::Info && belongs(&f.location));
     let mut names: Vec<String> = warnings.map(|finding| finding.code.name()).collect();
     names.sort();
     names.dedup();

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfSet, Window, check_functions};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
@@ -335,12 +335,12 @@ fn local_directions(catalog: &Catalog) -> Option<Finding> {
         .flatten()
         .filter(|dof| turned.contains(dof.point()))
         .collect();
-    let place = Place::File {
+    let location = Location::File {
         path: catalog.path.clone(),
         line: None,
         byte: None,
     };
-    let finding = Finding::new(Severity::Warning, Code::LocalDirections, place);
+    let finding = Finding::new(Severity::Warning, Code::LocalDirections, location);
     (!local.is_empty()).then(|| finding.value(local.len() as f64, ""))
 }
 
@@ -374,7 +374,7 @@ fn overrides_of(
 
 /// The finding on records or functions that are not used.
 fn unused_data_finding(count: usize, code: Code, unit: &str) -> Option<Finding> {
-    let finding = Finding::new(Severity::Info, code, Place::Whole);
+    let finding = Finding::new(Severity::Info, code, Location::Whole);
     (count > 0).then(|| finding.value(count as f64, unit))
 }
 

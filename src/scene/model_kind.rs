@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use super::model_name::is_built_in;
 use super::modes_file::is_modes_file;
@@ -46,12 +46,12 @@ pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
     if model_kind(path) != ModelKind::BuiltIn {
         return None;
     }
-    let place = Place::File {
+    let location = Location::File {
         path: path.display().to_string(),
         line: None,
         byte: None,
     };
-    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, place);
+    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, location);
     Some(finding.detail(format!("./{} names the {other}", path.display())))
 }
 

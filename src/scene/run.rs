@@ -7,7 +7,7 @@ use crate::axis::Band;
 use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfError, FrfSet, hammer};
 use crate::identify::{Identification, IdentifyOptions, Indicators, identification, indicators};
 use crate::io::{sha256_hex, sha256_of_bytes};
@@ -210,9 +210,11 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 dofs: Vec::new(),
             };
             let mut ingested = ingest_bytes(recording.uff.clone(), &name)?;
-            ingested
-                .findings
-                .push(Finding::new(Severity::Info, Code::Synthetic, Place::Whole));
+            ingested.findings.push(Finding::new(
+                Severity::Info,
+                Code::Synthetic,
+                Location::Whole,
+            ));
             Ok(TestData {
                 ingested,
                 inputs: vec![input],
@@ -361,7 +363,7 @@ fn search_band(
 }
 
 fn band_limited_finding(band: Band) -> Finding {
-    Finding::new(Severity::Info, Code::BandLimited, Place::Whole).value(band.hi_hz, "Hz")
+    Finding::new(Severity::Info, Code::BandLimited, Location::Whole).value(band.hi_hz, "Hz")
 }
 
 /// A warning for each mode above the valid band.
@@ -371,7 +373,7 @@ fn modes_above_valid_band(modes: &ModalModel, valid: Option<Band>) -> Vec<Findin
     };
     let frequencies = modes.modes.iter().map(|mode| mode.frequency_hz);
     let warning = |hz: f64| {
-        Finding::new(Severity::Warning, Code::AboveValidBand, Place::Mode(hz))
+        Finding::new(Severity::Warning, Code::AboveValidBand, Location::Mode(hz))
             .value(hz, "Hz")
             .limit(valid.hi_hz)
     };
@@ -407,7 +409,7 @@ pub fn identify_sets(
         model.findings.push(Finding::new(
             Severity::Warning,
             Code::NoModeFound,
-            Place::Whole,
+            Location::Whole,
         ));
     }
     let outside = modes_above_valid_band(model, set.valid_band);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfError;
 use crate::record::{ChannelPlace, Cut, HitInfo, Recording, Samples, Stretch};
 use crate::signal::{Segments, TriggerOptions, segments, to_si};
@@ -36,18 +36,18 @@ pub(super) fn cut_hits(
         });
         pieces.extend(pieces_of);
         let left_out = record_hits.cut_off + record_hits.too_early;
-        let place = Place::File {
+        let location = Location::File {
             path: infos[record].origin.clone(),
             line: None,
             byte: None,
         };
-        let level = Finding::new(Severity::Info, Code::TriggerLevel, place.clone());
+        let level = Finding::new(Severity::Info, Code::TriggerLevel, location.clone());
         findings.push(level.value(record_hits.level_n, "N"));
         let length_s = shortest as f64 * infos[record].axis.step_s;
-        let length = Finding::new(Severity::Info, Code::HitLength, place.clone());
+        let length = Finding::new(Severity::Info, Code::HitLength, location.clone());
         findings.push(length.value(length_s, "s"));
         if left_out > 0 {
-            let finding = Finding::new(Severity::Warning, Code::HitCutOff, place);
+            let finding = Finding::new(Severity::Warning, Code::HitCutOff, location);
             findings.push(finding.value(left_out as f64, "hits"));
         }
     }

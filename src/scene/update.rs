@@ -132,7 +132,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .filter(|finding| {
             !findings
                 .iter()
-                .any(|other| (other.code, &other.place) == (finding.code, &finding.place))
+                .any(|other| (other.code, &other.location) == (finding.code, &finding.location))
         })
         .cloned()
         .collect();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
 use crate::quantity::Quantity;
 use crate::record::{Channel, Hit, Role, Samples};
@@ -77,7 +77,7 @@ impl HammerTest {
             .modes
             .sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         if !model.findings.iter().any(|f| f.code == Code::Synthetic) {
-            let finding = Finding::new(Severity::Info, Code::Synthetic, Place::Whole);
+            let finding = Finding::new(Severity::Info, Code::Synthetic, Location::Whole);
             model.findings.push(finding);
         }
         model

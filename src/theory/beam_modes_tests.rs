@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 
 use crate::dof::{Axis, Dof};
-use crate::finding::{Code, Place};
+use crate::finding::{Code, Location};
 use crate::geometry::{Sensor, Target};
 use crate::modal::mac;
 
@@ -349,7 +349,7 @@ fn soft_suspensions_are_exact_down_to_rounding_and_not_rigid_body_modes() {
             assert_eq!(warned.len(), usize::from(!above.is_empty()));
             let largest = above.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             if let (Some(finding), Some((hz, bound))) = (warned.first(), largest) {
-                assert_eq!(finding.place, Place::Mode(*hz), "{elements} elements");
+                assert_eq!(finding.location, Location::Mode(*hz), "{elements} elements");
                 let value = finding.value.expect("the bound");
                 assert!((value / bound - 1.0).abs() < 1e-6, "{value} {bound}");
                 let detail = finding.detail.as_deref().unwrap_or_default();

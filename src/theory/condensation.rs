@@ -10,7 +10,7 @@
 //! Géradin and Rixen (2015), Mechanical Vibrations, 3rd ed., section 2.8; Guyan (1965), AIAA
 //! Journal 3, 380.
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::{self, RealMatrix, SparseMatrix, SymmetricModes, real_matrix};
 
 use super::massless::{Division, without_zeros};
@@ -132,7 +132,7 @@ impl Condensation {
 
     /// How many motions carry no mass and were condensed.
     pub(super) fn finding(&self) -> Finding {
-        let finding = Finding::new(Severity::Info, Code::MasslessCondensed, Place::Whole);
+        let finding = Finding::new(Severity::Info, Code::MasslessCondensed, Location::Whole);
         let of = format!("of {} coordinates", self.size);
         finding.value(self.massless() as f64, &of)
     }

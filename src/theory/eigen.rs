@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::{self, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
@@ -189,7 +189,11 @@ impl Solution {
         moved.retain(|(_, part)| *part > ROUNDING_REPORTED);
         moved.sort_by(|a, b| b.1.total_cmp(&a.1));
         let (&(hz, largest), others) = moved.split_first()?;
-        let finding = Finding::new(Severity::Warning, Code::StiffnessRounding, Place::Mode(hz));
+        let finding = Finding::new(
+            Severity::Warning,
+            Code::StiffnessRounding,
+            Location::Mode(hz),
+        );
         let finding = finding.value(largest, "").limit(ROUNDING_REPORTED);
         let listed = others.iter().take(MODES_LISTED);
         let mut listed: Vec<String> = listed

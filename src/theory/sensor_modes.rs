@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex64;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::{Sensor, Target};
 use crate::linalg::RealMatrix;
 use crate::modal::{ModeShape, modal_phase_collinearity};
@@ -47,8 +47,8 @@ pub fn modes(
     let assumed = model.parameters().iter().zip(values);
     let assumed = assumed.filter(|(spec, _)| spec.status == ParameterStatus::Assumed);
     result.model.findings.extend(assumed.map(|(spec, value)| {
-        let place = Place::Parameter(spec.name.clone());
-        Finding::new(Severity::Info, Code::Assumption, place).value(*value, &spec.unit)
+        let location = Location::Parameter(spec.name.clone());
+        Finding::new(Severity::Info, Code::Assumption, location).value(*value, &spec.unit)
     }));
     Ok(result)
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::{self, RealMatrix, SparseMatrix, SparseModes, Wanted};
 
 use super::eigen::{Root, Solution, check_damping_ratio, check_entries, sizes};
@@ -84,8 +84,8 @@ pub fn modes_of_sparse(
     let moved = |vectors: &RealMatrix| system.mass.multiply(vectors);
     let mut result = solution.kept(options, &damping, &moved);
     result.coordinates = system.coordinates.clone();
-    let place = Place::Whole;
-    let finding = Finding::new(Severity::Info, Code::LowestModesAlone, place);
+    let location = Location::Whole;
+    let finding = Finding::new(Severity::Info, Code::LowestModesAlone, location);
     result.model.findings.extend(
         raw.counted_below
             .map(|limit| finding.value(limit.max(0.0).sqrt() / TAU, "Hz")),

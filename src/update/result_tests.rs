@@ -4,7 +4,7 @@
 use crate::correlate::ErrorReference;
 use crate::correlate::measures::reverse_sensors;
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::real_matrix;
 
 use super::test_models::{chain, free, measured, sensors};
@@ -208,11 +208,11 @@ fn a_measured_mode_without_a_partner_is_named_in_the_findings() {
     let lost = |result: &UpdateResult| {
         let findings = result.findings().into_iter();
         let places = findings.filter(|f| f.code == Code::PartnerLost);
-        places.map(|f| f.place).collect::<Vec<_>>()
+        places.map(|f| f.location).collect::<Vec<_>>()
     };
     assert_eq!((found.after.paired(), lost(&found)), (2, Vec::new()));
     found.after.rows[1].model_hz = None;
-    let expected = vec![Place::Mode(test.modes[1].frequency_hz)];
+    let expected = vec![Location::Mode(test.modes[1].frequency_hz)];
     assert_eq!((found.after.paired(), lost(&found)), (1, expected));
 }
 

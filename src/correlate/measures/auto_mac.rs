@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
 
 use super::super::model_roots::check_model;
@@ -119,8 +119,8 @@ impl AutoMac {
     /// Each duplicate as a finding at its second mode.
     pub fn findings(&self) -> Vec<Finding> {
         let finding = |duplicate: &Duplicate| {
-            let place = Place::Mode(duplicate.second.hz);
-            Finding::new(Severity::Warning, Code::DuplicateModes, place)
+            let location = Location::Mode(duplicate.second.hz);
+            Finding::new(Severity::Warning, Code::DuplicateModes, location)
                 .value(duplicate.mac, "")
                 .limit(self.limits.min_mac)
         };

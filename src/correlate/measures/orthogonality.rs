@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use serde::Serialize;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::modal::{ModalModel, ModeShape};
 use crate::theory::{SystemMatrices, guyan, serep_expansion};
@@ -172,7 +172,7 @@ impl Orthogonality {
             Finding::new(
                 Severity::Warning,
                 Code::OutsideReduction,
-                Place::Mode(name.hz),
+                Location::Mode(name.hz),
             )
             .value(part, "")
             .limit(OUTSIDE)

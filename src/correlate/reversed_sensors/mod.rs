@@ -13,7 +13,7 @@ mod tests;
 use serde::Serialize;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::{ModalModel, ModeShape};
 
 use super::shapes::Shapes;
@@ -424,17 +424,17 @@ pub fn reversed_findings(sensors: &[ReversedSensor], corrected: bool) -> Vec<Fin
     let groups = sensors.chunk_by(ReversedSensor::is_grouped_with);
     let finding = |sensor: &ReversedSensor| {
         let gain = sensor.mac_after - sensor.mac_before;
-        let (code, place) = match &sensor.group {
-            Some(group) => (Code::ReversedGroup, Place::Sensors(group.clone())),
+        let (code, location) = match &sensor.group {
+            Some(group) => (Code::ReversedGroup, Location::Sensors(group.clone())),
             None => (
                 Code::ReversedSensor,
-                Place::Function {
+                Location::Function {
                     response: Some(sensor.dof.clone()),
                     reference: None,
                 },
             ),
         };
-        Finding::new(severity, code, place).value(gain, "")
+        Finding::new(severity, code, location).value(gain, "")
     };
     groups
         .filter_map(|group| group.first())

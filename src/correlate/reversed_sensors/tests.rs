@@ -270,10 +270,10 @@ fn sensors_of_one_file_are_named_together() {
     let findings = reversed_findings(&found, false);
     assert_eq!(findings.len(), 1);
     assert_eq!(
-        (findings[0].code, &findings[0].place),
+        (findings[0].code, &findings[0].location),
         (
             Code::ReversedGroup,
-            &Place::Sensors("file a.uff".to_owned())
+            &Location::Sensors("file a.uff".to_owned())
         )
     );
 }

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use super::driving_point::CLEAR;
 use super::mobility::Mobilities;
@@ -82,22 +82,22 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
             .iter()
             .max_by(|a, b| a.1.tau_s.abs().total_cmp(&b.1.tau_s.abs()));
         return worst
-            .map(|(_, d)| finding(Place::Whole, d))
+            .map(|(_, d)| finding(Location::Whole, d))
             .into_iter()
             .collect();
     }
     let one = |(response, d): &(&Dof, Delay)| {
-        let place = Place::Function {
+        let location = Location::Function {
             response: Some((*response).clone()),
             reference: None,
         };
-        beyond(d).then(|| finding(place, d))
+        beyond(d).then(|| finding(location, d))
     };
     delays.iter().filter_map(one).collect()
 }
 
-fn finding(place: Place, delay: &Delay) -> Finding {
-    Finding::new(Severity::Warning, Code::ChannelDelay, place)
+fn finding(location: Location, delay: &Delay) -> Finding {
+    Finding::new(Severity::Warning, Code::ChannelDelay, location)
         .value(delay.tau_s, "s")
         .limit(delay.limit_s)
 }
@@ -217,10 +217,10 @@ mod tests {
         let late = delayed(&Beam::default().set(&[("2:+Z", "1:+Z")]), INTERVAL_S);
         let findings = found(&joined(&[set.clone(), late]));
         assert_eq!(findings.len(), 1);
-        assert_eq!(findings[0].place.to_string(), "channel 2:+Z");
+        assert_eq!(findings[0].location.to_string(), "channel 2:+Z");
         let findings = found(&delayed(&set, -INTERVAL_S));
         assert_eq!(findings.len(), 1);
-        assert_eq!(findings[0].place, Place::Whole);
+        assert_eq!(findings[0].location, Location::Whole);
         assert!(findings[0].value.unwrap() < 0.0);
     }
 

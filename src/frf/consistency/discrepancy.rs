@@ -89,7 +89,7 @@ pub(super) fn gross_finding(
     }
     let relative = (apart / energy).sqrt();
     (relative > GROSS).then(|| {
-        Finding::new(Severity::Warning, code, data.place(b))
+        Finding::new(Severity::Warning, code, data.location(b))
             .value(relative, "")
             .limit(GROSS)
     })
@@ -105,7 +105,7 @@ pub(super) fn finding(
     let difference = difference(data, a, b);
     let limit = limit.max(difference.of_noise);
     (difference.relative > limit).then(|| {
-        Finding::new(Severity::Warning, code, data.place(b))
+        Finding::new(Severity::Warning, code, data.location(b))
             .value(difference.relative, "")
             .limit(limit)
     })

@@ -40,7 +40,7 @@ fn finding(data: &Mobilities, i: usize) -> Option<Finding> {
     let value = wrong / peaks.len() as f64;
     let limit = 0.5 / peaks.len() as f64;
     (value > limit).then(|| {
-        Finding::new(Severity::Warning, Code::DrivingPointSign, data.place(i))
+        Finding::new(Severity::Warning, Code::DrivingPointSign, data.location(i))
             .value(value, "")
             .limit(limit)
     })

@@ -88,8 +88,8 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     };
     let finding = |(resonance, run): (&Resonance, &Run)| {
         let percent = 100.0 / resonance.omega;
-        let place = data.place(run.function);
-        Finding::new(Severity::Warning, code, place)
+        let location = data.location(run.function);
+        Finding::new(Severity::Warning, code, location)
             .value(percent * resonance.shift(run), "%")
             .limit(percent * resonance.limit(run))
     };
@@ -298,7 +298,7 @@ mod tests {
             assert_eq!(findings.len(), 1);
             assert_eq!(findings[0].code, Code::RunsDisagree);
             let place = if hammer { "1:+Z|5:+Z" } else { "5:+Z|1:+Z" };
-            assert_eq!(findings[0].place.to_string(), place);
+            assert_eq!(findings[0].location.to_string(), place);
             let value = findings[0].value.unwrap();
             assert!((0.3..0.5).contains(&value), "{value}");
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use crate::dof::Dof;
-use crate::finding::Place;
+use crate::finding::Location;
 use crate::frf::{FrfSet, Function};
 use crate::quantity::FrfKind;
 
@@ -103,9 +103,9 @@ impl<'a> Mobilities<'a> {
     }
 
     /// Where a finding about function `i` belongs.
-    pub fn place(&self, i: usize) -> Place {
+    pub fn location(&self, i: usize) -> Location {
         let function = &self.functions()[i];
-        Place::Function {
+        Location::Function {
             response: Some(function.response.clone()),
             reference: Some(function.reference.clone()),
         }

@@ -31,7 +31,7 @@ pub(crate) use mass_loading::runs;
 
 use num_complex::Complex64;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use super::FrfSet;
 use discrepancy::gross_finding;
@@ -46,7 +46,7 @@ use mobility::Mobilities;
 pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
     let is_dead = |i: &usize| set.values(*i).iter().all(|value| *value == Complex64::ZERO);
     let (dead, live): (Vec<usize>, Vec<usize>) = (0..set.len()).partition(is_dead);
-    let place = |i: usize| Place::Function {
+    let location = |i: usize| Location::Function {
         response: Some(set.functions()[i].response.clone()),
         reference: Some(set.functions()[i].reference.clone()),
     };
@@ -64,7 +64,7 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
         }
     }
     let dead = dead.into_iter();
-    findings.extend(dead.map(|i| Finding::new(Severity::Warning, Code::DeadChannel, place(i))));
+    findings.extend(dead.map(|i| Finding::new(Severity::Warning, Code::DeadChannel, location(i))));
     findings
 }
 

@@ -47,7 +47,7 @@ mod tests {
         assert!(found(&scaled(&set, 1, 1.04)).is_empty());
         let changed = found(&scaled(&set, 1, 1.1));
         assert_eq!(changed.len(), 1);
-        assert_eq!(changed[0].place.to_string(), "2:+Z#2|1:+Z");
+        assert_eq!(changed[0].location.to_string(), "2:+Z#2|1:+Z");
         let expected = 0.1 * f64::sqrt(2.0 / (1.0 + 1.21));
         assert!((changed[0].value.unwrap() / expected - 1.0).abs() < 0.01);
     }

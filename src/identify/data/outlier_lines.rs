@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::linalg::{self, RealMatrix};
 
@@ -76,7 +76,7 @@ pub(in crate::identify) fn interpolate_missing_lines(
             }
         }
         let hz = set.axis().hz(run.start + run.len() / 2);
-        let finding = Finding::new(Severity::Warning, Code::LineFilled, Place::Whole);
+        let finding = Finding::new(Severity::Warning, Code::LineFilled, Location::Whole);
         findings.push(finding.value(hz, "Hz"));
     }
     filled.map(|set| (set, findings))
@@ -126,7 +126,7 @@ pub(in crate::identify) fn replace_outlier_lines(
     let mut findings = Vec::with_capacity(found.len());
     for (run, curves) in found {
         let hz = set.axis().hz(run.start + run.len() / 2);
-        let finding = Finding::new(Severity::Warning, Code::SpikeReplaced, Place::Whole);
+        let finding = Finding::new(Severity::Warning, Code::SpikeReplaced, Location::Whole);
         findings.push(finding.value(hz, "Hz"));
         for (function, curve) in curves {
             replaced.values_mut(function)[run.clone()].copy_from_slice(&curve);

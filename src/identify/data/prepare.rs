@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfSet, Function};
 
 use crate::identify::data::band_frfs::{
@@ -101,7 +101,7 @@ fn cut_to_axis(set: &FrfSet, band: Band) -> (Band, Vec<Finding>) {
     let low = band.lo_hz < whole.lo_hz - slack && set.axis().start_hz > 0.0;
     let high = band.hi_hz > whole.hi_hz + slack;
     let finding = |stated: f64, limit: f64| {
-        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Location::Whole);
         finding.value(stated, "Hz").limit(limit)
     };
     let ends = [
@@ -127,7 +127,7 @@ fn findings_on_missing_ends(set: &FrfSet, band: Band) -> Vec<Finding> {
         return Vec::new();
     };
     let finding = |end: usize, limit: usize| {
-        let finding = Finding::new(Severity::Warning, Code::BandCut, Place::Whole);
+        let finding = Finding::new(Severity::Warning, Code::BandCut, Location::Whole);
         finding.value(hz(end), "Hz").limit(hz(limit))
     };
     let begin = lines.clone().find(|k| hz(*k) > 0.0);
@@ -140,9 +140,9 @@ fn findings_on_missing_ends(set: &FrfSet, band: Band) -> Vec<Finding> {
 }
 
 fn invalid_frf_finding(function: &Function, hz: f64) -> Finding {
-    let place = Place::Function {
+    let location = Location::Function {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),
     };
-    Finding::new(Severity::Error, Code::ValueNotFinite, place).value(hz, "Hz")
+    Finding::new(Severity::Error, Code::ValueNotFinite, location).value(hz, "Hz")
 }

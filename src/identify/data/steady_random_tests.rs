@@ -1,7 +1,7 @@
 //! Damping from tests under steady random force, whose windows smooth the FRFs.
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 use crate::frf::{FrfSet, Window};
 use crate::identify::data::steady_random::SteadyRandomTest;
 use crate::identify::estimator::{IdentifyOptions, MethodOptions};
@@ -176,10 +176,10 @@ fn random_force_under_an_unstated_window_makes_no_second_poles() {
 fn assert_split_at_modes(model: &ModalModel, window: &str) {
     let is_split = |finding: &&Finding| finding.code == Code::LeakageSplit;
     for finding in model.findings.iter().filter(is_split) {
-        let place = |mode: &Mode| Place::Mode(mode.frequency_hz);
+        let location = |mode: &Mode| Location::Mode(mode.frequency_hz);
         let modes = &model.modes;
         assert!(
-            modes.iter().any(|mode| place(mode) == finding.place),
+            modes.iter().any(|mode| location(mode) == finding.location),
             "{finding}"
         );
         assert!(finding.value.unwrap() >= 2.0, "{finding}");
@@ -254,9 +254,9 @@ fn damping_bias_reported_under_an_unstated_window_is_the_actual_one() {
             let modes = model.modes.iter();
             let mode = modes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             let mode = mode.unwrap();
-            let place = Place::Mode(mode.frequency_hz);
+            let location = Location::Mode(mode.frequency_hz);
             let biased = |finding: &&Finding| {
-                finding.code == Code::DampingBiasedHigh && finding.place == place
+                finding.code == Code::DampingBiasedHigh && finding.location == location
             };
             let finding = model.findings.iter().find(biased);
             reported += finding.map_or(0.0, |finding| finding.value.unwrap());

@@ -39,7 +39,7 @@
 //! estimated from the residual ([`noise`](crate::identify::noise::input_variance)).
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 
 use crate::identify::data::band_frfs::BandFrfs;
@@ -107,7 +107,7 @@ impl Method for MaximumLikelihood {
                 plain.data.leakage = None;
                 let mut table = plain.table(set, band, &found, &[]);
                 let code = Code::WindowContradicted;
-                let finding = Finding::new(Severity::Warning, code, Place::Whole);
+                let finding = Finding::new(Severity::Warning, code, Location::Whole);
                 table.findings.push(finding);
                 (table, plain.moved)
             }

@@ -16,7 +16,7 @@
 //! that without it, and that of hammer tests with noise 0.96 and more.
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
@@ -184,7 +184,7 @@ impl PoleModel {
             }
             .natural_frequency_hz();
             let in_band = (band.lo_hz..=band.hi_hz).contains(&hz);
-            let finding = Finding::new(Severity::Warning, Code::LeakageSplit, Place::Mode(hz));
+            let finding = Finding::new(Severity::Warning, Code::LeakageSplit, Location::Mode(hz));
             let finding = finding.value(mode.poles as f64, "poles");
             in_band.then(|| finding.detail(mode.shape.window_name()))
         };

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::axis::Band;
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::{
     ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
@@ -109,7 +109,7 @@ fn modes_of_pole(
         .collect();
     let frequency_hz = pole.natural_frequency_hz();
     let warning = |code, value: f64, limit: f64| {
-        Finding::new(Severity::Warning, code, Place::Mode(frequency_hz))
+        Finding::new(Severity::Warning, code, Location::Mode(frequency_hz))
             .value(value, "")
             .limit(limit)
     };

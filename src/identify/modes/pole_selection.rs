@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::{Pole, PoleSelection, SelectedPole};
 
@@ -106,8 +106,8 @@ pub(in crate::identify) fn select_poles(
             .natural_frequency_hz()
     };
     let mode_hz: Vec<f64> = result.candidates.iter().map(hz).collect();
-    result.findings.retain(|finding| match finding.place {
-        Place::Mode(at) => mode_hz.iter().any(|hz| (hz - at).abs() <= 1e-9 * hz),
+    result.findings.retain(|finding| match finding.location {
+        Location::Mode(at) => mode_hz.iter().any(|hz| (hz - at).abs() <= 1e-9 * hz),
         _ => true,
     });
     result.findings.extend(missed_selections);
@@ -191,8 +191,8 @@ fn missed_selection(
     nearest_hz: Option<f64>,
     selection: &PoleSelection,
 ) -> Finding {
-    let place = Place::Mode(wanted.frequency_hz);
-    let finding = Finding::new(Severity::Error, Code::SelectionMissed, place);
+    let location = Location::Mode(wanted.frequency_hz);
+    let finding = Finding::new(Severity::Error, Code::SelectionMissed, location);
     let finding = match nearest_hz {
         Some(hz) => finding.value(hz, "Hz"),
         None => finding,

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use num_complex::Complex64;
 
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::linalg::{complex_matrix, singular_values};
 
@@ -66,11 +66,11 @@ pub(in crate::identify) fn sign_reversed_frf(
     if found.iter().any(elsewhere) {
         return None;
     }
-    let place = Place::Function {
+    let location = Location::Function {
         response: Some(first.response.clone()),
         reference: (found.len() == 1).then(|| first.reference.clone()),
     };
-    let finding = Finding::new(Severity::Warning, Code::TurnedFunction, place);
+    let finding = Finding::new(Severity::Warning, Code::TurnedFunction, location);
     Some(finding.value(double.len() as f64, "roots"))
 }
 
@@ -201,11 +201,11 @@ mod tests {
                 let finding = sign_reversed_frf(&set, &[ONE, OTHER].map(root));
                 let finding = finding.expect("both roots are double by one sign");
                 let function = &set.functions()[reversed];
-                let expected = Place::Function {
+                let expected = Location::Function {
                     response: Some(function.response.clone()),
                     reference: (references > 2).then(|| function.reference.clone()),
                 };
-                assert_eq!((finding.place, finding.value), (expected, Some(2.0)));
+                assert_eq!((finding.location, finding.value), (expected, Some(2.0)));
             }
         }
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::axis::Band;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
@@ -88,25 +88,25 @@ impl FindingContext<'_> {
             findings.push(Finding::new(
                 Severity::Info,
                 Code::NoiseFromFit,
-                Place::Whole,
+                Location::Whole,
             ));
         }
         if self.data.line_shape.is_smoothed() {
             findings.push(Finding::new(
                 Severity::Info,
                 Code::WindowLineShape,
-                Place::Whole,
+                Location::Whole,
             ));
         }
         if let Some(rate) = self.data.unreported_window_decay() {
-            let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Place::Whole);
+            let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Location::Whole);
             findings.push(match rate {
                 Some(rate) => finding.value(rate, "1/s"),
                 None => finding,
             });
         }
         if let Some(poles) = self.scattered {
-            let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Place::Whole);
+            let finding = Finding::new(Severity::Warning, Code::PhasesScatter, Location::Whole);
             findings.push(finding.value(poles as f64, ""));
         }
         findings.extend(self.run_finding());
@@ -129,11 +129,11 @@ impl FindingContext<'_> {
         }
         let away = self.moved.outlying_run()?;
         let function = &self.set.functions()[away.function];
-        let place = Place::Function {
+        let location = Location::Function {
             response: Some(function.response.clone()),
             reference: Some(function.reference.clone()),
         };
-        let finding = Finding::new(Severity::Warning, Code::RunsDisagree, place);
+        let finding = Finding::new(Severity::Warning, Code::RunsDisagree, location);
         Some(
             finding
                 .value(100.0 * away.shift, "%")
@@ -146,26 +146,27 @@ impl FindingContext<'_> {
         let kept: Vec<&ModelPole> = self.kept.iter().map(|(pole, _)| *pole).collect();
         let partners = run_partners(&kept, &by_point(self.set.functions())).into_iter();
         let finding = |(lambda, widths): (Complex64, f64)| {
-            Finding::new(Severity::Warning, Code::RunsApart, self.place(lambda)).value(widths, "")
+            Finding::new(Severity::Warning, Code::RunsApart, self.location(lambda))
+                .value(widths, "")
         };
         partners.map(finding).collect()
     }
 
     fn mode_findings(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Vec<Finding> {
-        let place = self.place(pole.lambda);
+        let location = self.location(pole.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
-            Finding::new(Severity::Warning, code, place.clone())
+            Finding::new(Severity::Warning, code, location.clone())
                 .value(value, unit)
                 .limit(limit)
         };
         let mut findings = Vec::new();
         if let Some(mode) = self.moved.of(pole.lambda) {
-            let finding = Finding::new(Severity::Warning, Code::RunsMerged, place.clone());
+            let finding = Finding::new(Severity::Warning, Code::RunsMerged, location.clone());
             let percent = 100.0 * mode.scatter / mode.lambda.im;
             findings.push(finding.value(percent, "%"));
         }
         if pole.multiplicity() > 1 {
-            let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
+            let finding = Finding::new(Severity::Info, Code::RepeatedRoot, location.clone());
             findings.push(finding.value(pole.multiplicity() as f64, ""));
         }
         let companion = self
@@ -173,7 +174,11 @@ impl FindingContext<'_> {
             .iter()
             .find(|(lambda, _)| *lambda == pole.lambda);
         if let Some((_, size)) = companion {
-            let finding = Finding::new(Severity::Warning, Code::AmplitudeDependent, place.clone());
+            let finding = Finding::new(
+                Severity::Warning,
+                Code::AmplitudeDependent,
+                location.clone(),
+            );
             findings.push(finding.value(*size, ""));
         }
         let decay = pole.decay() - self.set.added_damping_rad_s;
@@ -186,14 +191,14 @@ impl FindingContext<'_> {
             findings.push(Finding::new(
                 Severity::Warning,
                 Code::BandDependent,
-                place.clone(),
+                location.clone(),
             ));
         }
         let lines = pole.width() / self.data.step;
         if lines < MIN_LINES_PER_BANDWIDTH {
             findings.push(warning(Code::FewLines, lines, "", MIN_LINES_PER_BANDWIDTH));
         }
-        findings.extend(reach(self.set, self.data, pole.lambda, &place));
+        findings.extend(reach(self.set, self.data, pole.lambda, &location));
         findings
     }
 
@@ -221,7 +226,7 @@ impl FindingContext<'_> {
                     MAX_PHASE_DIFFERENCE_RAD.to_degrees(),
                 ),
             };
-            let finding = Finding::new(Severity::Info, code, self.place(lambda));
+            let finding = Finding::new(Severity::Info, code, self.location(lambda));
             reported.push((lambda, finding.value(value, unit).limit(limit)));
         }
         reported.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
@@ -273,7 +278,7 @@ impl FindingContext<'_> {
         let finding = Finding::new(
             Severity::Info,
             Code::PeakWithoutMode,
-            Place::Mode(omega / TAU),
+            Location::Mode(omega / TAU),
         );
         match self
             .dropped
@@ -296,8 +301,8 @@ impl FindingContext<'_> {
     }
 
     /// The row of a finding: the mode's frequency without the damping of the window.
-    pub(in crate::identify) fn place(&self, lambda: Complex64) -> Place {
+    pub(in crate::identify) fn location(&self, lambda: Complex64) -> Location {
         let pole = Pole { lambda }.without_added_damping(self.set.added_damping_rad_s);
-        Place::Mode(pole.natural_frequency_hz())
+        Location::Mode(pole.natural_frequency_hz())
     }
 }

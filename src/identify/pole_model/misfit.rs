@@ -6,7 +6,7 @@
 //! applies to nearly every mode and has no practical effect. Only modes whose damping, frequency or
 //! shape becomes uncertain by it have a finding.
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::pole_model::findings::FindingContext;
@@ -81,15 +81,15 @@ impl FindingContext<'_> {
         let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
         all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         let worst = all.first()?;
-        let place = match all.len() {
-            1 => self.place(worst.pole.lambda),
-            _ => Place::Whole,
+        let location = match all.len() {
+            1 => self.location(worst.pole.lambda),
+            _ => Location::Whole,
         };
         let largest = all
             .iter()
             .map(|consequence| consequence.metrics.reduced_chi_square)
             .fold(0.0, f64::max);
-        let finding = Finding::new(Severity::Warning, Code::ModelMisfit, place);
+        let finding = Finding::new(Severity::Warning, Code::ModelMisfit, location);
         let finding = finding
             .value(largest.sqrt(), "")
             .limit(MAX_CHI_SQUARE.sqrt());
@@ -129,8 +129,8 @@ impl FindingContext<'_> {
     /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
     /// residual over noise, those of the worst mode.
     fn detail_of(&self, all: &[Consequence]) -> String {
-        let hz = |consequence: &Consequence| match self.place(consequence.pole.lambda) {
-            Place::Mode(hz) => format!("{hz:.2} Hz: {}", consequence.figures()),
+        let hz = |consequence: &Consequence| match self.location(consequence.pole.lambda) {
+            Location::Mode(hz) => format!("{hz:.2} Hz: {}", consequence.figures()),
             _ => consequence.figures(),
         };
         let mut texts = vec![format!(

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::axis::FrequencyAxis;
 use crate::dof::Dof;
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 use crate::frf::{FrfSet, FunctionData};
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
@@ -249,10 +249,10 @@ fn the_changed_run_is_reported() {
             panic!("{:?}", model.findings);
         };
         let changed: Dof = "3:+Z".parse().unwrap();
-        let Place::Function {
+        let Location::Function {
             response,
             reference,
-        } = &finding.place
+        } = &finding.location
         else {
             panic!("{finding}");
         };

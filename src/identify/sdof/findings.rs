@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
@@ -148,27 +148,27 @@ pub(in crate::identify) fn rejected_peak_finding(
         PeakRejection::Unstable(turn) => (*turn, 0.0),
         PeakRejection::NotTurning(turn) => (*turn, peak_detection::MIN_PHASE_CHANGE_RATIO),
     };
-    let place = Place::Mode(peak_detection::hz(data, peak.line));
-    Finding::new(Severity::Info, Code::PeakDropped, place)
+    let location = Location::Mode(peak_detection::hz(data, peak.line));
+    Finding::new(Severity::Info, Code::PeakDropped, location)
         .value(value, "")
         .limit(limit)
 }
 
 /// Location of a finding: the frequency of the mode without the damping of the window.
-fn place(context: &Context, resonance: &Resonance) -> Place {
+fn location(context: &Context, resonance: &Resonance) -> Location {
     let pole = Pole {
         lambda: resonance.lambda,
     };
     let pole = pole.without_added_damping(context.set.added_damping_rad_s);
-    Place::Mode(pole.natural_frequency_hz())
+    Location::Mode(pole.natural_frequency_hz())
 }
 
 fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
     let resonance = &context.resonances[mode];
     let decay = -resonance.lambda.re;
-    let (data, place) = (context.data, place(context, resonance));
+    let (data, location) = (context.data, location(context, resonance));
     let warning = |code, value: f64, unit: &str, limit: f64| {
-        Finding::new(Severity::Warning, code, place.clone())
+        Finding::new(Severity::Warning, code, location.clone())
             .value(value, unit)
             .limit(limit)
     };
@@ -178,14 +178,14 @@ fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
     }
     let multiplicity = context.verdicts[mode].multiplicity;
     if multiplicity > 1 {
-        let finding = Finding::new(Severity::Info, Code::RepeatedRoot, place.clone());
+        let finding = Finding::new(Severity::Info, Code::RepeatedRoot, location.clone());
         findings.push(finding.value(multiplicity as f64, ""));
     }
     if resonance.fit.is_none() {
         findings.push(Finding::new(
             Severity::Warning,
             Code::NotFitted,
-            place.clone(),
+            location.clone(),
         ));
     }
     let lines = 2.0 * decay / data.step;
@@ -196,7 +196,7 @@ fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
         findings.push(Finding::new(
             Severity::Warning,
             Code::HalfPowerMissing,
-            place.clone(),
+            location.clone(),
         ));
     }
     if let Some(spread) = resonance
@@ -206,7 +206,7 @@ fn mode_findings(context: &Context, mode: usize) -> Vec<Finding> {
     {
         findings.push(warning(Code::DampingSpread, spread, "", MAX_DAMPING_SPREAD));
     }
-    findings.extend(reach(context.set, data, resonance.lambda, &place));
+    findings.extend(reach(context.set, data, resonance.lambda, &location));
     findings
 }
 
@@ -216,11 +216,11 @@ pub(in crate::identify) fn reach(
     set: &FrfSet,
     data: &BandFrfs,
     lambda: Complex64,
-    place: &Place,
+    location: &Location,
 ) -> Vec<Finding> {
     let (decay, mut findings) = (-lambda.re, Vec::new());
     let warning = |code, value: f64, unit: &str, limit: f64| {
-        Finding::new(Severity::Warning, code, place.clone())
+        Finding::new(Severity::Warning, code, location.clone())
             .value(value, unit)
             .limit(limit)
     };
@@ -229,7 +229,7 @@ pub(in crate::identify) fn reach(
         let limit = MIN_TIME_CONSTANTS;
         findings.push(warning(Code::FewTimeConstants, constants, "", limit));
     }
-    findings.extend(leakage(data, lambda, place));
+    findings.extend(leakage(data, lambda, location));
     let last = data.omega[data.lines() - 1];
     let margin = (lambda.im - data.omega[0]).min(last - lambda.im);
     if margin < 2.0 * decay {
@@ -241,10 +241,10 @@ pub(in crate::identify) fn reach(
 
 /// The finding of a resonance so narrow that leakage biases its damping, where the leakage was not
 /// corrected and the data do not contradict it.
-fn leakage(data: &BandFrfs, lambda: Complex64, place: &Place) -> Option<Finding> {
+fn leakage(data: &BandFrfs, lambda: Complex64, location: &Location) -> Option<Finding> {
     let shape = (data.leakage).filter(|_| !data.line_shape.is_smoothed())?;
     let bias = shape.leakage_bias(-lambda.re)?;
-    let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, place.clone());
+    let finding = Finding::new(Severity::Warning, Code::DampingBiasedHigh, location.clone());
     let finding = finding.detail(shape.window_name());
     let value = |finding: Finding| {
         finding
@@ -263,7 +263,7 @@ pub(in crate::identify) fn window_decay(set: &FrfSet) -> Option<Finding> {
     let is_unknown =
         set.added_damping_rad_s <= 0.0 && windows.any(|window| window.is_exponential());
     let code = Code::WindowDecayUnknown;
-    is_unknown.then(|| Finding::new(Severity::Warning, code, Place::Whole))
+    is_unknown.then(|| Finding::new(Severity::Warning, code, Location::Whole))
 }
 
 /// Separation from the nearest other visible peak, rejected ones included, in half-power bandwidths

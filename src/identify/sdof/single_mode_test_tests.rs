@@ -1,7 +1,7 @@
 //! Tests of the single-mode tests: two modes under one peak are resolved or reported as close
 //! modes.
 
-use crate::finding::{Code, Place};
+use crate::finding::{Code, Location};
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Pair, close_pair, width_hz};
@@ -10,7 +10,7 @@ use crate::modal::ModalModel;
 /// Whether a finding reports the pair near 200 Hz as close modes.
 fn is_reported_close(model: &ModalModel, reach_hz: f64) -> bool {
     model.findings.iter().any(|finding| {
-        let near = matches!(finding.place, Place::Mode(hz) if (hz - 200.0).abs() < reach_hz);
+        let near = matches!(finding.location, Location::Mode(hz) if (hz - 200.0).abs() < reach_hz);
         finding.code == Code::CloseModes && near
     })
 }

@@ -1,6 +1,6 @@
 //! Tests of failed decompositions: the result is an error or correct modes, never a wrong number.
 
-use crate::finding::{Code, Place};
+use crate::finding::{Code, Location};
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
 use crate::identify::synthetic::{Structure, separated_modes};
@@ -17,10 +17,9 @@ const FAILED_CALLS: usize = 24;
 /// modes that a finding reports as initial estimates.
 fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
     let is_first_estimate = |hz: f64| {
-        let is_at =
-            |place: &Place| matches!(place, Place::Mode(at) if (at / hz - 1.0).abs() < 1e-6);
+        let is_at = |location: &Location| matches!(location, Location::Mode(at) if (at / hz - 1.0).abs() < 1e-6);
         let mut findings = model.findings.iter();
-        findings.any(|finding| finding.code == Code::NotFitted && is_at(&finding.place))
+        findings.any(|finding| finding.code == Code::NotFitted && is_at(&finding.location))
     };
     for mode in model
         .modes

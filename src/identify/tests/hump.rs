@@ -1,7 +1,7 @@
 //! Test that a smooth rise of the response between a minimum and an antiresonance is not a mode.
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::finding::{Code, Finding, Place};
+use crate::finding::{Code, Finding, Location};
 
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
@@ -48,7 +48,8 @@ fn rise_before_an_antiresonance_is_rejected_with_a_finding() {
         let found: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
         assert_eq!(found.len(), expected.len(), "seed {seed}: {found:?}");
         let dropped = |finding: &&Finding| {
-            let hump = matches!(finding.place, Place::Mode(hz) if (1400.0..2050.0).contains(&hz));
+            let hump =
+                matches!(finding.location, Location::Mode(hz) if (1400.0..2050.0).contains(&hz));
             finding.code == Code::PeakDropped && hump
         };
         humps += model.findings.iter().filter(dropped).count();

@@ -7,7 +7,7 @@
 //! rows of a two-dimensional array are samples and its columns are channels, as MATLAB and NumPy
 //! users keep them; three dimensions have no such custom and must be stated.
 
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 
 use super::{ArrayStore, Elements};
 use crate::io::assign::{Columns, RowLines, assign};
@@ -68,8 +68,8 @@ fn not_read(store: &dyn ArrayStore) -> Vec<Finding> {
     let unread = (0..store.list().len()).filter(|index| !store.can_read(*index));
     unread
         .map(|index| {
-            let place = Place::Parameter(store.list()[index].name.clone());
-            Finding::new(Severity::Info, Code::ArrayNotRead, place)
+            let location = Location::Parameter(store.list()[index].name.clone());
+            Finding::new(Severity::Info, Code::ArrayNotRead, location)
         })
         .collect()
 }

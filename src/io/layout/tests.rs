@@ -201,7 +201,7 @@ fn properties_that_the_layout_cannot_hold_are_reported() {
     assert!(!arrays.iter().any(|array| array.name.starts_with("modes/")));
     let places: Vec<String> = findings
         .iter()
-        .map(|finding| finding.place.to_string())
+        .map(|finding| finding.location.to_string())
         .collect();
     assert_eq!(places.len(), 3, "{places:?}");
     assert!(

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::columns::Rows;
 use super::heading::{Abscissa, HeadingMeaning, Meaning, Part};
 use crate::axis::{FrequencyAxis, TimeAxis};
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::assign::{RowLines, even_axis};
 use crate::io::{Block, Domain, Entry, EntryAxis, GeneralAxis, MemorySource, SampleFormat};
 
@@ -93,12 +93,12 @@ pub(super) fn report_uneven_axis(axis: &EntryAxis, line: Option<u64>, source: &m
     if other || axis.even.is_some() || axis.len < 2 || reported {
         return;
     }
-    let place = Place::File {
+    let location = Location::File {
         path: source.catalog.path.clone(),
         line,
         byte: None,
     };
-    findings.push(Finding::new(Severity::Warning, Code::UnevenAxis, place));
+    findings.push(Finding::new(Severity::Warning, Code::UnevenAxis, location));
 }
 
 /// Start and spacing of an even abscissa: a spacing that gives every value to the bit where there

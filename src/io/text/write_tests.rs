@@ -102,7 +102,7 @@ fn properties_that_a_table_cannot_hold_are_counted() {
         .iter()
         .map(|finding| {
             assert_eq!(finding.code, Code::NotCarried);
-            format!("{} {:?}", finding.place, finding.value)
+            format!("{} {:?}", finding.location, finding.value)
         })
         .collect();
     assert_eq!(

@@ -3,7 +3,7 @@
 use super::file_builder::{
     Form, PATH, all, binary_58, dataset, doubles, header, open, singles, text_58,
 };
-use crate::finding::{Code, Place, Severity};
+use crate::finding::{Code, Location, Severity};
 use crate::io::{Block, IoError, Source};
 
 /// A good dataset that must survive whatever stands before it.
@@ -84,12 +84,12 @@ fn a_bad_header_field_is_placed_by_its_line() {
             (bad.code, bad.severity),
             (Code::BadDataset, Severity::Error)
         );
-        let place = Place::File {
+        let location = Location::File {
             path: PATH.to_owned(),
             line: Some(line),
             byte: None,
         };
-        assert_eq!(bad.place, place);
+        assert_eq!(bad.location, location);
         survives(source.as_mut());
     }
 }
@@ -295,12 +295,12 @@ fn missing_and_doubled_delimiters_are_survived() {
     let catalog = source.catalog();
     assert_eq!((catalog.entries.len(), catalog.damage.len()), (3, 0));
     let finding = catalog.findings.iter().find(|f| f.code == Code::NotClosed);
-    let place = Place::File {
+    let location = Location::File {
         path: PATH.to_owned(),
         line: Some(15),
         byte: None,
     };
-    assert_eq!(finding.map(|finding| &finding.place), Some(&place));
+    assert_eq!(finding.map(|finding| &finding.location), Some(&location));
     survives(source.as_mut());
 }
 

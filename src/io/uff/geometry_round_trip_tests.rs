@@ -9,7 +9,7 @@ use super::dataset_55_write::write_modes;
 use super::file_builder::{PATH, dataset, open};
 use super::geometry_write::write_geometry;
 use crate::dof::Dof;
-use crate::finding::{Finding, Place};
+use crate::finding::{Finding, Location};
 use crate::geometry::{CoordinateSystem, Element, Geometry, Group, Node, SystemKind, TraceLine};
 use crate::io::{Catalog, ModeEntry};
 use crate::linalg::Vector3;
@@ -34,9 +34,9 @@ fn read_back(geometry: &Geometry, modes: &[ModeEntry]) -> (Geometry, Vec<ModeEnt
 }
 
 fn reported_counts(findings: &[Finding]) -> BTreeMap<String, f64> {
-    let name = |finding: &Finding| match &finding.place {
-        Place::Parameter(what) => (what.clone(), finding.value.unwrap()),
-        place => panic!("{place}"),
+    let name = |finding: &Finding| match &finding.location {
+        Location::Parameter(what) => (what.clone(), finding.value.unwrap()),
+        location => panic!("{location}"),
     };
     findings.iter().map(name).collect()
 }

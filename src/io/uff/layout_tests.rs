@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::file_builder::{
     Form, PATH, all, binary_58, dataset, doubles, header, open, singles, text_58,
 };
-use crate::finding::{Code, Place, Severity};
+use crate::finding::{Code, Location, Severity};
 use crate::io::{Block, Confidence, EntryAxis, Format, FunctionType, SampleFormat, Uff};
 use crate::quantity::Quantity;
 
@@ -220,12 +220,12 @@ fn latin_1_units_are_read_and_reported_once() {
     }
     let reported = codes(source.as_ref());
     assert_eq!(reported, [Code::HeaderNotUtf8, Code::SpacingRounded]);
-    let place = Place::File {
+    let location = Location::File {
         path: PATH.to_owned(),
         line: Some(11),
         byte: None,
     };
-    assert_eq!(source.catalog().findings[0].place, place);
+    assert_eq!(source.catalog().findings[0].location, location);
 }
 
 #[test]

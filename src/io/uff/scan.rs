@@ -92,8 +92,11 @@ impl Scanner {
             }
             _ => {
                 if self.unknown.insert(number) {
-                    let finding =
-                        Finding::new(Severity::Info, Code::UnknownDataset, self.place(first.at));
+                    let finding = Finding::new(
+                        Severity::Info,
+                        Code::UnknownDataset,
+                        self.location(first.at),
+                    );
                     self.catalog
                         .findings
                         .push(finding.value(f64::from(number), ""));

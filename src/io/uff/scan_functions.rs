@@ -146,7 +146,7 @@ impl Scanner {
     }
 
     fn not_closed(&mut self, at: Position) {
-        let finding = Finding::new(Severity::Warning, Code::NotClosed, self.place(at));
+        let finding = Finding::new(Severity::Warning, Code::NotClosed, self.location(at));
         self.catalog.findings.push(finding);
     }
 
@@ -212,8 +212,8 @@ impl Scanner {
             };
             if let (Some(needed), Some(delimiter)) = (needed, there) {
                 if needed != line.stated_bytes {
-                    let place = self.place(header.at);
-                    let finding = Finding::new(Severity::Warning, Code::ByteCountWrong, place);
+                    let location = self.location(header.at);
+                    let finding = Finding::new(Severity::Warning, Code::ByteCountWrong, location);
                     let finding = finding.value(line.stated_bytes as f64, "byte");
                     self.catalog.findings.push(finding.limit(needed as f64));
                 }
@@ -258,7 +258,7 @@ impl Scanner {
             let finding = Finding::new(
                 Severity::Warning,
                 Code::PointCountWrong,
-                self.place(header.spacing_at),
+                self.location(header.spacing_at),
             );
             let finding = finding.value(header.points as f64, "");
             self.catalog.findings.push(finding.limit(points as f64));
@@ -320,20 +320,20 @@ impl Scanner {
         if let Some(rate) = restored_rate_hz
             && self.reported.insert(Code::SpacingRounded)
         {
-            let place = self.place(header.spacing_at);
-            let finding = Finding::new(Severity::Info, Code::SpacingRounded, place);
+            let location = self.location(header.spacing_at);
+            let finding = Finding::new(Severity::Info, Code::SpacingRounded, location);
             self.catalog.findings.push(finding.value(rate, "Hz"));
         }
         if let EntryAxis::General(GeneralAxis { even: None, .. }) = entry.axis
             && self.reported.insert(Code::UnevenAxis)
         {
-            let place = self.place(header.spacing_at);
-            let finding = Finding::new(Severity::Warning, Code::UnevenAxis, place);
+            let location = self.location(header.spacing_at);
+            let finding = Finding::new(Severity::Warning, Code::UnevenAxis, location);
             self.catalog.findings.push(finding);
         }
         if has_unknown_unit(&header) && self.reported.insert(Code::AxisUnitUnknown) {
-            let place = self.place(header.abscissa_at);
-            let finding = Finding::new(Severity::Warning, Code::AxisUnitUnknown, place);
+            let location = self.location(header.abscissa_at);
+            let finding = Finding::new(Severity::Warning, Code::AxisUnitUnknown, location);
             self.catalog.findings.push(finding);
         }
         self.catalog.entries.push(entry);

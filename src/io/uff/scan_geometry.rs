@@ -66,8 +66,8 @@ impl Scanner {
 
     fn trace_line(&mut self, traced: Traced, first: &Line) {
         if traced.found != traced.stated {
-            let place = self.place(first.at);
-            let finding = Finding::new(Severity::Warning, Code::TraceLineCount, place);
+            let location = self.location(first.at);
+            let finding = Finding::new(Severity::Warning, Code::TraceLineCount, location);
             let finding = finding.value(traced.found as f64, "");
             self.catalog
                 .findings
@@ -81,8 +81,8 @@ impl Scanner {
             Ok(mode) => self.described.modes.push(mode),
             Err(analysis) => {
                 if self.described.passed_over.insert(analysis) {
-                    let place = self.place(first.at);
-                    let finding = Finding::new(Severity::Info, Code::NotModes, place);
+                    let location = self.location(first.at);
+                    let finding = Finding::new(Severity::Info, Code::NotModes, location);
                     let finding = finding.value(analysis as f64, "");
                     self.catalog.findings.push(finding);
                 }
@@ -131,8 +131,8 @@ impl Scanner {
         };
         let nodes: BTreeSet<&i64> = modes.iter().flat_map(|mode| &mode.nodes).collect();
         let count = nodes.into_iter().filter(|node| !is_described(node)).count();
-        let place = self.place(first.at);
-        let finding = Finding::new(Severity::Error, Code::DirectionsLost, place);
+        let location = self.location(first.at);
+        let finding = Finding::new(Severity::Error, Code::DirectionsLost, location);
         self.catalog
             .findings
             .push(finding.value(count as f64, "nodes"));
@@ -147,7 +147,7 @@ impl Scanner {
             .into_iter()
             .take(MAX_REPORTED_SYSTEMS)
         {
-            let finding = Finding::new(Severity::Warning, Code::UnknownSystem, self.place(at));
+            let finding = Finding::new(Severity::Warning, Code::UnknownSystem, self.location(at));
             self.catalog.findings.push(finding.value(label as f64, ""));
         }
     }
@@ -164,8 +164,8 @@ impl Scanner {
             raw.first(),
             self.units.iter().all(|units| units.1.is_none()),
         ) {
-            let place = self.place(first.at);
-            let finding = Finding::new(Severity::Warning, Code::Assumption, place);
+            let location = self.location(first.at);
+            let finding = Finding::new(Severity::Warning, Code::Assumption, location);
             self.catalog.findings.push(finding.value(1.0, "m"));
         }
         // Place of the first, and the finest.
@@ -240,7 +240,7 @@ impl Scanner {
                 Code::ModalScaleUnknown => Severity::Warning,
                 _ => Severity::Info,
             };
-            let finding = Finding::new(severity, code, self.place(first));
+            let finding = Finding::new(severity, code, self.location(first));
             self.catalog.findings.push(finding.value(count as f64, ""));
         }
     }

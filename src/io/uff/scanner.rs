@@ -10,7 +10,7 @@ use super::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
 use super::lines::LineReader;
 use super::qualifiers::Qualifiers;
 use super::raw_geometry::RawGeometry;
-use crate::finding::{Code, Finding, Place, Severity};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
 
 /// Name of the format.
@@ -70,8 +70,8 @@ impl Scanner {
             && std::str::from_utf8(&line.bytes).is_err()
             && self.reported.insert(Code::HeaderNotUtf8)
         {
-            let place = self.place(line.at);
-            let finding = Finding::new(Severity::Info, Code::HeaderNotUtf8, place);
+            let location = self.location(line.at);
+            let finding = Finding::new(Severity::Info, Code::HeaderNotUtf8, location);
             self.catalog.findings.push(finding);
         }
         Ok(line)
@@ -136,8 +136,8 @@ impl Scanner {
         Ok(())
     }
 
-    pub fn place(&self, at: Position) -> Place {
-        Place::File {
+    pub fn location(&self, at: Position) -> Location {
+        Location::File {
             path: self.path.clone(),
             line: at.line,
             byte: at.line.is_none().then_some(at.byte),
@@ -168,8 +168,8 @@ impl Scanner {
     }
 
     pub fn push_damage(&mut self, error: IoError, at: Position, part: Part) {
-        let place = self.place(at);
-        self.catalog.note_damage_at(error, part, place);
+        let location = self.location(at);
+        self.catalog.note_damage_at(error, part, location);
     }
 }
 

@@ -332,7 +332,7 @@ fn properties_without_a_field_are_reported() {
         written(&mut source, Encoding::Binary, None).expect("the source can be written");
     let reported: Vec<String> = lost
         .iter()
-        .map(|finding| finding.place.to_string())
+        .map(|finding| finding.location.to_string())
         .collect();
     let expected = [
         "parameter characters of an identification line",
@@ -404,7 +404,7 @@ fn digits_that_text_cuts_off_are_reported() {
         let entry = Entry::new(FunctionType::Time, axis, SampleFormat::RealF32);
         let mut source = single(entry, Block::F32(values.to_vec()), abscissa.to_vec());
         let (_, lost) = written(&mut source, encoding, None).expect("the source can be written");
-        let names = lost.iter().map(|finding| finding.place.to_string());
+        let names = lost.iter().map(|finding| finding.location.to_string());
         (
             names.collect::<Vec<_>>(),
             lost.first().and_then(|finding| finding.value),

@@ -222,7 +222,7 @@ fn verdict_class(text: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::{Code, Finding, Place, Severity};
+    use crate::finding::{Code, Finding, Location, Severity};
     use crate::report::Language;
 
     #[test]
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn findings_have_severity_and_code() {
-        let finding = Finding::new(Severity::Warning, Code::CloseModes, Place::Mode(12.0));
+        let finding = Finding::new(Severity::Warning, Code::CloseModes, Location::Mode(12.0));
         let block = |findings| Block::Findings {
             findings,
             language: Language::default(),

@@ -9,10 +9,10 @@ use crate::dof::Dof;
 /// Location of a finding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Place {
+pub enum Location {
     /// The whole test or result.
     Whole,
-    /// A place in a file.
+    /// A position in a file.
     File {
         /// Path as given.
         path: String,
@@ -47,18 +47,18 @@ pub enum Place {
     Quantity(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Whole => f.write_str("whole test"),
-            Place::File { path, line, byte } => {
+            Location::Whole => f.write_str("whole test"),
+            Location::File { path, line, byte } => {
                 f.write_str(path)?;
                 line.map_or(Ok(()), |n| write!(f, ":{n}"))?;
                 byte.map_or(Ok(()), |n| write!(f, " at byte {n}"))
             }
-            Place::Hit(n) => write!(f, "hit {n}"),
-            Place::HitChannel { hit, dof } => write!(f, "hit {hit} {dof}"),
-            Place::Function {
+            Location::Hit(n) => write!(f, "hit {n}"),
+            Location::HitChannel { hit, dof } => write!(f, "hit {hit} {dof}"),
+            Location::Function {
                 response,
                 reference,
             } => {
@@ -71,10 +71,10 @@ impl fmt::Display for Place {
                     None => write!(f, "channel {}", name(response)),
                 }
             }
-            Place::Sensors(group) => write!(f, "sensors of {group}"),
-            Place::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
-            Place::Parameter(name) => write!(f, "parameter {name}"),
-            Place::Quantity(name) => write!(f, "quantity {name}"),
+            Location::Sensors(group) => write!(f, "sensors of {group}"),
+            Location::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
+            Location::Parameter(name) => write!(f, "parameter {name}"),
+            Location::Quantity(name) => write!(f, "quantity {name}"),
         }
     }
 }
