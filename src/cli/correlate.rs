@@ -7,7 +7,7 @@ use crate::correlate::measures::{
     auto_mac, measures, orthogonality, orthogonality_dofs, reverse_sensors, reversed_findings,
     reversed_sensors, serep_modes,
 };
-use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expanded};
+use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expand_shapes};
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::finding::Finding;
@@ -239,7 +239,7 @@ struct RequestedResults<'a> {
 }
 
 impl RequestedResults<'_> {
-    /// The measures of a test, where they are requested; its expanded shapes go to their file.
+    /// The measures of a test, where they are requested; its expand_shapes shapes go to their file.
     fn measures(
         &self,
         test: &ModalModel,
@@ -254,7 +254,7 @@ impl RequestedResults<'_> {
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
             let (model, mass) = self.reduced_mass(dofs, reduction, &paired)?;
             let all = model.model.coordinate_dofs()?;
-            let expanded_modes = expanded(test, &pairing.map, &mass, &all)?;
+            let expanded_modes = expand_shapes(test, &pairing.map, &mass, &all)?;
             let json = modes_to_json(&expanded_modes, None);
             output.add_modes(path, &expanded_modes, &Geometry::default(), &json)?;
             mass_of_expansion = Some(mass);
@@ -298,7 +298,7 @@ impl RequestedResults<'_> {
             expected: "a model as --theory".to_owned(),
         })?;
         let reading = |dof: Dof| {
-            let named = self.names.and_then(|names| names.in_theory(&dof)).cloned();
+            let named = self.names.and_then(|names| names.reading(&dof)).cloned();
             let reading = named.unwrap_or_else(|| vec![(dof.positive(), dof.sign())]);
             (dof, reading)
         };

@@ -11,33 +11,33 @@ use crate::linalg::{Matrix3, Vector3};
 use super::CorrelateError;
 use super::nearest::PointTree;
 
-/// Rounds of nearest points after which a fit that still changes is left.
-const ROUNDS: usize = 60;
+/// Maximum number of iterations of closest points from one start.
+const MAX_ITERATIONS: usize = 60;
 
-/// Fits whose residuals differ by less than this part of the extent of the points are as good as
-/// each other.
-const AS_GOOD: f64 = 1e-3;
+/// Maximum difference of the root mean square distances of equally good fits, over the extent of
+/// the points.
+const MAX_RMS_DIFFERENCE_OVER_EXTENT: f64 = 1e-3;
 
-/// Frames whose rotations differ by less than this (Frobenius norm), and points by less than this
-/// part of their extent, are one.
-const SAME_FRAME: f64 = 0.02;
+/// Maximum difference of equal frames: of the rotations (Frobenius norm), and of the points over
+/// their extent.
+const MAX_DIFFERENCE_OF_EQUAL_FRAMES: f64 = 0.02;
 
-/// Points of the test from which the fits of all starts begin; where it has more, the best go on
-/// with all of them.
-const SAMPLE: usize = 200;
+/// Maximum number of test points in the fits from all starts; the best fits are refined with all
+/// points.
+const MAX_SAMPLE_POINTS: usize = 200;
 
-/// Fits that go on with all points: as many as the rotations of principal axes, so that none of the
-/// fits of a symmetric set is lost.
-const REFINED: usize = 24;
+/// Maximum number of fits that are refined with all points: the number of rotations of principal
+/// axes, so that no fit of a symmetric set is lost.
+const MAX_REFINED_FITS: usize = 24;
 
-/// A fit of the sample that leaves more than this many times the least distance does not go on.
-const WORTH_REFINING: f64 = 2.0;
+/// Maximum root mean square distance of a refined fit, over the smallest of all fits.
+const MAX_RMS_OVER_BEST: f64 = 2.0;
 
-/// Points nearer to one another than about this part of their extent are one.
-const ONE_PLACE: f64 = 1e-6;
+/// Maximum distance of equal points, over the extent of all points.
+const MAX_DISTANCE_OF_EQUAL_POINTS: f64 = 1e-6;
 
-/// Second extent of points, as a part of the first, below which they lie on one line.
-const ON_A_LINE: f64 = 1e-6;
+/// Maximum second extent of points on one line, over the first.
+const MAX_SECOND_EXTENT_OF_LINE: f64 = 1e-6;
 
 /// `x' = s R x + t`: points of the test in the theory's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub struct Similarity {
 }
 
 impl Similarity {
-    /// One frame for both.
+    /// The identity.
     pub fn identity() -> Self {
         Self {
             scale: 1.0,
@@ -86,13 +86,13 @@ pub struct Alignment {
     pub rms_m: f64,
     /// Largest distance, m.
     pub largest_m: f64,
-    /// Points of the test, those at one place counted once where the partners were not known.
+    /// Points of the test; equal points count once where the partners were not known.
     pub points: usize,
-    /// Whether the partner of each point was known, and not found as its nearest one.
+    /// Whether the partners were known; else they are the closest points.
     pub known: bool,
-    /// Fits with other frames that are as good, of which this one turns least: more than 0 for
-    /// points that a rotation brings onto one another, or that lie on one line, about which they
-    /// tell no rotation (counted as one).
+    /// Number of equally good fits with other frames; this one has the smallest rotation. More than
+    /// 0 for points that a rotation maps onto one another, and 1 for points on one line, whose
+    /// rotation about it is arbitrary.
     pub as_good: usize,
     #[serde(skip)]
     similarity: Similarity,
@@ -115,16 +115,16 @@ impl Alignment {
         }
     }
 
-    /// The frame itself.
+    /// The fitted frame.
     pub fn similarity(&self) -> Similarity {
         self.similarity
     }
 
-    /// This fit, unless a point stays farther off than `tolerance_m`.
+    /// This fit where no distance exceeds `tolerance_m`.
     ///
     /// # Errors
     /// [`CorrelateError::NotAligned`].
-    fn within(self, tolerance_m: f64) -> Result<Self, CorrelateError> {
+    fn check_tolerance(self, tolerance_m: f64) -> Result<Self, CorrelateError> {
         if self.largest_m <= tolerance_m {
             return Ok(self);
         }
@@ -150,19 +150,19 @@ fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
 ///
 /// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x² = tr(R^T
 /// Σ)/σ_x²`, `t = ȳ − s R x̄`, where `S = diag(1, 1, det U det V)` keeps `R` from being a
-/// reflection. Of points on one line it is the rotation that turns least. `None` for fewer than two
-/// points, or points that are one.
+/// reflection. For points on one line it is the smallest rotation. `None` for fewer than two
+/// distinct points.
 ///
 /// # Reference
 /// Umeyama (1991), Least-squares estimation of transformation parameters between two point
 /// patterns, IEEE PAMI 13(4), eq. 39 to 43; Kabsch (1976), Acta Crystallographica A32, 922.
 pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
-    fit_of_line(pairs, ON_A_LINE)
+    fit_with_line_limit(pairs, MAX_SECOND_EXTENT_OF_LINE)
 }
 
-/// The fit with the rotation that turns least where the second extent is at most this part of the
-/// first.
-fn fit_of_line(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarity> {
+/// [`fit_similarity`] with the smallest rotation where the second extent is at most `on_a_line` of
+/// the first.
+fn fit_with_line_limit(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarity> {
     let count = pairs.len() as f64;
     let mean = |of: fn(&(Vector3, Vector3)) -> Vector3| {
         pairs.iter().map(of).sum::<Vector3>() / count.max(1.0)
@@ -209,8 +209,8 @@ fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
 
 /// The frame fitted to points whose partners are known.
 ///
-/// Points that lie on one line within the tolerance, on either side, tell no turn about it: the one
-/// that turns least is taken, where it fits, and [`Alignment::as_good`] is 1.
+/// For points on one line within the tolerance, on either side, the rotation about it is arbitrary:
+/// the result has the smallest rotation, where it fits, and [`Alignment::as_good`] is 1.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three, [`CorrelateError::NotAligned`] beyond the
@@ -226,25 +226,24 @@ pub fn align_known(
     let fit = fit_similarity(pairs)
         .filter(|_| pairs.len() >= 3)
         .ok_or_else(few)?;
-    let fitted = Alignment::new(fit, pairs, true).within(tolerance_m)?;
-    if !on_one_line(&fit, pairs, tolerance_m) {
+    let fitted = Alignment::new(fit, pairs, true).check_tolerance(tolerance_m)?;
+    if !are_on_one_line(&fit, pairs, tolerance_m) {
         return Ok(fitted);
     }
-    let least = fit_of_line(pairs, 1.0).map(|fit| Alignment::new(fit, pairs, true));
-    let least = least.and_then(|fit| fit.within(tolerance_m).ok());
+    let least = fit_with_line_limit(pairs, 1.0).map(|fit| Alignment::new(fit, pairs, true));
+    let least = least.and_then(|fit| fit.check_tolerance(tolerance_m).ok());
     Ok(Alignment {
         as_good: 1,
         ..least.unwrap_or(fitted)
     })
 }
 
-/// Whether the points of one side lie as near to one line, in the theory's frame, as points may lie
-/// to their partners.
-fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64) -> bool {
+/// Whether the points of one side lie within the tolerance of one line, in the theory's frame.
+fn are_on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64) -> bool {
     let test: Vec<Vector3> = pairs.iter().map(|(x, _)| fit.position(x)).collect();
     let theory: Vec<Vector3> = pairs.iter().map(|(_, y)| *y).collect();
     [test, theory].iter().any(|points| {
-        let (centre, axes) = principal(points);
+        let (centre, axes) = principal_axes(points);
         let axis = axes.column(0).into_owned();
         let off = |p: &Vector3| (p - centre).cross(&axis).norm();
         points.iter().map(off).fold(0.0, f64::max) <= tolerance_m
@@ -255,12 +254,11 @@ fn on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: f64)
 /// until nothing changes, from several starts (the frames as they are, and the principal axes of
 /// both in every order and direction; at the scale as it is, and at that of both extents).
 ///
-/// Points at one place are one. From more than 200 points of the test, the fits begin with 200 that
-/// lie far apart, and of the best frames up to 24 go on with all points. A fit counts when it
-/// maps the points one-to-one to partners. The smallest root mean square distance wins. Of equally
-/// good fits the one with the smallest rotation wins, and the result has their number. A start from
-/// which no fit reaches the right partners finds none: points that cover another part than the
-/// theory's may need a list of partners.
+/// Equal points count once. With more than 200 points of the test, the fits use 200 that lie far
+/// apart, and up to 24 of the best are refined with all points. A fit counts when it maps the
+/// points one-to-one to partners. The smallest root mean square distance wins. Of equally good fits
+/// the one with the smallest rotation wins, and the result has their number. Points that cover
+/// another part than the theory's may need a list of partners.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than
@@ -274,7 +272,7 @@ pub fn align_nearest(
     theory: &[Vector3],
     tolerance_m: f64,
 ) -> Result<Alignment, CorrelateError> {
-    let (test, theory) = (&places(test), &places(theory));
+    let (test, theory) = (&distinct_points(test), &distinct_points(theory));
     let needed = test.len().max(3);
     if test.len() < 3 || theory.len() < needed {
         let got = test.len().min(theory.len());
@@ -288,19 +286,19 @@ pub fn align_nearest(
             partners: theory.len(),
         });
     };
-    let limit = best.rms_m + AS_GOOD * extent(theory);
+    let limit = best.rms_m + MAX_RMS_DIFFERENCE_OVER_EXTENT * extent(theory);
     let as_good = fits.into_iter().filter(|fit| fit.rms_m <= limit);
-    let mut different = distinct(as_good, test, extent(theory));
+    let mut different = distinct_fits(as_good, test, extent(theory));
     let angle = |fit: &Alignment| fit.similarity.angle();
     different.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
     let as_good = different.len() - 1;
     let chosen = different.swap_remove(0);
-    Alignment { as_good, ..chosen }.within(tolerance_m)
+    Alignment { as_good, ..chosen }.check_tolerance(tolerance_m)
 }
 
-/// The points, of those at one place the first.
-fn places(points: &[Vector3]) -> Vec<Vector3> {
-    let width = ONE_PLACE * extent(points).max(f64::MIN_POSITIVE);
+/// The distinct points, of equal ones the first.
+fn distinct_points(points: &[Vector3]) -> Vec<Vector3> {
+    let width = MAX_DISTANCE_OF_EQUAL_POINTS * extent(points).max(f64::MIN_POSITIVE);
     let mut known = BTreeSet::new();
     let cell = |p: &Vector3| [0, 1, 2].map(|i| ((p[i] - points[0][i]) / width).round() as i64);
     let new = points.iter().filter(|p| known.insert(cell(p)));
@@ -313,31 +311,30 @@ fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
     let from = |starts: Vec<Similarity>, points: &[Vector3]| {
         let runs = starts.into_par_iter();
         let fits: Vec<Option<Alignment>> = runs
-            .map(|start| iterated(start, points, theory, &tree))
+            .map(|start| iterate_closest_points(start, points, theory, &tree))
             .collect();
         let mut fits: Vec<Alignment> = fits.into_iter().flatten().collect();
         fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
         fits
     };
-    let sample = far_apart(test, SAMPLE);
-    let fits = from(starts(test, theory), &sample);
+    let sample = farthest_points(test, MAX_SAMPLE_POINTS);
+    let fits = from(start_frames(test, theory), &sample);
     let Some(best) = fits.first().filter(|_| sample.len() < test.len()) else {
         return fits;
     };
-    let limit = WORTH_REFINING * best.rms_m + AS_GOOD * extent(theory);
+    let limit = MAX_RMS_OVER_BEST * best.rms_m + MAX_RMS_DIFFERENCE_OVER_EXTENT * extent(theory);
     let near = fits.into_iter().filter(|fit| fit.rms_m <= limit);
-    let different = distinct(near, &sample, extent(theory)).into_iter();
-    let frames = different.map(|fit| fit.similarity).take(REFINED);
+    let different = distinct_fits(near, &sample, extent(theory)).into_iter();
+    let frames = different.map(|fit| fit.similarity).take(MAX_REFINED_FITS);
     from(frames.collect(), test)
 }
 
-/// Points of which each is the farthest from those before it, the first from the centre; all where
-/// they are no more than `count`.
+/// Up to `count` points, each the farthest from those before it, the first from the centre.
 ///
 /// # Reference
 /// Gonzalez (1985), Clustering to minimize the maximum intercluster distance, Theoretical Computer
 /// Science 38, 293.
-fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
+fn farthest_points(points: &[Vector3], count: usize) -> Vec<Vector3> {
     if points.len() <= count {
         return points.to_vec();
     }
@@ -348,7 +345,7 @@ fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
         let mut farthest = 0;
         for (i, p) in points.iter().enumerate() {
             let to_last = (p - last).norm_squared();
-            // The centre is no point of the set: it only says which one is first.
+            // The centre, which selects the first point, is no point of the set.
             apart[i] = if chosen.len() == 1 {
                 to_last
             } else {
@@ -364,8 +361,8 @@ fn far_apart(points: &[Vector3], count: usize) -> Vec<Vector3> {
     chosen
 }
 
-/// Fits of which no two bring the points to the same places, the first of such.
-fn distinct(
+/// Fits without those that map the points like an earlier one.
+fn distinct_fits(
     fits: impl IntoIterator<Item = Alignment>,
     test: &[Vector3],
     extent_m: f64,
@@ -373,7 +370,8 @@ fn distinct(
     let same = |a: &Similarity, b: &Similarity| {
         let apart = |x: &Vector3| (a.position(x) - b.position(x)).norm();
         let farthest = test.iter().map(apart).fold(0.0, f64::max);
-        (a.rotation - b.rotation).norm() < SAME_FRAME && farthest < SAME_FRAME * extent_m
+        (a.rotation - b.rotation).norm() < MAX_DIFFERENCE_OF_EQUAL_FRAMES
+            && farthest < MAX_DIFFERENCE_OF_EQUAL_FRAMES * extent_m
     };
     let mut different: Vec<Alignment> = Vec::new();
     for fit in fits {
@@ -393,7 +391,7 @@ fn extent(points: &[Vector3]) -> f64 {
 }
 
 /// Centre and principal axes (columns, right-handed, longest first).
-fn principal(points: &[Vector3]) -> (Vector3, Matrix3) {
+fn principal_axes(points: &[Vector3]) -> (Vector3, Matrix3) {
     let centre = points.iter().sum::<Vector3>() / points.len() as f64;
     let moments: Matrix3 = points
         .iter()
@@ -406,7 +404,7 @@ fn principal(points: &[Vector3]) -> (Vector3, Matrix3) {
     (centre, axes)
 }
 
-/// The 24 rotations that bring axes onto axes.
+/// The 24 rotations that map axes onto axes.
 fn axis_rotations() -> Vec<Matrix3> {
     let orders = [
         [0, 1, 2],
@@ -431,8 +429,8 @@ fn axis_rotations() -> Vec<Matrix3> {
     found
 }
 
-fn starts(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
-    let ((x, x_axes), (y, y_axes)) = (principal(test), principal(theory));
+fn start_frames(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
+    let ((x, x_axes), (y, y_axes)) = (principal_axes(test), principal_axes(theory));
     let ratio = extent(theory) / extent(test).max(f64::MIN_POSITIVE);
     let mut found = vec![Similarity::identity()];
     for scale in [1.0, ratio] {
@@ -448,8 +446,8 @@ fn starts(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
     found
 }
 
-/// Nearest partners and fit in turn, from a start; `None` where two points end at one partner.
-fn iterated(
+/// Iterates closest points and fit from a start; `None` where two points have the same partner.
+fn iterate_closest_points(
     start: Similarity,
     test: &[Vector3],
     theory: &[Vector3],
@@ -457,21 +455,25 @@ fn iterated(
 ) -> Option<Alignment> {
     let mut fit = start;
     let mut partners: Vec<usize> = Vec::new();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ITERATIONS {
         let at = test.iter().map(|x| fit.position(x).into());
         let nearest: Vec<usize> = at.map(|at| tree.nearest(at)).collect();
         if nearest == partners {
             break;
         }
         partners = nearest;
-        fit = fit_similarity(&pairs(test, theory, &partners))?;
+        fit = fit_similarity(&partner_pairs(test, theory, &partners))?;
     }
     let distinct: BTreeSet<usize> = partners.iter().copied().collect();
-    let pairs = pairs(test, theory, &partners);
+    let pairs = partner_pairs(test, theory, &partners);
     (distinct.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
 }
 
-fn pairs(test: &[Vector3], theory: &[Vector3], partners: &[usize]) -> Vec<(Vector3, Vector3)> {
+fn partner_pairs(
+    test: &[Vector3],
+    theory: &[Vector3],
+    partners: &[usize],
+) -> Vec<(Vector3, Vector3)> {
     let both = test.iter().zip(partners);
     both.map(|(x, &j)| (*x, theory[j])).collect()
 }

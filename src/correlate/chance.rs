@@ -6,8 +6,8 @@
 //! with `c = |ψᵀψ|/ψᴴψ` between them (equal mean and variance).
 //!
 //! Frequency and shape together: of `k` roots within the frequency gate the one of rank `r` in
-//! distance may be reached with a probability of `α (k + 1)/(k r (r + 1))`. The sum over all of
-//! them is `α`, whatever the frequencies are, and the nearest root needs the least correlation.
+//! distance has the significance `α (k + 1)/(k r (r + 1))`. The sum over all of them is `α` for any
+//! frequencies, and the nearest root needs the lowest MAC.
 
 use num_complex::Complex64;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -37,10 +37,9 @@ pub(super) const MIN_DOFS_OF_SHAPE: usize = 3;
 pub struct ChanceLevel {
     /// The level.
     pub mac: f64,
-    /// Degrees of freedom in common.
+    /// Number of common degrees of freedom.
     pub dofs: usize,
-    /// Equal degrees of freedom to which these are equivalent; fewer where some hardly move in any
-    /// mode.
+    /// Effective number of degrees of freedom; smaller where some hardly move in any mode.
     pub effective_dofs: f64,
     /// Roots of the theory within the frequency gate of the test mode.
     pub roots: usize,

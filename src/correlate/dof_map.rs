@@ -11,8 +11,9 @@ use crate::modal::{ModalModel, ModeShape};
 
 use super::{CorrelateError, PairOptions};
 
-/// Up to this many degrees of freedom without a partner are named one by one, more are counted.
-const NAMED_ALONE: usize = 4;
+/// Maximum number of degrees of freedom without a partner that get a finding each; more are
+/// counted.
+const MAX_NAMED: usize = 4;
 
 /// One degree of freedom that both have.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +94,8 @@ impl DofMap {
         self.pairs.is_empty()
     }
 
-    /// What each common degree of freedom is multiplied by in a MAC: 1, or the stated length for a
-    /// rotation that meets translations.
+    /// Factor of each common degree of freedom in a MAC: 1, or the stated length for a rotation
+    /// among translations.
     pub(super) fn weights(&self, options: &PairOptions) -> Result<Vec<f64>, CorrelateError> {
         let turns = |pair: &&DofPair| pair.test.axis().is_rotation();
         let rotations = self.pairs.iter().filter(turns).count();
@@ -139,7 +140,7 @@ impl DofMap {
         }
         let warn = |code, location| Finding::new(Severity::Warning, code, location);
         let mut findings = Vec::new();
-        if alone.len() <= NAMED_ALONE {
+        if alone.len() <= MAX_NAMED {
             findings.extend(alone.iter().map(|dof| {
                 let location = Location::Function {
                     response: Some(dof.clone()),

@@ -1,5 +1,5 @@
-//! DOF names translate degrees of freedom of the test into those of the theory, by a list or by
-//! nearest node.
+//! DOF names match degrees of freedom of the test with those of the theory, by a list or by nearest
+//! node.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,18 +13,17 @@ use crate::modal::{ModalModel, ModeShape};
 
 use super::{CorrelateError, Similarity};
 
-/// Part of a unit direction below which the theory's axis is not needed.
-const AXIS_NEEDED: f64 = 1e-3;
+/// Minimum component of a unit direction along an axis of the theory that the reading includes.
+const MIN_DIRECTION_COMPONENT: f64 = 1e-3;
 
-/// Degrees of freedom that read the same: the test's sensor, with its sign, and what of the theory
-/// gives its reading.
+/// The reading of the theory for each degree of freedom of the test.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofNames {
     pairs: BTreeMap<Dof, Reading>,
 }
 
-/// A sum of a theory's degrees of freedom along their positive axes: one of them, or several where
-/// the test's axis lies between the theory's.
+/// A weighted sum of the theory's degrees of freedom along their positive axes: one, or several
+/// where the test's axis is oblique to the theory's.
 pub type Reading = Vec<(Dof, f64)>;
 
 /// Modes with the positions of their points.
@@ -53,8 +52,8 @@ impl<'a> LocatedModes<'a> {
 
 impl DofNames {
     /// Reads a list: a line for each pair, the test's degree of freedom and the theory's, separated
-    /// by a comma. A heading `test,theory`, blank lines and lines that begin with `#` are passed
-    /// over.
+    /// by a comma. A heading `test,theory`, blank lines and lines that begin with `#` are
+    /// ignored.
     ///
     /// ```
     /// use modalign::correlate::DofNames;
@@ -64,8 +63,8 @@ impl DofNames {
     /// ```
     ///
     /// # Errors
-    /// [`CorrelateError::DofList`] with the line: something else than two degrees of freedom, a
-    /// test's one that stands there twice, or no pair at all.
+    /// [`CorrelateError::DofList`] with the line that has no two degrees of freedom or repeats one
+    /// of the test, and for a list without a pair.
     pub fn parse(text: &str) -> Result<Self, CorrelateError> {
         let mut names = Self::default();
         let mut known = BTreeSet::new();
@@ -103,7 +102,7 @@ impl DofNames {
         Ok(names)
     }
 
-    /// The pairs of points that a list ties, by the names of both, each once and in order.
+    /// The matched pairs of points, by the names of both, each once and in order.
     pub fn points(&self) -> Vec<(&str, &str)> {
         let pairs = self.pairs.iter();
         let named = pairs.flat_map(|(test, reading)| {
@@ -113,13 +112,13 @@ impl DofNames {
         named.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// Ties each degree of freedom of the test to the theory's at the nearest node, as far as that
-    /// lies within `tolerance_m`: a test's point `x` at `s R x + t`, its axis along `R e`. Where
-    /// that lies between the theory's axes, the theory's reading is the sum of its components, all
-    /// of which the node must have. Rotations go with rotations, scalars with scalars.
+    /// Matches each degree of freedom of the test with the theory's at the nearest node within
+    /// `tolerance_m`: a test's point `x` lies at `s R x + t`, its axis along `R e`. Where that is
+    /// oblique to the theory's axes, the reading is the sum of the components, all of which the
+    /// node must have. Rotations match rotations, scalars match scalars.
     ///
-    /// The finding tells the largest distance. Degrees of freedom without a position or a node near
-    /// enough stay without a partner.
+    /// The finding has the largest distance. Degrees of freedom without a position or a near node
+    /// have no partner.
     pub fn nearest(
         test: &LocatedModes<'_>,
         theory: &LocatedModes<'_>,
@@ -140,13 +139,13 @@ impl DofNames {
                 continue;
             };
             let at = frame.position(at);
-            let needed = along(frame, dof.axis());
+            let needed = axis_components(frame, dof.axis());
             let full = of_point
                 .iter()
                 .filter(|(_, axes)| needed.iter().all(|(axis, _)| axes.contains(axis)));
             let placed = full.filter_map(|(point, _)| {
-                let place = theory_nodes.get(point.as_str())?;
-                Some(((place - at).norm(), point))
+                let position = theory_nodes.get(point.as_str())?;
+                Some(((position - at).norm(), point))
             });
             let near = placed.filter(|(distance, _)| *distance <= tolerance_m);
             if let Some((distance, point)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -173,13 +172,13 @@ impl DofNames {
         self.pairs.is_empty()
     }
 
-    /// What of the theory gives the reading of a degree of freedom of the test.
-    pub fn in_theory(&self, test: &Dof) -> Option<&Reading> {
+    /// The reading of the theory for a degree of freedom of the test.
+    pub fn reading(&self, test: &Dof) -> Option<&Reading> {
         self.pairs.get(test)
     }
 
-    /// The theory under the names of the test: each shape at the test's degrees of freedom, as far
-    /// as a pair names them and the shape has a value there.
+    /// The theory with its shapes at the test's degrees of freedom, where they are matched and the
+    /// shape has values.
     pub fn rename(&self, theory: &ModalModel) -> ModalModel {
         let mut renamed = theory.clone();
         for mode in &mut renamed.modes {
@@ -196,8 +195,8 @@ impl DofNames {
     }
 }
 
-/// A test's positive axis in the theory's: which of the theory's axes, and the part along each.
-fn along(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
+/// Components of a test's positive axis along the theory's axes.
+fn axis_components(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
     let Some(unit) = axis.unit_vector() else {
         return vec![(axis, 1.0)];
     };
@@ -205,9 +204,11 @@ fn along(frame: &Similarity, axis: Axis) -> Vec<(Axis, f64)> {
         true => [Axis::RX, Axis::RY, Axis::RZ],
         false => [Axis::X, Axis::Y, Axis::Z],
     };
-    let turned = frame.rotation * Vector3::from(unit);
-    let parts = of_kind.into_iter().zip(turned.iter().copied());
-    parts.filter(|(_, part)| part.abs() > AXIS_NEEDED).collect()
+    let direction = frame.rotation * Vector3::from(unit);
+    let parts = of_kind.into_iter().zip(direction.iter().copied());
+    parts
+        .filter(|(_, part)| part.abs() > MIN_DIRECTION_COMPONENT)
+        .collect()
 }
 
 #[cfg(test)]
@@ -252,7 +253,7 @@ mod tests {
         let renamed = names.rename(&model(&[("101:+X", 2.0), ("102:-X", 3.0)]));
         let expected = [("1:+Z".to_owned(), -2.0), ("2:-Z".to_owned(), -3.0)];
         assert_eq!(values(&renamed), expected);
-        let readings = names.in_theory(&"1:+Z".parse().expect("a degree of freedom"));
+        let readings = names.reading(&"1:+Z".parse().expect("a degree of freedom"));
         assert_eq!(
             readings,
             Some(&vec![(

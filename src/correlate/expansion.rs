@@ -12,9 +12,8 @@ use super::{CorrelateError, DofMap};
 /// theory's directions and `T` the expansion of the reduction (statically, or as a sum of the modes
 /// that it keeps).
 ///
-/// `coordinates` name the rows of `T`. Frequencies, damping and what else is known of the modes
-/// stay; modes without a value at one of the sensors are left out, as are deviations of shapes and
-/// residues, which belong to the sensors.
+/// `coordinates` name the rows of `T`. Modes without a value at one of the sensors are left out, as
+/// are standard deviations of shapes and residues, which belong to the sensors.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have;
@@ -23,7 +22,7 @@ use super::{CorrelateError, DofMap};
 /// # Reference
 /// Guyan (1965); O'Callahan, Avitabile and Riemer (1989), System equivalent reduction expansion
 /// process (SEREP), IMAC 7, 29.
-pub fn expanded(
+pub fn expand_shapes(
     test: &ModalModel,
     map: &DofMap,
     reduced: &ReducedMass,
@@ -110,12 +109,12 @@ mod tests {
             modes: None,
         };
         let names = ["a:+X", "b:+X", "c:+X"].map(dof);
-        let model = expanded(&test, &map, &reduced, &names).unwrap();
+        let model = expand_shapes(&test, &map, &reduced, &names).unwrap();
         assert_eq!(model.modes.len(), 1);
         assert_eq!(model.modes[0].damping_ratio, Some(0.01));
         let values: Vec<f64> = model.modes[0].shape.iter().map(|(_, v)| v.im).collect();
         assert_eq!(values, [-2.0, 0.5, 3.0]);
-        let error = expanded(&test, &map, &reduced, &names[..2]).unwrap_err();
+        let error = expand_shapes(&test, &map, &reduced, &names[..2]).unwrap_err();
         assert_eq!(
             error,
             CorrelateError::CoordinateNames {

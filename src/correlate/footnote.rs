@@ -24,7 +24,7 @@ pub enum Footnote {
         /// The highest frequency of one, Hz.
         highest_hz: f64,
     },
-    /// A test, by name, of which modes were paired by frequency alone.
+    /// A test, by name, with modes that are paired by frequency alone.
     FrequencyAlone(String),
     /// Chance levels of the pairs of a test.
     ChanceLevel {
@@ -39,10 +39,9 @@ pub enum Footnote {
         /// Smallest and largest probability that an independent shape reaches its level.
         significance: [f64; 2],
     },
-    /// Missed roots were not judged for being observable: their verdict says no more than that they
-    /// are missed.
+    /// The observability of some missed roots is unknown.
     ObservabilityNotJudged,
-    /// A damping ratio of a test, by name, that stands for the one that the theory does not have.
+    /// A damping ratio of a test, by name, that replaces the missing one of the theory.
     DampingOfTest {
         /// The test.
         test: String,
@@ -54,7 +53,7 @@ pub enum Footnote {
 }
 
 impl Footnote {
-    /// The test that it is about; `None` for a sentence about the whole table.
+    /// Its test; `None` for a sentence about the whole table.
     pub fn test(&self) -> Option<&str> {
         match self {
             Footnote::FrequencyAlone(test)
@@ -120,7 +119,7 @@ impl fmt::Display for Footnote {
     }
 }
 
-/// Two ends as text, one of them where they are equal.
+/// A range as text; one number where both ends are equal.
 fn range([low, high]: [String; 2]) -> String {
     if low == high {
         low
@@ -200,7 +199,7 @@ pub(super) fn footnotes(
     }
     for test in tests {
         let column = cells().filter(|cell| cell.test == test.name);
-        let ratio = column.filter_map(borrowed_damping).next();
+        let ratio = column.filter_map(test_damping).next();
         notes.extend(ratio.map(|ratio| Footnote::DampingOfTest {
             test: test.name.to_owned(),
             ratio,
@@ -209,8 +208,8 @@ pub(super) fn footnotes(
     notes
 }
 
-/// The test's damping ratio, where a missed root was judged with it.
-fn borrowed_damping(cell: &TestCell) -> Option<f64> {
+/// The test's damping ratio, where the observability of a missed root depends on it.
+fn test_damping(cell: &TestCell) -> Option<f64> {
     let known = cell.observability.as_ref()?;
     let damping = known.damping.filter(|damping| damping.from_test)?;
     let by_damping = match cell.status {

@@ -11,7 +11,7 @@ const MIN_TEST_MODES: usize = 3;
 /// Minimum fraction of all test modes that the factor has to pair.
 const MIN_FRACTION_OF_TEST_MODES: f64 = 0.6;
 
-/// Test modes against roots of the theory.
+/// Test modes (rows) against roots of the theory (columns).
 pub(super) struct MacTable<'a> {
     /// Frequencies of the test modes, Hz.
     pub test_hz: &'a [f64],
@@ -25,11 +25,10 @@ pub(super) struct MacTable<'a> {
 
 /// The factor as a finding, for a test of which no more than half of the modes are `paired`.
 ///
-/// Each test mode that is like one root alone, with a MAC of 0.8 or more and 0.3 above all others,
-/// gives a ratio of frequencies `r`. Where three of them or more, and six tenths of all test modes,
-/// lie within the gate about their median, and the mean itself is beyond it, all stiffnesses times
-/// `exp(2 mean ln r)` would bring them together. The spread is the standard deviation of that
-/// factor from mode to mode.
+/// Each test mode with a MAC of 0.8 or more with one root, 0.3 above all others, gives a ratio of
+/// frequencies `r`. Where three of them or more, and six tenths of all test modes, lie within the
+/// gate about their median, and the mean lies beyond it, the factor on all stiffnesses is
+/// `exp(2 mean ln r)`. Its standard deviation is that from mode to mode.
 pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Option<Finding> {
     let count = table.test_hz.len();
     if 2 * paired > count {
@@ -52,7 +51,7 @@ pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Op
     beyond.then(|| finding.value(factor, "").limit(2.0 * std * factor))
 }
 
-/// `ln(test / theory)` of the frequencies of all test modes that are like one root alone.
+/// `ln(test / theory)` of the frequencies of all test modes that correlate with one root only.
 fn clear_ratios(table: &MacTable<'_>) -> Vec<f64> {
     let chosen: Vec<Option<usize>> = table.mac.iter().map(|row| clear_root(row)).collect();
     let rows = chosen.iter().zip(table.test_hz);
@@ -65,7 +64,7 @@ fn clear_ratios(table: &MacTable<'_>) -> Vec<f64> {
     rows.filter_map(ratio).collect()
 }
 
-/// The only root that a test mode is like.
+/// The only root that a test mode correlates with.
 fn clear_root(row: &[Option<f64>]) -> Option<usize> {
     let known = row.iter().enumerate();
     let known = known.filter_map(|(root, mac)| Some((root, (*mac)?)));

@@ -3,10 +3,10 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// Points in a box that are not halved further.
-const LEAF: usize = 8;
+/// Maximum number of points of a box that is not halved.
+const MAX_LEAF_POINTS: usize = 8;
 
-/// Points, found by place.
+/// Points in a tree of boxes.
 pub struct PointTree {
     points: Vec<[f64; 3]>,
     /// Indices of the points; those of a box are one range.
@@ -23,9 +23,9 @@ struct PointBox {
     halves: Option<[usize; 2]>,
 }
 
-/// A point that is the nearest one so far.
+/// The nearest point so far.
 #[derive(Clone, Copy)]
-struct Found {
+struct NearestPoint {
     squared: f64,
     index: usize,
 }
@@ -41,10 +41,10 @@ impl PointTree {
         tree
     }
 
-    /// Index of the point that is nearest to a place; the first of several as near. 0 where there
-    /// is none.
+    /// Index of the point that is nearest to a position, the first of equally near ones; 0 without
+    /// points.
     pub fn nearest(&self, at: [f64; 3]) -> usize {
-        let mut best = Found {
+        let mut best = NearestPoint {
             squared: f64::INFINITY,
             index: 0,
         };
@@ -69,7 +69,7 @@ impl PointTree {
             highest,
             halves: None,
         });
-        if range.len() > LEAF {
+        if range.len() > MAX_LEAF_POINTS {
             let side = |axis: &usize| highest[*axis] - lowest[*axis];
             let longest = (0..3).max_by(|a, b| side(a).total_cmp(&side(b)));
             let middle = self.halve(&range, longest.unwrap_or(0));
@@ -84,22 +84,22 @@ impl PointTree {
     /// axis; the middle.
     fn halve(&mut self, range: &Range<usize>, axis: usize) -> usize {
         let points = &self.points;
-        let by_place = |a: &usize, b: &usize| -> Ordering {
+        let by_coordinate = |a: &usize, b: &usize| -> Ordering {
             let along = points[*a][axis].total_cmp(&points[*b][axis]);
             along.then(a.cmp(b))
         };
         let half = range.len() / 2;
-        self.order[range.clone()].select_nth_unstable_by(half, by_place);
+        self.order[range.clone()].select_nth_unstable_by(half, by_coordinate);
         range.start + half
     }
 
-    fn search(&self, number: usize, at: [f64; 3], best: &mut Found) {
+    fn search(&self, number: usize, at: [f64; 3], best: &mut NearestPoint) {
         let here = &self.boxes[number];
         let Some([first, second]) = here.halves else {
             for &index in &self.order[here.range.clone()] {
                 let squared = squared_distance(self.points[index], at);
                 if squared < best.squared || (squared <= best.squared && index < best.index) {
-                    *best = Found { squared, index };
+                    *best = NearestPoint { squared, index };
                 }
             }
             return;
@@ -123,8 +123,7 @@ impl PointTree {
 }
 
 impl PointBox {
-    /// Squared distance of a place from the box, 0 inside it; not above that from any of its
-    /// points.
+    /// Squared distance of a position from the box, 0 inside it; a lower bound for its points.
     fn squared(&self, at: [f64; 3]) -> f64 {
         let nearest = [0, 1, 2].map(|i| at[i].max(self.lowest[i]).min(self.highest[i]));
         squared_distance(nearest, at)

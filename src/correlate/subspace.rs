@@ -6,9 +6,9 @@ use crate::linalg::{complex_matrix, singular_values};
 
 use super::CorrelateError;
 
-/// A vector of which less than this part (of its norm) is independent of those before adds no
-/// direction.
-const DEPENDENT: f64 = 1e-8;
+/// Minimum length of the part of a vector that is independent of those before, over its length, for
+/// a new direction.
+const MIN_INDEPENDENT_FRACTION: f64 = 1e-8;
 
 fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(x, y)| x.conj() * y).sum()
@@ -23,26 +23,27 @@ fn norm(a: &[Complex64]) -> f64 {
 pub(super) fn orthonormal(vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
     let mut basis: Vec<Vec<Complex64>> = Vec::new();
     for vector in vectors {
-        let mut rest = vector.clone();
+        let mut residual = vector.clone();
         for direction in basis.iter().chain(&basis) {
-            let part = inner(direction, &rest);
-            rest.iter_mut()
+            let part = inner(direction, &residual);
+            residual
+                .iter_mut()
                 .zip(direction)
                 .for_each(|(r, d)| *r -= part * d);
         }
-        let left = norm(&rest);
-        if left > DEPENDENT * norm(vector) {
-            basis.push(rest.iter().map(|r| r / left).collect());
+        let length = norm(&residual);
+        if length > MIN_INDEPENDENT_FRACTION * norm(vector) {
+            basis.push(residual.iter().map(|r| r / length).collect());
         }
     }
     basis
 }
 
-/// The share of a vector's squared length that lies in the span of others: `|Q^H v|^2 / |v|^2` with
+/// The fraction of a vector's squared length in the span of others: `|Q^H v|^2 / |v|^2` with
 /// Q an orthonormal basis of the span.
 ///
-/// For a span of one vector it is the modal assurance criterion; it does not change when the basis
-/// of the span is turned or scaled. `None` when the vector or the whole span is zero. All vectors
+/// For a span of one vector it is the modal assurance criterion; it does not depend on the basis of
+/// the span. `None` when the vector or the whole span is zero. All vectors
 /// have the same length.
 ///
 /// # Reference

@@ -10,7 +10,7 @@ use super::super::shapes::Shapes;
 use super::super::{CorrelateError, DofMap, PairOptions};
 use super::mac_matrix::{MacMatrix, ModeName};
 
-/// When two modes of one set are duplicates.
+/// Limits of two modes of one set that are duplicates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DuplicateLimits {
     /// Smallest MAC between them.
@@ -47,11 +47,11 @@ pub struct AutoMac {
     pub matrix: MacMatrix,
     /// Limits of a duplicate.
     pub limits: DuplicateLimits,
-    /// The duplicates, the most alike first.
+    /// The duplicates, the largest MAC first.
     pub duplicates: Vec<Duplicate>,
 }
 
-/// MAC of every mode of a set with every other, and those that are too alike to be two.
+/// MAC of every mode of a set with every other, and the duplicates.
 ///
 /// Modes of one repeated root (same group number) span a space of which any basis is as good; they
 /// are not duplicates.
@@ -85,9 +85,9 @@ fn matrix(
     Ok(MacMatrix::new(model, model, &shapes))
 }
 
-/// MAC of a theory with itself at the sensors of a test: which of its modes these sensors cannot
-/// tell apart.
-pub(super) fn at_sensors(
+/// MAC of a theory with itself at the sensors of a test, which shows modes that these cannot
+/// separate.
+pub(super) fn theory_auto_mac(
     theory: &ModalModel,
     map: &DofMap,
     options: &PairOptions,

@@ -7,8 +7,7 @@ use crate::dof::Dof;
 use super::super::DofMap;
 use super::pair_shapes::PairShapes;
 
-/// Fewest pairs over which a degree of freedom can be judged: over one, COMAC is 1 whatever the
-/// shapes are.
+/// Minimum number of pairs for COMAC: over one, it is 1 for any shapes.
 const MIN_PAIRS_OF_COMAC: usize = 2;
 
 /// Correlation of one degree of freedom `q` over the pairs `r`, whose test shape `φ` and theory
@@ -18,11 +17,11 @@ pub struct CoordinateMac {
     /// As the test names it.
     pub dof: Dof,
     /// `(Σ_r |φ_qr ψ_qr|)² / (Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, 0 to 1 (Lieven and Ewins 1988); it does
-    /// not see a reversed sign. `None` with fewer than two pairs, or where one side stands still in
-    /// all of them.
+    /// not depend on the sign. `None` with fewer than two pairs, or where one side has nodes in all
+    /// of them.
     pub comac: Option<f64>,
-    /// `Σ_r |φ_qr − ψ_qr| / 2N`, 0 to 1, 0 for equal shapes (Hunt 1992); it sees signs. `None` with
-    /// fewer than two pairs.
+    /// `Σ_r |φ_qr − ψ_qr| / 2N`, 0 to 1, 0 for equal shapes (Hunt 1992); it depends on the sign.
+    /// `None` with fewer than two pairs.
     pub enhanced: Option<f64>,
     /// `Σ_r Re(ψ_qr* φ_qr) / sqrt(Σ_r |φ_qr|² Σ_r |ψ_qr|²)`, -1 to 1: near -1 the sensor points the
     /// other way. `None` as for `comac`.
@@ -31,7 +30,7 @@ pub struct CoordinateMac {
     pub pairs: usize,
 }
 
-/// Of every degree of freedom of the map, in its order.
+/// Correlation of every degree of freedom of the map, in its order.
 pub(super) fn coordinates(map: &DofMap, pairs: &[PairShapes]) -> Vec<CoordinateMac> {
     let dofs = map.pairs.iter().enumerate();
     dofs.map(|(q, dof)| coordinate(q, dof.test.clone(), pairs))

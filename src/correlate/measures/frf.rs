@@ -12,8 +12,8 @@ use crate::frf::{FrfSet, convert};
 
 use super::super::CorrelateError;
 
-/// Lines of two axes are the same when they lie within this part of the first axis's spacing.
-const SAME_LINE: f64 = 0.05;
+/// Maximum distance of equal lines of two axes, over the spacing of the first axis.
+const MAX_LINE_OFFSET: f64 = 0.05;
 
 /// Number of equal bands over which the criteria of the lines are averaged.
 const BANDS: usize = 10;
@@ -37,15 +37,15 @@ pub struct FunctionCorrelation {
 pub struct LineCorrelation {
     /// Frequency, Hz.
     pub hz: f64,
-    /// Global shape criterion `|H_a^H H_b|² / (H_a^H H_a · H_b^H H_b)`, 0 to 1, blind to amplitude;
-    /// `None` where one is zero.
+    /// Global shape criterion `|H_a^H H_b|² / (H_a^H H_a · H_b^H H_b)`, 0 to 1, independent of
+    /// amplitude; `None` where one is zero.
     pub shape: Option<f64>,
     /// Global amplitude criterion `2 |H_a^H H_b| / (H_a^H H_a + H_b^H H_b)`, 0 to 1, 1 for equal
     /// vectors; `None` where both are zero.
     pub amplitude: Option<f64>,
 }
 
-/// The criteria at each line over a part of the band.
+/// Statistics of the line criteria over a part of the band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BandCorrelation {
     /// Lower edge, Hz.
@@ -83,9 +83,9 @@ pub struct FrfCorrelation {
     pub first_alone: usize,
     /// Functions of the second set that the first does not have.
     pub second_alone: usize,
-    /// By line.
+    /// Correlation at each line.
     pub lines: Vec<LineCorrelation>,
-    /// The same over equal parts of the band.
+    /// Statistics over equal parts of the band.
     pub bands: Vec<BandCorrelation>,
 }
 
@@ -95,8 +95,8 @@ fn label(dof: &Dof) -> Label {
     (dof.point().to_owned(), dof.axis(), dof.repeat())
 }
 
-/// Compares two sets of FRFs on the lines and functions that both have, signs of sensors and hits
-/// turned.
+/// Compares two sets of FRFs on their common lines and functions, with the signs of sensors and
+/// hits.
 ///
 /// The second set is converted to the kind (receptance, mobility, accelerance) of the first one's
 /// first function.
@@ -127,15 +127,15 @@ pub fn frf_correlation(
             common: lines.len(),
         });
     }
-    let both = Both {
+    let common = CommonLines {
         first: &first,
         second: &second,
         lines: &lines,
     };
-    let by_line: Vec<LineCorrelation> = (0..lines.len()).map(|k| both.line(k, &pairs)).collect();
+    let by_line: Vec<LineCorrelation> = (0..lines.len()).map(|k| common.line(k, &pairs)).collect();
     Ok(FrfCorrelation {
         unit: kind.si_unit(),
-        functions: pairs.iter().map(|pair| both.function(pair)).collect(),
+        functions: pairs.iter().map(|pair| common.function(pair)).collect(),
         first_alone: first.len() - pairs.len(),
         second_alone: second.len() - pairs.len(),
         bands: bands(&by_line),
@@ -143,7 +143,7 @@ pub fn frf_correlation(
     })
 }
 
-/// Numbers of a function in both sets, and the product of the signs of its sensors and hits.
+/// Indices of a function in both sets, and the product of the signs of its sensors and hits.
 struct FunctionPair {
     first: usize,
     second: usize,
@@ -188,19 +188,19 @@ fn common_functions(first: &FrfSet, second: &FrfSet) -> Vec<FunctionPair> {
     pairs
 }
 
-/// Numbers of the lines that both axes have.
+/// Indices of the lines that both axes have.
 fn common_lines(first: &FrfSet, second: &FrfSet, band: Option<Band>) -> Vec<(usize, usize)> {
     let (a, b) = (first.axis(), second.axis());
     let inside = band.map_or(0..a.len, |band| a.lines(&band));
     let same = |k: usize| {
         let other = b.nearest(a.hz(k))?;
         let apart = (b.hz(other) - a.hz(k)).abs();
-        (apart <= SAME_LINE * a.step_hz).then_some((k, other))
+        (apart <= MAX_LINE_OFFSET * a.step_hz).then_some((k, other))
     };
     inside.filter_map(same).collect()
 }
 
-struct Both<'a> {
+struct CommonLines<'a> {
     first: &'a FrfSet,
     second: &'a FrfSet,
     lines: &'a [(usize, usize)],
@@ -215,7 +215,7 @@ fn sums(values: impl Iterator<Item = (Complex64, Complex64)>) -> (Complex64, f64
     })
 }
 
-impl Both<'_> {
+impl CommonLines<'_> {
     fn value(&self, pair: &FunctionPair, k: usize) -> (Complex64, Complex64) {
         let (a, b) = self.lines[k];
         let second = self.second.values(pair.second)[b] * pair.sign;

@@ -6,7 +6,7 @@ use crate::modal::ModalModel;
 
 use super::super::shapes::Shapes;
 
-/// Degrees of freedom that the numbers of a matrix rest on, which differ where shapes have gaps.
+/// Number of degrees of freedom of the values of a matrix, which differ where shapes have gaps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
 pub struct DofRange {
     /// The fewest.
@@ -25,7 +25,7 @@ impl DofRange {
     }
 }
 
-/// A mode as rows and columns name it.
+/// A mode of a row or column.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ModeName {
     /// Its number in its model, from 1.

@@ -12,8 +12,7 @@
 //! | [`Orthogonality`] | shapes through a mass matrix reduced to the sensors | Guyan 1965; O'Callahan et al. 1989 |
 //! | [`FrfCorrelation`] | two sets of FRFs, by function and by line | Heylen and Lammens 1996; Zang et al. 2001 |
 //!
-//! Each says how many degrees of freedom it rests on, and is `None` where it is not defined.
-//! Nothing here pairs modes.
+//! Each has the number of its degrees of freedom, and is `None` where it is not defined.
 
 mod auto_mac;
 mod cluster;
@@ -49,13 +48,13 @@ pub use super::reversed_sensors::{
 };
 pub use serep_modes::serep_modes;
 
-use auto_mac::at_sensors;
+use auto_mac::theory_auto_mac;
 use cluster::clusters;
 use coordinate::coordinates;
 use pair_shapes::PairShapes;
 
-/// A pair of any two modes with frequencies and MAC: a point of the plot in which the MAC stands
-/// over both frequencies, so that shapes that agree at the wrong frequency are seen as such.
+/// Two modes with frequencies and MAC: a point of the plot of the MAC over both frequencies, which
+/// shows similar shapes at different frequencies.
 ///
 /// # Reference
 /// Fotsch and Ewins (2000), Application of MAC in the frequency domain, IMAC 18 (FMAC).
@@ -74,8 +73,8 @@ pub struct FrequencyMac {
 /// Modal scale factor of a pair.
 ///
 /// Direction: from theory to test, `φ_test ≈ s φ_theory`, `s = φ_theory^H φ_test / φ_theory^H
-/// φ_theory`. Its phase is that of the test shape against the theory's; its magnitude means
-/// something where both are scaled alike.
+/// φ_theory`. Its phase is that of the test shape against the theory's; its magnitude is
+/// meaningful where both have the same scaling.
 ///
 /// # Reference
 /// Allemang (2003), The modal assurance criterion: twenty years of use and abuse, Sound and
@@ -128,7 +127,7 @@ pub fn measures(
     let pairs = PairShapes::of_pairing(&shapes, pairing);
     let mac = MacMatrix::new(test, theory, &shapes);
     Ok(Measures {
-        theory_auto_mac: at_sensors(theory, &pairing.map, options)?,
+        theory_auto_mac: theory_auto_mac(theory, &pairing.map, options)?,
         frequency_mac: frequency_mac(&mac, options),
         scale_factors: scale_factors(&mac, &shapes, pairing),
         coordinates: coordinates(&pairing.map, &pairs),

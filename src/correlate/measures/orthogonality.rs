@@ -15,11 +15,10 @@ use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
 use super::mac_matrix::ModeName;
 
-/// Part of a test shape outside the modes of a SEREP reduction above which its orthogonality is a
-/// finding.
-const OUTSIDE: f64 = 0.05;
+/// Maximum fraction of a test shape outside the modes of a SEREP reduction; more is a finding.
+const MAX_OUTSIDE_FRACTION: f64 = 0.05;
 
-/// How a mass matrix is brought to the sensors.
+/// Method that reduces a mass matrix to the sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reduction {
@@ -56,11 +55,10 @@ pub struct SensorRow {
     pub row: Vec<f64>,
 }
 
-/// A model's mass matrix at sensors, and what all its coordinates do when the sensors read given
-/// values.
+/// A model's mass matrix reduced to sensors, with the expansion of readings to all coordinates.
 #[derive(Clone, Debug)]
 pub struct ReducedMass {
-    /// How it was reduced.
+    /// Method of the reduction.
     pub reduction: Reduction,
     /// The sensors, as the theory names them.
     pub dofs: Vec<Dof>,
@@ -74,8 +72,8 @@ pub struct ReducedMass {
 
 /// The mass matrix of a model at sensors: `T^T M T`, the test-analysis model.
 ///
-/// `modes` are those that SEREP keeps, one in each column, mass-normalised or not; Guyan does not
-/// look at them.
+/// `modes` are those that SEREP keeps, one in each column, mass-normalised or not; Guyan ignores
+/// them.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for Guyan where a sensor reads more than one coordinate, or
@@ -92,7 +90,7 @@ pub fn reduced_mass(
     let reason = |source| CorrelateError::Reduction(Box::new(source));
     let expansion = match reduction {
         Reduction::Guyan => {
-            let kept = read_coordinates(sensors)?;
+            let kept = sensor_coordinates(sensors)?;
             let at: Vec<usize> = kept.iter().map(|entry| entry.0).collect();
             let static_expansion = guyan(matrices, &at).map_err(reason)?.expansion;
             real_matrix(static_expansion.nrows(), kept.len(), |i, a| {
@@ -114,7 +112,7 @@ pub fn reduced_mass(
 }
 
 /// The one coordinate of each sensor and its factor.
-fn read_coordinates(sensors: &[SensorRow]) -> Result<Vec<(usize, f64)>, CorrelateError> {
+fn sensor_coordinates(sensors: &[SensorRow]) -> Result<Vec<(usize, f64)>, CorrelateError> {
     let mut kept: Vec<(usize, f64)> = Vec::new();
     for sensor in sensors {
         let mut read = sensor
@@ -135,17 +133,18 @@ fn read_coordinates(sensors: &[SensorRow]) -> Result<Vec<(usize, f64)>, Correlat
     Ok(kept)
 }
 
-/// Shapes through a mass matrix `M` at the sensors. Values are magnitudes of `φ_i^H M φ_j`, each
-/// shape scaled so that `φ^H M φ = 1`, so that the matrices of one set have a diagonal of 1.
+/// Orthogonality of shapes with a mass matrix `M` at the sensors. Values are magnitudes of `φ_i^H M
+/// φ_j`, each shape scaled so that `φ^H M φ = 1`, so that the matrices of one set have a diagonal
+/// of 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Orthogonality {
-    /// How the mass matrix was reduced.
+    /// Method of the reduction of the mass matrix.
     pub reduction: Reduction,
     /// Modes of a SEREP reduction.
     pub reduction_modes: Option<usize>,
     /// Test modes above 0 Hz with a value at every sensor.
     pub test: Vec<ModeName>,
-    /// Theory modes that were asked for with a value at every sensor.
+    /// Requested theory modes with a value at every sensor.
     pub theory: Vec<ModeName>,
     /// Test with test; `None` for a shape without modal mass.
     pub self_test: Vec<Vec<Option<f64>>>,
@@ -154,7 +153,7 @@ pub struct Orthogonality {
     /// Test (rows) with theory (columns).
     pub cross: Vec<Vec<Option<f64>>>,
     /// Of a SEREP reduction, for each test mode: the part of its shape `ψ` outside the kept modes
-    /// `Φ` at the sensors, `|ψ − Φ Φ^+ ψ|²/|ψ|²`, 0 to 1. The reduced mass does not see it. `None`
+    /// `Φ` at the sensors, `|ψ − Φ Φ^+ ψ|²/|ψ|²`, 0 to 1. The reduced mass excludes it. `None`
     /// for a static one, and for a shape of zeros.
     pub outside: Vec<Option<f64>>,
     /// Degrees of freedom used.
@@ -166,8 +165,9 @@ impl Orthogonality {
     /// finding at its mode.
     pub fn findings(&self) -> Vec<Finding> {
         let parts = self.test.iter().zip(&self.outside);
-        let large =
-            parts.filter_map(|(name, part)| Some((name, part.filter(|part| *part > OUTSIDE)?)));
+        let large = parts.filter_map(|(name, part)| {
+            Some((name, part.filter(|part| *part > MAX_OUTSIDE_FRACTION)?))
+        });
         let finding = |(name, part): (&ModeName, f64)| {
             Finding::new(
                 Severity::Warning,
@@ -175,14 +175,14 @@ impl Orthogonality {
                 Location::Mode(name.hz),
             )
             .value(part, "")
-            .limit(OUTSIDE)
+            .limit(MAX_OUTSIDE_FRACTION)
         };
         large.map(finding).collect()
     }
 }
 
-/// Degrees of freedom of a map at which every mode of both models that has a shape at all has a
-/// value: where a mass matrix can be reduced to, as the theory names them.
+/// Degrees of freedom of a map at which every shape of both models has a value, as the theory names
+/// them: a mass matrix can be reduced to them.
 pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) -> Vec<Dof> {
     fn everywhere(model: &ModalModel, dof: &Dof) -> bool {
         let shapes = model.modes.iter().map(|mode| &mode.shape);
@@ -199,8 +199,8 @@ pub fn orthogonality_dofs(test: &ModalModel, theory: &ModalModel, map: &DofMap) 
 /// Self- and cross-orthogonality of a test and a theory at the sensors of a reduced mass matrix.
 ///
 /// The sensors of the mass must be named as the map names the theory's side. `columns` are the
-/// indices of the theory's modes to look at: with SEREP those that it keeps, because the reduced
-/// mass says nothing of any other; modes at 0 Hz are left out.
+/// indices of the theory's modes: with SEREP those that it keeps, because the reduced mass does not
+/// represent others; rigid-body modes are left out.
 ///
 /// # Errors
 /// [`CorrelateError::NotACoordinate`] for a sensor that the map does not have.
@@ -230,10 +230,10 @@ pub fn orthogonality(
     let rigid_hz = highest_rigid_hz(theory);
     columns.retain(|&j| theory.modes[j].frequency_hz > rigid_hz);
     columns.sort_unstable();
-    let of_test = Scaled::all(test, &rows, &reduced.mass, test_value);
-    let of_theory = Scaled::all(theory, &columns, &reduced.mass, theory_value);
+    let of_test = ShapeMomentum::all(test, &rows, &reduced.mass, test_value);
+    let of_theory = ShapeMomentum::all(theory, &columns, &reduced.mass, theory_value);
     let kept: Vec<Vec<Complex64>> = of_theory.iter().map(|mode| mode.shape.clone()).collect();
-    let outside = |mode: &Scaled| {
+    let outside = |mode: &ShapeMomentum| {
         let inside = subspace_mac(&mode.shape, &kept)?;
         (reduced.reduction == Reduction::Serep).then_some(1.0 - inside)
     };
@@ -241,9 +241,9 @@ pub fn orthogonality(
         reduction: reduced.reduction,
         outside: of_test.iter().map(outside).collect(),
         reduction_modes: reduced.modes,
-        self_test: Scaled::products(&of_test, &of_test),
-        self_theory: Scaled::products(&of_theory, &of_theory),
-        cross: Scaled::products(&of_test, &of_theory),
+        self_test: ShapeMomentum::products(&of_test, &of_test),
+        self_theory: ShapeMomentum::products(&of_theory, &of_theory),
+        cross: ShapeMomentum::products(&of_test, &of_theory),
         test: of_test.iter().map(|mode| mode.name).collect(),
         theory: of_theory.iter().map(|mode| mode.name).collect(),
         dofs: pairs.len(),
@@ -251,7 +251,7 @@ pub fn orthogonality(
 }
 
 /// A shape and its product with the mass matrix.
-struct Scaled {
+struct ShapeMomentum {
     name: ModeName,
     shape: Vec<Complex64>,
     momentum: Vec<Complex64>,
@@ -259,7 +259,7 @@ struct Scaled {
     modal_mass: Option<f64>,
 }
 
-impl Scaled {
+impl ShapeMomentum {
     fn all(
         model: &ModalModel,
         modes: &[usize],

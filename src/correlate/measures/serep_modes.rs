@@ -1,4 +1,4 @@
-//! A SEREP reduction keeps the modes that this file selects.
+//! The modes that a SEREP reduction keeps are selected by their independence at the sensors.
 
 use num_complex::Complex64;
 
@@ -15,14 +15,13 @@ const MIN_INDEPENDENT_LENGTH_FRACTION: f64 = 0.01;
 /// Indices of the modes that a SEREP reduction to these sensors keeps, ascending: those that are
 /// `paired`, and of the other modes above 0 Hz the lowest, as many as there are sensors.
 ///
-/// A mode that the sensors hardly tell from those kept before (less than a hundredth of its reading
-/// is left when these are taken out, measured by the largest reading of a kept mode) is passed
-/// over, so that the condition number of the readings stays near 100 or below. Through the paired
-/// modes alone everything that is wrong in a test shape would be taken out before its orthogonality
-/// is looked at.
+/// A mode whose reading is nearly a sum of those kept before (the independent part is shorter than
+/// a hundredth of the largest reading of a kept mode) is independent_length out, so that the
+/// condition number of the readings stays near 100 or below. The paired modes alone would project
+/// the errors of a test shape out before its orthogonality is computed.
 ///
-/// `dofs` are the sensors as the theory names them; a mode without a value at one of them is passed
-/// over.
+/// `dofs` are the sensors as the theory names them; a mode without a value at one of them is
+/// independent_length out.
 ///
 /// # Reference
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., sections 5.2.8 and 5.5.7 (the diagonal
@@ -48,17 +47,24 @@ pub fn serep_modes(theory: &ModalModel, dofs: &[Dof], paired: &[usize]) -> Vec<u
         if !known && kept.len() >= dofs.len() {
             break;
         }
-        let rest = outside(&reading, &basis);
-        let (whole, left) = (length(&reading), length(&rest));
-        if !known && left < MIN_INDEPENDENT_LENGTH_FRACTION * largest.max(whole) {
+        let residual = orthogonalised(&reading, &basis);
+        let (reading_length, independent_length) = (length(&reading), length(&residual));
+        if !known
+            && independent_length < MIN_INDEPENDENT_LENGTH_FRACTION * largest.max(reading_length)
+        {
             continue;
         }
         if !known {
             kept.push(j);
         }
-        largest = largest.max(whole);
-        if left > 0.0 {
-            basis.push(rest.iter().map(|value| value / left).collect());
+        largest = largest.max(reading_length);
+        if independent_length > 0.0 {
+            basis.push(
+                residual
+                    .iter()
+                    .map(|value| value / independent_length)
+                    .collect(),
+            );
         }
     }
     kept.sort_unstable();
@@ -66,15 +72,19 @@ pub fn serep_modes(theory: &ModalModel, dofs: &[Dof], paired: &[usize]) -> Vec<u
     kept
 }
 
-/// A vector without its parts along orthonormal ones, each taken out twice.
-fn outside(vector: &[Complex64], basis: &[Vec<Complex64>]) -> Vec<Complex64> {
-    let mut rest = vector.to_vec();
+/// The residual of a vector after orthogonalisation to an orthonormal basis, twice.
+fn orthogonalised(vector: &[Complex64], basis: &[Vec<Complex64>]) -> Vec<Complex64> {
+    let mut residual = vector.to_vec();
     for direction in basis.iter().chain(basis) {
-        let along: Complex64 = direction.iter().zip(&rest).map(|(d, r)| d.conj() * r).sum();
-        let both = rest.iter_mut().zip(direction);
+        let along: Complex64 = direction
+            .iter()
+            .zip(&residual)
+            .map(|(d, r)| d.conj() * r)
+            .sum();
+        let both = residual.iter_mut().zip(direction);
         both.for_each(|(r, d)| *r -= along * d);
     }
-    rest
+    residual
 }
 
 fn length(vector: &[Complex64]) -> f64 {

@@ -1,7 +1,7 @@
 //! The audit recomputes the claims of a text from its tables.
 //!
 //! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is
-//! 7.5 %, and no other is larger. They are audited apart, since either can be wrong alone.
+//! 7.5 %, and no other is larger. They are audited separately.
 
 use crate::theory::{ModelQuantity, ModelRoot};
 
@@ -31,11 +31,11 @@ pub enum Relation {
     Above(f64),
     /// It is less than this.
     Below(f64),
-    /// No figure: the value of the model is given, and nothing is judged.
+    /// No figure: the value of the model is given without a verdict.
     Unstated,
 }
 
-/// A claim about a number that a model's theory gives beside its roots.
+/// A claim about a quantity of a model other than its roots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityClaim {
     /// Name of the model; `None` for the one that the publication is compared with.

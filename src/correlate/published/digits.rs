@@ -3,9 +3,9 @@
 /// Digits of a printed number, which say which numbers round to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Digits {
-    /// So many after the point.
+    /// Number of digits after the point.
     Decimals(usize),
-    /// So many in all, as in `2.512e9`.
+    /// Number of significant digits, as in `2.512e9`.
     Significant(usize),
 }
 
@@ -37,7 +37,7 @@ impl Digits {
         }
     }
 
-    /// So many digits more.
+    /// With more digits.
     pub fn finer(self, more: usize) -> Self {
         match self {
             Digits::Decimals(decimals) => Digits::Decimals(decimals + more),

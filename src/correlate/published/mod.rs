@@ -1,9 +1,7 @@
 //! An audit compares published results with a model and with each other.
 //!
-//! [`match_roots`] says which printed root is which root of the model; [`recompute`] works out the
-//! errors of a printed comparison; [`audit`] recomputes what a text claims of both. Nothing here
-//! reads a file, and nothing is taken from a text that the tables of the publication do not
-//! confirm.
+//! [`match_roots`] assigns printed roots to roots of the model; [`recompute`] computes the errors
+//! of a printed comparison; [`audit`] recomputes the claims of the text about both.
 
 mod audit;
 mod digits;

@@ -17,7 +17,7 @@ pub struct PublishedRoot {
     pub printed_hz: Option<f64>,
     /// Number of modes that share it.
     pub multiplicity: usize,
-    /// What kind of motion the publication calls it.
+    /// Kind of motion, as printed.
     pub class: Option<String>,
     /// Whether a parameter of the model was inferred from it, so that its agreement says nothing.
     pub calibrated: bool,
@@ -26,7 +26,7 @@ pub struct PublishedRoot {
 /// Options of matching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatchOptions {
-    /// Two roots match at most when they differ by this fraction of the smaller one.
+    /// Maximum difference of matching roots, as a fraction of the smaller one.
     pub max_frequency_error: f64,
 }
 
@@ -111,13 +111,13 @@ pub fn frequency_hz(omega_rad_s: f64) -> f64 {
     omega_rad_s / TAU
 }
 
-/// Gives published roots to roots of the model by frequency alone, never by their place in a list.
+/// Matches published roots with roots of the model by frequency, never by their index.
 ///
-/// A root at 0 goes with a root at 0 only. Of all ways within the gate the one with the smallest
-/// sum of `|ln(model/published)|` is taken, a published root without a partner counting as one at
-/// the gate. Several ways can share that sum, differing only in who crosses whom: roots that have a
-/// partner are then paired in ascending order, which raises neither the sum nor the largest
-/// distance. Multiplicities are compared, and do not decide.
+/// A root at 0 matches a root at 0 only. The assignment within the gate minimises the sum of
+/// `|ln(model/published)|`, where a published root without a partner costs as much as one at the
+/// gate. Several assignments can have that sum: roots with a partner are therefore paired in
+/// ascending order, which increases neither the sum nor the largest distance. Multiplicities are
+/// compared, but do not affect the assignment.
 pub fn match_roots(
     model: &[ModelRoot],
     published: &[PublishedRoot],
@@ -132,8 +132,8 @@ pub fn match_roots(
         }
         rows.push(row(partner.map(|j| &model[j]), Some(root)));
     }
-    let alone = (0..model.len()).filter(|j| !taken[*j]);
-    rows.extend(alone.map(|j| row(Some(&model[j]), None)));
+    let unmatched = (0..model.len()).filter(|j| !taken[*j]);
+    rows.extend(unmatched.map(|j| row(Some(&model[j]), None)));
     rows.sort_by(|a, b| a.omega_rad_s().total_cmp(&b.omega_rad_s()));
     RootMatch {
         simple: summary(rows.iter().filter(|row| row.is_simple())),

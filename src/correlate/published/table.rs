@@ -39,7 +39,7 @@ pub struct PublishedRow {
     pub tests: BTreeMap<String, f64>,
 }
 
-/// The same table with its errors.
+/// A published comparison with its errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecomputedTable {
     /// Reference of the relative errors.
@@ -71,7 +71,7 @@ pub struct ErrorCell {
     pub hz: f64,
     /// Signed error, Hz.
     pub error_hz: f64,
-    /// The same as a part of the reference, percent.
+    /// Signed error, percent of the reference.
     pub error_percent: f64,
 }
 
@@ -99,8 +99,7 @@ pub struct Largest {
     pub rows: Vec<String>,
 }
 
-/// Works out the errors of a printed comparison; `roots` are the published ones, by whose label a
-/// row names one.
+/// Computes the errors of a printed comparison; a row names a published root by its label.
 ///
 /// By the theory `(test − theory)/theory`, by the test `(theory − test)/test`, in percent; in Hz
 /// the numerator alone.
