@@ -19,7 +19,7 @@ const MAX_SPARSE_COORDINATES: usize = 3000;
 /// The modes of a model over its bodies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TheoryMotion {
-    /// Places of bodies; a rigid body has one, a beam many.
+    /// Nodes of bodies; a rigid body has one, a beam many.
     pub nodes: Vec<BodyNode>,
     /// Frequencies, Hz, in the order of the theory's modes.
     pub hz: Vec<f64>,
@@ -28,7 +28,7 @@ pub struct TheoryMotion {
     pub modes: Vec<Vec<f64>>,
 }
 
-/// A place of a body.
+/// A node of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyNode {
     /// Name of the body.
@@ -45,8 +45,8 @@ pub struct BodyNode {
     pub arc: bool,
 }
 
-/// The motion of a model in a band; `None` for one of too many coordinates, or whose coordinates
-/// have no place.
+/// The motion of a model in a band; `None` for a model with too many coordinates, or without
+/// positions.
 pub(super) fn theory_motion(
     model: &LoadedModel,
     band: Option<Band>,
@@ -64,14 +64,14 @@ pub(super) fn theory_motion(
     };
     let solved = modes(model.model.as_ref(), &model.values, &[], &options)?;
     let coordinates = &solved.coordinates;
-    let places = places(coordinates);
-    let count = places
+    let positions = body_positions(coordinates);
+    let count = positions
         .iter()
         .map(|(_, _, coordinates_there)| coordinates_there.len())
         .sum::<usize>()
         * 6
         * solved.omega_rad_s.len();
-    if places.is_empty() || count > MAX_NUMBERS || placeless(&places, coordinates) {
+    if positions.is_empty() || count > MAX_NUMBERS || have_no_positions(&positions, coordinates) {
         return Ok(None);
     }
     let masses = match sparse {
@@ -79,8 +79,8 @@ pub(super) fn theory_motion(
         None => Some(model.model.assemble(&model.values)?.mass),
     };
     let mass = |c: usize| masses.as_ref().map(|matrix| matrix[(c, c)]);
-    let several = |body: &str| places.iter().filter(|(name, ..)| *name == body).count() > 1;
-    let nodes = places.iter().map(|(body, at_m, coordinates_there)| {
+    let several = |body: &str| positions.iter().filter(|(name, ..)| *name == body).count() > 1;
+    let nodes = positions.iter().map(|(body, at_m, coordinates_there)| {
         let of = |motion: Motion| {
             coordinates_there
                 .iter()
@@ -115,16 +115,16 @@ pub(super) fn theory_motion(
             .map(|w| rounded(w / std::f64::consts::TAU, 9))
             .collect(),
         modes: (0..solved.omega_rad_s.len())
-            .map(|j| motion(&solved, &places, j))
+            .map(|j| motion(&solved, &positions, j))
             .collect(),
     }))
 }
 
-/// Body, place and the indices of the coordinates there, in the order of the model.
-type PlaceOf<'a> = (&'a str, [f64; 3], Vec<usize>);
+/// Body, position and the indices of the coordinates there, in the order of the model.
+type BodyPosition<'a> = (&'a str, [f64; 3], Vec<usize>);
 
-fn places(coordinates: &[Coordinate]) -> Vec<PlaceOf<'_>> {
-    let mut all: Vec<PlaceOf> = Vec::new();
+fn body_positions(coordinates: &[Coordinate]) -> Vec<BodyPosition<'_>> {
+    let mut all: Vec<BodyPosition> = Vec::new();
     for (index, coordinate) in coordinates.iter().enumerate() {
         let bits = |at: &[f64; 3]| at.map(f64::to_bits);
         let known = all
@@ -138,19 +138,20 @@ fn places(coordinates: &[Coordinate]) -> Vec<PlaceOf<'_>> {
     all
 }
 
-/// Several bodies that are all at one place were never given any, unless they turn about it.
-fn placeless(places: &[PlaceOf<'_>], coordinates: &[Coordinate]) -> bool {
-    let first = places[0].1;
+/// Whether several bodies coincide, which shows that the model states no positions, unless they
+/// rotate about that point.
+fn have_no_positions(positions: &[BodyPosition<'_>], coordinates: &[Coordinate]) -> bool {
+    let first = positions[0].1;
     let turns = coordinates
         .iter()
         .any(|coordinate| coordinate.motion != Motion::Translation);
     let far = |at: &[f64; 3]| at.iter().zip(&first).any(|(a, b)| (a - b).abs() > 1e-12);
-    places.len() > 1 && !turns && !places.iter().any(|(_, at, _)| far(at))
+    positions.len() > 1 && !turns && !positions.iter().any(|(_, at, _)| far(at))
 }
 
-fn motion(solved: &TheoryModes, places: &[PlaceOf<'_>], mode: usize) -> Vec<f64> {
-    let mut all = Vec::with_capacity(6 * places.len());
-    for (_, _, members) in places {
+fn motion(solved: &TheoryModes, positions: &[BodyPosition<'_>], mode: usize) -> Vec<f64> {
+    let mut all = Vec::with_capacity(6 * positions.len());
+    for (_, _, members) in positions {
         let mut components = [0.0; 6];
         for &c in members {
             let coordinate = &solved.coordinates[c];
@@ -248,7 +249,7 @@ stiffness_n_per_m = 1e6
         };
         let is_drawable = |second: Coordinate| {
             let all = [coordinate("a", Motion::Translation, 0.0), second];
-            placeless(&places(&all), &all)
+            have_no_positions(&body_positions(&all), &all)
         };
         assert!(is_drawable(coordinate("b", Motion::Translation, 0.0)));
         assert!(!is_drawable(coordinate("b", Motion::Translation, 0.1)));

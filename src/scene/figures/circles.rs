@@ -10,13 +10,13 @@ use crate::identify::circle_detail;
 use crate::modal::{ModalModel, Mode};
 
 use super::super::test_result::TestResult;
-use super::curves::{modal_terms, one_set};
+use super::curves::{modal_terms, single_set};
 use super::rounding::rounded;
 
 /// Half width of the fitted band, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 1.5;
 /// Minimum number of lines on either side of the resonance.
-const SIDE: usize = 4;
+const MIN_LINES_PER_SIDE: usize = 4;
 /// Maximum number of lines of a plot.
 const MAX_LINES: usize = 61;
 
@@ -53,9 +53,9 @@ pub struct CircleFigure {
     pub window_damping: f64,
 }
 
-/// Of every mode whose resonance is a circle.
+/// The figure of every mode whose resonance is a circle.
 pub(super) fn circle_figures(test: &TestResult) -> Vec<CircleFigure> {
-    let Some(set) = one_set(&test.frfs) else {
+    let Some(set) = single_set(&test.frfs) else {
         return Vec::new();
     };
     let figure_of_mode = |index: usize| circle_figure(set, &test.modes, index);
@@ -82,7 +82,8 @@ fn circle_figure(set: &FrfSet, modes: &ModalModel, index: usize) -> Option<Circl
     let in_data = pole.lambda - set.added_damping_rad_s;
     let axis = set.axis();
     let width_hz = 2.0 * -in_data.re / TAU;
-    let side = ((FIT_BAND_BANDWIDTHS * width_hz / axis.step_hz).ceil() as usize).max(SIDE);
+    let side =
+        ((FIT_BAND_BANDWIDTHS * width_hz / axis.step_hz).ceil() as usize).max(MIN_LINES_PER_SIDE);
     let middle = axis.nearest(pole.damped_frequency_hz())?;
     let first = middle
         .saturating_sub(side)

@@ -1,4 +1,4 @@
-//! FRF curves: selection of FRFs and of their lines, and the curve of the identified modes.
+//! FRF curves show selected FRFs on selected lines, with the curve of the identified modes.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -15,16 +15,16 @@ use super::rounding::{rounded, to_decimals};
 
 /// Maximum number of FRFs of one test that are shown.
 pub(super) const MAX_FUNCTIONS: usize = 24;
-/// Lines on which the residual terms are fitted.
-const FITTED_LINES: usize = 1000;
-/// Minimum magnitude of a line over the largest, for which its error is relative.
+/// Maximum number of lines on which the residual terms are fitted.
+const MAX_FITTED_LINES: usize = 1000;
+/// Minimum magnitude of a line, over the largest, whose error is relative.
 const MIN_MAGNITUDE_RATIO: f64 = 1e-9;
-/// Lines around the circle of a mode.
-const ARC_STEPS: usize = 31;
-/// Angle from the resonance up to which they go, rad.
-const WIDEST: f64 = 0.9 * std::f64::consts::PI;
+/// Maximum number of lines around the circle of a mode.
+const MAX_LINES_PER_CIRCLE: usize = 31;
+/// Largest angle of these lines from the resonance, rad.
+const MAX_ANGLE_RAD: f64 = 0.9 * std::f64::consts::PI;
 /// Margin of curves beyond the band, as a fraction of its width.
-const BESIDE: f64 = 0.15;
+const MARGIN_OVER_BAND: f64 = 0.15;
 
 /// Functions of a test with the curves of its modes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,8 +43,7 @@ pub struct FrfFigure {
     pub curves: Vec<Curve>,
 }
 
-/// One function on the lines that are kept: those of the largest and smallest magnitude of each
-/// stretch.
+/// One FRF on the lines of the largest and smallest magnitude of each interval.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// Response.
@@ -70,11 +69,11 @@ pub struct Curve {
     pub coherence: Vec<f64>,
 }
 
-/// The functions of a set with `points` points each; `None` for a set without a band.
+/// The curves of a set with `points` points each; `None` for a set without a band.
 pub(super) fn frf_figure(set: &FrfSet, modes: &ModalModel, points: usize) -> Option<FrfFigure> {
     let axis = set.axis();
     let band = modes.band.or(set.valid_band).or_else(|| axis.band())?;
-    let reach = BESIDE * band.width_hz();
+    let reach = MARGIN_OVER_BAND * band.width_hz();
     let shown = Band::new((band.lo_hz - reach).max(0.0), band.hi_hz + reach).ok()?;
     let mut lines = axis.lines(&shown);
     lines.start = lines.start.max(usize::from(axis.start_hz <= 0.0));
@@ -89,13 +88,13 @@ pub(super) fn frf_figure(set: &FrfSet, modes: &ModalModel, points: usize) -> Opt
         band_hz: [band.lo_hz, band.hi_hz],
         functions: set.len(),
         whole_lines: lines.len(),
-        curves: chosen(set, &lines).iter().map(curve).collect(),
+        curves: shown_functions(set, &lines).iter().map(curve).collect(),
     })
 }
 
-/// The functions that are shown: all of a small set; of a large one driving points, then the
+/// Indices of the FRFs that are shown: all of a small set; of a large one driving points, then the
 /// strongest, in the order of the set.
-pub(super) fn chosen(set: &FrfSet, lines: &Range<usize>) -> Vec<usize> {
+pub(super) fn shown_functions(set: &FrfSet, lines: &Range<usize>) -> Vec<usize> {
     let strength = |i: &usize| {
         let function = &set.functions()[*i];
         let d = 1 - function.kind.derivative_order();
@@ -156,7 +155,7 @@ fn curve(
 /// diagram of thinned lines stays round: no more than `points` together, and none where all lines
 /// are kept anyway.
 fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usize) -> Vec<usize> {
-    let steps = (points / modes.modes.len().max(1)).min(ARC_STEPS);
+    let steps = (points / modes.modes.len().max(1)).min(MAX_LINES_PER_CIRCLE);
     if lines.len() <= 2 * points || steps < 4 {
         return Vec::new();
     }
@@ -164,7 +163,7 @@ fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usi
     for pole in modes.modes.iter().filter_map(|mode| mode.pole()) {
         let decay = set.added_damping_rad_s - pole.lambda.re;
         for n in 0..steps {
-            let angle = WIDEST * (2.0 * n as f64 / (steps - 1) as f64 - 1.0);
+            let angle = MAX_ANGLE_RAD * (2.0 * n as f64 / (steps - 1) as f64 - 1.0);
             let hz = (pole.lambda.im + decay * (0.5 * angle).tan()) / TAU;
             let line = (hz - set.axis().start_hz) / set.axis().step_hz;
             found.extend((line >= 0.0).then(|| line.round() as usize));
@@ -176,20 +175,20 @@ fn arc_lines(set: &FrfSet, modes: &ModalModel, lines: &Range<usize>, points: usi
     found
 }
 
-/// All lines where they are few; else of each stretch the lines of the largest and of the smallest
-/// value, and both ends.
+/// All lines where they are few; else the lines of the largest and smallest value of each interval,
+/// and both ends.
 pub(super) fn kept_lines(values: &[f64], lines: Range<usize>, points: usize) -> Vec<usize> {
     if lines.len() <= points.max(4) {
         return lines.collect();
     }
-    let stretches = (points.saturating_sub(2) / 2).max(1);
-    let edge = |n: usize| lines.start + n * lines.len() / stretches;
+    let intervals = (points.saturating_sub(2) / 2).max(1);
+    let edge = |n: usize| lines.start + n * lines.len() / intervals;
     let mut kept = vec![lines.start];
-    for n in 0..stretches {
-        let stretch = edge(n)..edge(n + 1);
+    for n in 0..intervals {
+        let interval = edge(n)..edge(n + 1);
         let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
-        kept.extend(stretch.clone().min_by(by_value));
-        kept.extend(stretch.max_by(by_value));
+        kept.extend(interval.clone().min_by(by_value));
+        kept.extend(interval.max_by(by_value));
     }
     kept.push(lines.end - 1);
     kept.sort_unstable();
@@ -213,7 +212,7 @@ fn fit(
     let d = set.functions()[i].kind.derivative_order();
     let s = |k: usize| Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k));
     let modal = |s: Complex64| terms.iter().map(|term| term.value(s)).sum();
-    let stride = band.len().div_ceil(FITTED_LINES).max(1);
+    let stride = band.len().div_ceil(MAX_FITTED_LINES).max(1);
     let used: Vec<usize> = band
         .clone()
         .step_by(stride)
@@ -225,8 +224,8 @@ fn fit(
     } else {
         let receptance = |k: usize| set.values(i)[k] / s(k).powi(d);
         let at_line = |k: usize| -> Complex64 { modal(s(k)) };
-        // Relative errors: with absolute ones the terms would mend what the peaks leave over, at
-        // the cost of all between them.
+        // Relative errors: with absolute ones the residual terms would fit the errors at the peaks,
+        // at the cost of the lines between them.
         let size = |k: &usize| receptance(*k).norm() + at_line(*k).norm();
         let largest = used.iter().map(size).fold(0.0, f64::max);
         let least = (MIN_MAGNITUDE_RATIO * largest).max(f64::MIN_POSITIVE.sqrt());
@@ -288,7 +287,7 @@ pub(super) fn modal_terms(set: &FrfSet, i: usize, modes: &ModalModel) -> Option<
 }
 
 /// The only set of a test; a test on several axes is not fitted and not drawn.
-pub(super) fn one_set(sets: &[FrfSet]) -> Option<&FrfSet> {
+pub(super) fn single_set(sets: &[FrfSet]) -> Option<&FrfSet> {
     match sets {
         [set] => Some(set),
         _ => None,
@@ -442,6 +441,6 @@ mod tests {
             set.push(function, data).unwrap();
         }
         let expected: Vec<usize> = [6].into_iter().chain(17..40).collect();
-        assert_eq!(chosen(&set, &(1..100)), expected);
+        assert_eq!(shown_functions(&set, &(1..100)), expected);
     }
 }

@@ -1,5 +1,5 @@
-//! Data of the figures of a report, computed once: curves thinned to the resolution of a screen,
-//! fits, poles, shapes.
+//! Figures of a report hold their data: curves thinned to the resolution of a screen, fits, poles
+//! and shapes.
 //!
 //! The report ([`crate::report`]) draws them and computes nothing. All data are plain numbers in a
 //! JSON file, rounded to the resolution of a figure; the results are in the other files of a run.
@@ -25,7 +25,7 @@ use super::plan::Scene;
 use super::result::SceneResult;
 use super::test_result::TestResult;
 
-use curves::one_set;
+use curves::single_set;
 use rounding::rounded;
 
 pub use bodies::{BodyNode, TheoryMotion};
@@ -137,7 +137,7 @@ pub fn figures(
     };
     let mut tests = Vec::with_capacity(result.tests.len());
     for (index, test) in result.tests.iter().enumerate() {
-        let shown = shapes::Shown {
+        let shown = shapes::ShapeInputs {
             test,
             theory: &result.theory,
             pairing: result.pairings.get(index),
@@ -149,7 +149,7 @@ pub fn figures(
             synthetic: test.is_synthetic(),
             frf_file: frf_files.get(index).cloned().flatten(),
             modes: marks(test),
-            frfs: one_set(&test.frfs)
+            frfs: single_set(&test.frfs)
                 .and_then(|set| curves::frf_figure(set, &test.modes, MAX_CURVE_POINTS / functions)),
             stabilization: poles::stabilization_figure(scene, test),
             circles: circles::circle_figures(test),
@@ -199,5 +199,5 @@ fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
 }
 
 fn functions_shown(sets: &[FrfSet]) -> usize {
-    one_set(sets).map_or(0, |set| set.len().min(curves::MAX_FUNCTIONS))
+    single_set(sets).map_or(0, |set| set.len().min(curves::MAX_FUNCTIONS))
 }

@@ -10,15 +10,15 @@ use crate::identify::{
 
 use super::super::plan::Scene;
 use super::super::test_result::TestResult;
-use super::curves::{chosen, kept_lines, one_set};
+use super::curves::{kept_lines, shown_functions, single_set};
 use super::rounding::rounded;
 
 /// Method whose poles are shown where the method of the test has no model orders.
-const WITH_ORDERS: &str = "lscf";
+const METHOD_WITH_ORDERS: &str = "lscf";
 /// Lines of the indicator.
-const LINES: usize = 1200;
+const MAX_INDICATOR_LINES: usize = 1200;
 /// Singular values that are shown.
-const VALUES: usize = 3;
+const MAX_SINGULAR_VALUES: usize = 3;
 /// Maximum number of FRFs of a set that all give poles; of a larger set those that are shown do.
 const MAX_FUNCTIONS: usize = 64;
 /// Maximum number of poles; the lowest orders are omitted first.
@@ -63,7 +63,7 @@ pub(super) fn stabilization_figure(
     scene: &Scene,
     test: &TestResult,
 ) -> Option<StabilizationFigure> {
-    let set = one_set(&test.frfs)?;
+    let set = single_set(&test.frfs)?;
     let band = test
         .modes
         .band
@@ -77,7 +77,7 @@ pub(super) fn stabilization_figure(
         }
         false => {
             let (poles, functions) = poles_of_orders(set, band);
-            (poles, WITH_ORDERS.to_owned(), functions)
+            (poles, METHOD_WITH_ORDERS.to_owned(), functions)
         }
     };
     let cmif = cmif_curve(set, band)?;
@@ -125,13 +125,13 @@ fn poles_of_orders(set: &FrfSet, band: Band) -> (Vec<PoleAtOrder>, usize) {
     debug_assert!(
         ESTIMATORS
             .iter()
-            .any(|option| option.name == WITH_ORDERS && option.has_order)
+            .any(|option| option.name == METHOD_WITH_ORDERS && option.has_order)
     );
-    let part =
-        (set.len() > MAX_FUNCTIONS).then(|| set.part(&chosen(set, &set.axis().lines(&band))));
+    let part = (set.len() > MAX_FUNCTIONS)
+        .then(|| set.part(&shown_functions(set, &set.axis().lines(&band))));
     let set = part.as_ref().unwrap_or(set);
     let options = IdentifyOptions {
-        method: WITH_ORDERS.to_owned(),
+        method: METHOD_WITH_ORDERS.to_owned(),
         band: Some(band),
         ..IdentifyOptions::default()
     };
@@ -150,10 +150,10 @@ fn cmif_curve(set: &FrfSet, band: Band) -> Option<CmifCurve> {
             sum[k] += set.values(i)[k].norm() * axis.rad_s(k).powi(d);
         }
     }
-    let kept = kept_lines(&sum, lines, LINES);
+    let kept = kept_lines(&sum, lines, MAX_INDICATOR_LINES);
     let values = cmif_at(set, &kept).ok()?;
-    let count = values.first().map_or(0, Vec::len).min(VALUES);
-    let course = |j: usize| {
+    let count = values.first().map_or(0, Vec::len).min(MAX_SINGULAR_VALUES);
+    let singular_values = |j: usize| {
         values
             .iter()
             .map(|value_row| rounded(value_row[j], 4))
@@ -161,6 +161,6 @@ fn cmif_curve(set: &FrfSet, band: Band) -> Option<CmifCurve> {
     };
     Some(CmifCurve {
         hz: kept.iter().map(|k| rounded(axis.hz(*k), 7)).collect(),
-        values: (0..count).map(course).collect(),
+        values: (0..count).map(singular_values).collect(),
     })
 }

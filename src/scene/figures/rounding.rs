@@ -1,12 +1,12 @@
 //! Rounding gives the numbers of figures the resolution of a screen.
 
-/// A number with so many significant digits.
+/// A number rounded to significant digits.
 pub(super) fn rounded(value: f64, digits: usize) -> f64 {
     let text = format!("{value:.*e}", digits - 1);
     text.parse().unwrap_or(value)
 }
 
-/// A number with so many decimals.
+/// A number rounded to decimals.
 pub(super) fn to_decimals(value: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
     (value * scale).round() / scale

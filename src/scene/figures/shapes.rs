@@ -108,7 +108,7 @@ pub struct Partner {
 }
 
 /// Inputs of a figure of shapes.
-pub(super) struct Shown<'a> {
+pub(super) struct ShapeInputs<'a> {
     pub test: &'a TestResult,
     pub theory: &'a Theory,
     pub pairing: Option<&'a Pairing>,
@@ -116,7 +116,7 @@ pub(super) struct Shown<'a> {
     pub motion: Option<&'a TheoryMotion>,
 }
 
-pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
+pub(super) fn mac_figure(shown: &ShapeInputs<'_>) -> Option<MacFigure> {
     let pairing = shown.pairing?;
     let theory = &shown.theory.modes.modes;
     let moves = |j: &usize| {
@@ -133,11 +133,11 @@ pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
     let mut pairs = Vec::new();
     for pair in &pairing.pairs {
         for partner in &pair.partners {
-            let places = pair
+            let column_indices = pair
                 .theory
                 .iter()
                 .filter_map(|j| columns.iter().position(|column| column == j));
-            pairs.extend(places.map(|column| [partner.test, column]));
+            pairs.extend(column_indices.map(|column| [partner.test, column]));
         }
     }
     let hz = |mode: &crate::modal::Mode| rounded(mode.frequency_hz, 9);
@@ -153,8 +153,8 @@ pub(super) fn mac_figure(shown: &Shown<'_>) -> Option<MacFigure> {
     })
 }
 
-/// Of a test with shapes; `None` for one without.
-pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
+/// The shapes of a test; `None` for one without shapes.
+pub(super) fn shape_figure(shown: &ShapeInputs<'_>) -> Option<ShapeFigure> {
     let modes = &shown.test.modes.modes;
     let dofs: std::collections::BTreeSet<Dof> = modes
         .iter()
@@ -169,26 +169,29 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
     }
     let mut geometry = shown.test.geometry.clone();
     geometry.add(&shown.theory.geometry);
-    let known = |dof: &Dof| Some((dof.clone(), place(dof, shown, &geometry)?));
-    let mut placed: Vec<(Dof, Placed)> = dofs.iter().filter_map(known).collect();
-    // Points of a model without places are all at one; where its bodies turn, they are drawn about
-    // it.
-    let first = placed.first();
-    let same = |a: &Placed, b: &Placed| {
+    let known = |dof: &Dof| Some((dof.clone(), reading_position(dof, shown, &geometry)?));
+    let mut positions: Vec<(Dof, ReadingPosition)> = dofs.iter().filter_map(known).collect();
+    // Points of a model without positions coincide; where its bodies rotate, they are drawn about
+    // that point.
+    let first = positions.first();
+    let same = |a: &ReadingPosition, b: &ReadingPosition| {
         let mut axes = a.at_m.iter().zip(&b.at_m);
         axes.all(|(a, b)| (a - b).abs() < f64::MIN_POSITIVE)
     };
     let one_place =
-        first.is_some_and(|(_, position)| placed.iter().all(|(_, p)| same(p, position)));
-    let several = first
-        .is_some_and(|(other_dof, _)| placed.iter().any(|(d, _)| d.point() != other_dof.point()));
-    let in_a_row = placed.is_empty() || (several && one_place && shown.motion.is_none());
+        first.is_some_and(|(_, position)| positions.iter().all(|(_, p)| same(p, position)));
+    let several = first.is_some_and(|(other_dof, _)| {
+        positions
+            .iter()
+            .any(|(d, _)| d.point() != other_dof.point())
+    });
+    let in_a_row = positions.is_empty() || (several && one_place && shown.motion.is_none());
     if in_a_row {
-        placed = row_of(&dofs);
+        positions = positions_in_row(&dofs);
     }
     let mut points: Vec<ShapePoint> = Vec::new();
-    let mut readings = Vec::with_capacity(placed.len());
-    for (dof, position) in &placed {
+    let mut readings = Vec::with_capacity(positions.len());
+    for (dof, position) in &positions {
         let point = points.iter().position(|point| point.name == dof.point());
         let point = point.unwrap_or_else(|| {
             points.push(ShapePoint {
@@ -204,11 +207,11 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
             direction: position.direction.map(|x| to_decimals(x, 5)),
         });
     }
-    let shown_values = |shape: &ModeShape, hz: f64| values(shape, hz, &placed);
-    let lines = lines(&geometry, &mut points);
+    let shown_values = |shape: &ModeShape, hz: f64| shape_values(shape, hz, &positions);
+    let lines = drawn_lines(&geometry, &mut points);
     let theory = shown.theory.modes.modes.iter().take(MAX_MODEL_MODES);
     Some(ShapeFigure {
-        not_drawn: dofs.len() - placed.len(),
+        not_drawn: dofs.len() - positions.len(),
         test: modes
             .iter()
             .map(|mode| shown_values(&mode.shape, mode.frequency_hz))
@@ -225,14 +228,19 @@ pub(super) fn shape_figure(shown: &Shown<'_>) -> Option<ShapeFigure> {
 }
 
 /// Position and direction of a reading.
-struct Placed {
+struct ReadingPosition {
     at_m: [f64; 3],
     direction: [f64; 3],
     body: Option<String>,
 }
 
-/// By the scene's sensor, a coordinate of the model, or the nodes of the files.
-fn place(dof: &Dof, shown: &Shown<'_>, geometry: &Geometry) -> Option<Placed> {
+/// Position of a reading from the scene's sensor, a coordinate of the model, or the nodes of the
+/// files.
+fn reading_position(
+    dof: &Dof,
+    shown: &ShapeInputs<'_>,
+    geometry: &Geometry,
+) -> Option<ReadingPosition> {
     let same = |sensor: &&Sensor| sensor.dof.positive() == *dof;
     match shown.sensors.iter().find(same).map(|sensor| &sensor.target) {
         Some(Target::BodyPoint {
@@ -241,7 +249,7 @@ fn place(dof: &Dof, shown: &Shown<'_>, geometry: &Geometry) -> Option<Placed> {
             direction,
         }) => {
             let along = unit(*direction).filter(|_| !dof.axis().is_rotation())?;
-            Some(Placed {
+            Some(ReadingPosition {
                 at_m: *at_m,
                 direction: along.into(),
                 body: Some(body.clone()),
@@ -267,7 +275,7 @@ fn place(dof: &Dof, shown: &Shown<'_>, geometry: &Geometry) -> Option<Placed> {
                 let parts = axes.iter().zip(along).map(|(axis, part)| axis * part);
                 Some(parts.sum::<Vector3>().into())
             });
-            Some(Placed {
+            Some(ReadingPosition {
                 at_m,
                 direction: turned.unwrap_or(along),
                 body: body().map(|node| node.body.clone()),
@@ -277,25 +285,25 @@ fn place(dof: &Dof, shown: &Shown<'_>, geometry: &Geometry) -> Option<Placed> {
 }
 
 /// Points without positions, in a row along x at distances of 1; scalars move along z.
-fn row_of(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, Placed)> {
+fn positions_in_row(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, ReadingPosition)> {
     let mut points: Vec<&str> = dofs.iter().map(Dof::point).collect();
     points.dedup();
-    let place = |dof: &Dof| {
+    let position = |dof: &Dof| {
         let number = points.iter().position(|name| *name == dof.point())?;
         let along = dof.axis().unit_vector().unwrap_or([0.0, 0.0, 1.0]);
-        let placed = Placed {
+        let positions = ReadingPosition {
             at_m: [number as f64, 0.0, 0.0],
             direction: along,
             body: None,
         };
-        (!dof.axis().is_rotation()).then(|| (dof.clone(), placed))
+        (!dof.axis().is_rotation()).then(|| (dof.clone(), positions))
     };
-    dofs.iter().filter_map(place).collect()
+    dofs.iter().filter_map(position).collect()
 }
 
-fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
+fn shape_values(shape: &ModeShape, hz: f64, positions: &[(Dof, ReadingPosition)]) -> ShapeValues {
     let unit = shape.largest().map_or(1.0, |(_, value)| value.norm());
-    let components: Vec<Option<Complex64>> = placed
+    let components: Vec<Option<Complex64>> = positions
         .iter()
         .map(|(dof, _)| shape.along_positive(dof))
         .collect();
@@ -319,9 +327,9 @@ fn values(shape: &ModeShape, hz: f64, placed: &[(Dof, Placed)]) -> ShapeValues {
     }
 }
 
-/// Trace lines and edges of elements between points that are there; points that only lines have are
-/// added while there are few. Without any, points that stand on one line are joined along it.
-fn lines(geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Vec<[usize; 2]> {
+/// Trace lines and edges of elements between points; points that only lines have are added up to a
+/// maximum. Without any, points on one line are connected along it.
+fn drawn_lines(geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Vec<[usize; 2]> {
     let mut found = Vec::new();
     let mut join = |a: &str, b: &str, points: &mut Vec<ShapePoint>| {
         let ends = [a, b].map(|name| index_of(name, geometry, points));
@@ -349,7 +357,7 @@ fn lines(geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Vec<[usize; 2]> {
     found.sort_unstable();
     found.dedup();
     match found.is_empty() {
-        true => along_one_line(points),
+        true => lines_along_axis(points),
         false => found,
     }
 }
@@ -367,7 +375,7 @@ fn index_of(name: &str, geometry: &Geometry, points: &mut Vec<ShapePoint>) -> Op
     Some(points.len() - 1)
 }
 
-fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
+fn lines_along_axis(points: &[ShapePoint]) -> Vec<[usize; 2]> {
     let at = |i: usize| Vector3::from(points[i].at_m);
     let Some(far) = (1..points.len())
         .max_by(|a, b| (at(*a) - at(0)).norm().total_cmp(&(at(*b) - at(0)).norm()))
@@ -382,14 +390,13 @@ fn along_one_line(points: &[ShapePoint]) -> Vec<[usize; 2]> {
         return Vec::new();
     }
     let mut order: Vec<usize> = (0..points.len()).collect();
-    let place = |i: usize| (at(i) - at(0)).dot(&along);
-    order.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
+    let coordinate = |i: usize| (at(i) - at(0)).dot(&along);
+    order.sort_by(|a, b| coordinate(*a).total_cmp(&coordinate(*b)));
     order.windows(2).map(|two| [two[0], two[1]]).collect()
 }
 
-/// The modes of the root that a test mode was paired with, with the factors that bring their sum
-/// nearest to it.
-fn partner(shown: &Shown<'_>, test: usize) -> Option<Partner> {
+/// The modes of the root that a test mode is paired with, with the factors of their best fit to it.
+fn partner(shown: &ShapeInputs<'_>, test: usize) -> Option<Partner> {
     let pairing = shown.pairing?;
     let paired = pairing.pairs.iter().find_map(|pair| {
         let partner = pair

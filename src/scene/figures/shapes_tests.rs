@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::shapes::{MacFigure, ShapeFigure, Shown, mac_figure, shape_figure};
+use super::shapes::{MacFigure, ShapeFigure, ShapeInputs, mac_figure, shape_figure};
 use crate::correlate::{PairOptions, Pairing, pair};
 use crate::dof::Dof;
 use crate::geometry::{Node, Sensor, Target, TraceLine};
@@ -72,7 +72,7 @@ fn pair_of_models() -> (TestResult, Theory, Pairing) {
 fn figure(edit: impl Fn(&mut TestResult)) -> (ShapeFigure, MacFigure) {
     let (mut test, theory, pairing) = pair_of_models();
     edit(&mut test);
-    let shown = Shown {
+    let shown = ShapeInputs {
         test: &test,
         theory: &theory,
         pairing: Some(&pairing),
@@ -168,7 +168,7 @@ fn a_sensor_of_the_scene_says_where_and_along_what() {
             direction: [0.0, 3.0, 4.0],
         },
     }];
-    let shown = Shown {
+    let shown = ShapeInputs {
         test: &test,
         theory: &theory,
         pairing: Some(&pairing),
