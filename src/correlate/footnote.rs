@@ -40,7 +40,7 @@ pub enum Footnote {
         significance: [f64; 2],
     },
     /// The observability of some missed roots is unknown.
-    ObservabilityNotJudged,
+    ObservabilityUnknown,
     /// A damping ratio of a test, by name, that replaces the missing one of the theory.
     DampingOfTest {
         /// The test.
@@ -107,7 +107,7 @@ impl fmt::Display for Footnote {
                 f,
                 "{test}: a synthetic recording, computed from a stated truth, not measured."
             ),
-            Footnote::ObservabilityNotJudged => {
+            Footnote::ObservabilityUnknown => {
                 f.write_str("The observability of an unmatched mode is unknown where its reason says so; its verdict is only that it is unmatched.")
             }
             Footnote::DampingOfTest { test, ratio } => write!(
@@ -194,8 +194,8 @@ pub(super) fn footnotes(
             notes.push(Footnote::Synthetic(test.name.to_owned()));
         }
     }
-    if cells().any(|cell| !cell.judged()) {
-        notes.push(Footnote::ObservabilityNotJudged);
+    if cells().any(|cell| !cell.is_status_certain()) {
+        notes.push(Footnote::ObservabilityUnknown);
     }
     for test in tests {
         let column = cells().filter(|cell| cell.test == test.name);

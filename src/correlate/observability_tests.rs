@@ -125,7 +125,7 @@ fn sensors_on_the_node_of_a_mode_cannot_see_it() {
     assert!(known.at_nodes && (known.pairs, known.pairs_in_theory) == (1, 1));
     let summary = &table.summary[0];
     assert_eq!((summary.missed, summary.not_observable), (0, 1));
-    assert!(!table.footnotes.contains(&Footnote::ObservabilityNotJudged));
+    assert!(!table.footnotes.contains(&Footnote::ObservabilityUnknown));
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn residues_of_the_test_name_the_pairs_where_there_are_no_frfs() {
     assert_eq!(moving.noise, Err(NotAssessed::Variance));
     let table = compared(&three(), &test, &[]);
     assert_eq!(statuses(&table)[1], Status::MissedUnexpected);
-    assert!(table.footnotes.contains(&Footnote::ObservabilityNotJudged));
+    assert!(table.footnotes.contains(&Footnote::ObservabilityUnknown));
     assert!(reason(&table, 1).ends_with("the test has no FRF with a variance there"));
 }
 
@@ -187,7 +187,7 @@ fn a_peak_is_seen_from_ten_decibels_over_the_noise_in_every_kind() {
             "{}",
             reason(&cell, 1)
         );
-        assert!(!above.footnotes.contains(&Footnote::ObservabilityNotJudged));
+        assert!(!above.footnotes.contains(&Footnote::ObservabilityUnknown));
     }
 }
 
@@ -449,11 +449,7 @@ fn the_median_damping_of_the_test_stands_in_and_is_said() {
     let sets = receptances(&[("1:+Z", "1:+Z")], 1e-30);
     let undamped = compared(&theory, &test, &sets);
     assert!(reason(&undamped, 1).ends_with("no damping ratio is known"));
-    assert!(
-        undamped
-            .footnotes
-            .contains(&Footnote::ObservabilityNotJudged)
-    );
+    assert!(undamped.footnotes.contains(&Footnote::ObservabilityUnknown));
     test.modes[0].damping_ratio = Some(0.02);
     test.modes[1].damping_ratio = Some(0.03);
     let table = compared(&theory, &test, &sets);
@@ -463,7 +459,7 @@ fn the_median_damping_of_the_test_stands_in_and_is_said() {
     };
     assert!(table.footnotes.contains(&note), "{:?}", table.footnotes);
     assert!(note.to_string().contains("2.500 %"));
-    assert!(!table.footnotes.contains(&Footnote::ObservabilityNotJudged));
+    assert!(!table.footnotes.contains(&Footnote::ObservabilityUnknown));
     let table = compared(&three(), &test, &sets);
     assert!(
         !table

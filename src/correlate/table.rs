@@ -89,7 +89,8 @@ pub struct TestSummary {
 /// - `missed-expected` when a paired root lies within one half-power bandwidth `2 zeta f` of it,
 ///   whose peak covers both (also when the noise is not known: the root is then not observable or
 ///   covered);
-/// - `missed-unexpected` else; [`TestCell::judged`] says whether the observability is known.
+/// - `missed-unexpected` else; [`TestCell::is_status_certain`] says whether the observability is
+///   known.
 ///
 /// # Errors
 /// [`CorrelateError::Option`], [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`],
@@ -208,7 +209,7 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
         ambiguous: count(Status::Ambiguous),
         uncorrelated: cells().filter(|cell| cell.uncorrelated).count(),
         missed: count(Status::MissedExpected) + count(Status::MissedUnexpected),
-        not_judged: cells().filter(|cell| !cell.judged()).count(),
+        not_judged: cells().filter(|cell| !cell.is_status_certain()).count(),
         not_observable: count(Status::NotObservable),
         outside_band: count(Status::OutsideBand),
         extra: count(Status::Extra),

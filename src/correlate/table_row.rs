@@ -85,7 +85,7 @@ pub struct TestCell {
 
 impl TestCell {
     /// Whether the status is certain: that of an unmatched root of unknown observability is not.
-    pub fn judged(&self) -> bool {
+    pub fn is_status_certain(&self) -> bool {
         let known = self.observability.as_ref();
         self.status != Status::MissedUnexpected
             || known.and_then(Observability::observable).is_some()

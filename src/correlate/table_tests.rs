@@ -130,7 +130,7 @@ fn cells_hold_the_numbers_of_their_modes_and_nothing_else() {
     assert!(missed.modes.is_empty() && missed.hz.is_none() && missed.mac.is_none());
     let why = "not judged: the test has no pairs of response and hit at which the model has shapes";
     assert_eq!(missed.reasons, [why]);
-    assert!(!missed.judged());
+    assert!(!missed.is_status_certain());
     assert!(table.rows[3].tests[0].reasons[0].contains("10 to 700 Hz"));
     assert_eq!(table.rows[3].tests[1].reasons[0], "the test states no band");
 }
@@ -205,7 +205,7 @@ fn the_summary_counts_and_averages_what_the_rows_show() {
         count: 1,
         highest_hz: 0.0
     }));
-    assert!(table.footnotes.contains(&Footnote::ObservabilityNotJudged));
+    assert!(table.footnotes.contains(&Footnote::ObservabilityUnknown));
 }
 
 #[test]

@@ -307,7 +307,7 @@ fn basis_cell(cell: &TestCell) -> Cell {
 /// the observability of an unmatched mode is known.
 fn status_text(cell: &TestCell) -> &'static str {
     match cell.status {
-        _ if !cell.judged() => "unmatched, observability unknown",
+        _ if !cell.is_status_certain() => "unmatched, observability unknown",
         Status::Paired => "paired",
         Status::Ambiguous => "ambiguous",
         Status::MissedExpected => "unmatched, near a paired mode",

@@ -247,7 +247,7 @@ fn test_file(cell: &TestCell) -> TestFile {
         chance_level: cell.chance_level.map(|level| level.mac),
         angles_deg: cell.angles_deg.clone(),
         status: cell.status,
-        judged: (!cell.judged()).then_some(false),
+        judged: (!cell.is_status_certain()).then_some(false),
         reason: (!cell.reasons.is_empty()).then(|| cell.reasons.join("; ")),
     }
 }

@@ -103,7 +103,7 @@ fn cell_of_test(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
         mac: cell.mac.map(|mac| rounded(mac, 4)),
         status: cell.status,
         reasons: cell.reasons.clone(),
-        not_judged: !cell.judged(),
+        not_judged: !cell.is_status_certain(),
     }
 }
 
