@@ -48,7 +48,7 @@ pub fn convert(
     let writing = output.guard_writing([args.output.as_path()]);
     let lost = write_path(&args.output, &mut merged, options)?;
     drop(writing);
-    // What the file holds is what it says when it is read again.
+    // The summary describes the file as it is read again.
     let hints = Hints {
         path: args.output.display().to_string(),
         table: None,

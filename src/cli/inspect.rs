@@ -1,4 +1,4 @@
-//! `modalign inspect`: what is in files, from their headers.
+//! `modalign inspect`: the contents of files, from their headers.
 
 use std::collections::BTreeSet;
 

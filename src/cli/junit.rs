@@ -1,4 +1,4 @@
-//! Verdicts as JUnit XML: what the schema of Ant's JUnit reports asks for, which CI servers read.
+//! Verdicts as JUnit XML by the schema of Ant's JUnit reports, which CI servers read.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -1,4 +1,4 @@
-//! `modalign study order`: what a scene needs, and what it does not.
+//! `modalign study order`: the modes, orders, methods and parameters that a scene needs.
 
 use crate::error::Error;
 use crate::report::{

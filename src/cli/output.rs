@@ -51,7 +51,7 @@ pub fn modes_file(
     bytes_for_path(path, &mut source, WriteOptions::default())
 }
 
-/// An output file's extension must be that of what will be written.
+/// Checks that the extension of an output file is one of the expected ones.
 pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Error> {
     let Some(path) = path else { return Ok(()) };
     let extension = path
@@ -166,7 +166,7 @@ impl Output {
         self.files.push((path.into(), content.into()));
     }
 
-    /// Adds modes in the format of the path's extension, and what that cannot hold as findings.
+    /// Adds modes in the format of the path's extension, with findings on lost content.
     ///
     /// # Errors
     /// As [`modes_file`].

@@ -72,7 +72,7 @@ pub(super) fn add_folder_files(
     Ok(())
 }
 
-/// `comparison.json` with what the scene asked for beside the rows.
+/// `comparison.json` with the placements and limits of the scene.
 fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
     let extra = json::ExtraResults {
         placements: &result.placements,
@@ -143,7 +143,7 @@ fn findings_blocks(result: &SceneResult, language: Language) -> Vec<Block> {
         .collect()
 }
 
-/// Everything that goes into the folder beside the report, made before the first file is written.
+/// The files of the folder other than the report.
 fn files(
     result: &SceneResult,
     blocks: &[Block],

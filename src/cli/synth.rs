@@ -1,4 +1,4 @@
-//! `modalign synth`: a synthetic hammer test, its truth beside it.
+//! `modalign synth`: a synthetic hammer test with its truth.
 
 use crate::error::Error;
 use crate::report::{Block, theory_block};
@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use super::output::{Output, check_extension};
 use super::targets::{check_targets, targets};
 
-/// Writes `FILE` and, beside it, `FILE` with the extension `.modes.json`.
+/// Writes `FILE`, and its truth as `FILE` with the extension `.modes.json`.
 pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
     check_extension(Some(&args.output), &["uff", "unv"])?;
     let spec = load_synth(&args.spec)?;

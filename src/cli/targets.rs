@@ -83,7 +83,7 @@ pub fn numbered_path(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(format!("{stem}-{number}.{extension}"))
 }
 
-/// Checks what `correlate` writes; `several`: the tables of several tests are a CSV file each.
+/// Checks the targets of `correlate`; `several`: the tables of several tests are a CSV file each.
 pub fn check_correlate_targets(args: &CorrelateArgs, several: bool) -> Result<(), Error> {
     let mut all = targets([
         ("--expand", args.expand.as_ref()),

@@ -1,8 +1,8 @@
 //! The assignment algorithm pairs rows and columns at minimum cost; pairs may be forbidden and rows
 //! may stay unpaired.
 
-/// For every row the column it is given, so that the sum over rows of the cost, or of `alone` for a
-/// row without a column, is smallest; no column twice.
+/// For every row its column, so that the sum over rows of the cost, or of `alone` for a row without
+/// a column, is smallest; no column twice.
 ///
 /// `costs[row][column]` is `None` where the pair is not allowed; costs and `alone` are from 0 to
 /// about 1. Costs O(n³). Of equally good answers always the same one is returned.
@@ -18,7 +18,7 @@
 pub fn assign(costs: &[Vec<Option<f64>>], alone: f64) -> Vec<Option<usize>> {
     let rows = costs.len();
     let real = costs.iter().map(Vec::len).max().unwrap_or(0);
-    // One more column for every row: whoever takes one of these stays alone.
+    // One more column for every row: a row with one of these is unpaired.
     let cost = |row: usize, column: usize| {
         let given = costs[row].get(column).copied().flatten();
         if column >= real {

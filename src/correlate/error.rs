@@ -1,4 +1,4 @@
-//! Errors of correlation state what was given, what was expected, and where.
+//! Errors of correlation state the value got, the accepted ones, and the location.
 
 use crate::dof::Dof;
 use crate::linalg::LinalgError;
@@ -23,12 +23,12 @@ pub enum CorrelateError {
     Option {
         /// The option.
         name: &'static str,
-        /// As given.
+        /// The value as given.
         got: f64,
         /// The accepted values.
         expected: &'static str,
     },
-    /// A mode whose frequency is not one.
+    /// A mode with an invalid frequency.
     #[error("{model} mode {number}: got {got_hz} Hz, expected a finite frequency of 0 or more")]
     Frequency {
         /// Test or theory.
@@ -88,7 +88,7 @@ pub enum CorrelateError {
         /// Needed.
         expected: usize,
     },
-    /// Points that no turn, shift and scale brings to the theory's.
+    /// Points that no rotation, shift and scale maps to the theory's.
     #[error(
         "the best rotation, translation and scale ({scale:.4}) leaves the test points {largest_m:.3e} m off at most ({rms_m:.3e} m rms), expected {tolerance_m:.3e} m or less; give a list of partners"
     )]
@@ -99,10 +99,10 @@ pub enum CorrelateError {
         largest_m: f64,
         /// Scale of the fit.
         scale: f64,
-        /// Stated.
+        /// Stated tolerance, m.
         tolerance_m: f64,
     },
-    /// Every start ends with several points at one partner.
+    /// Every fit gives several points one partner.
     #[error(
         "no rotation, translation and scale maps the {points} test points one-to-one to the {partners} model points; give a list of partners"
     )]
@@ -112,7 +112,7 @@ pub enum CorrelateError {
         /// Points of the model.
         partners: usize,
     },
-    /// A sensor at which a mass matrix cannot be reduced by statics.
+    /// A sensor at which a static reduction of a mass matrix is not possible.
     #[error(
         "sensor {dof}: got a reading of several coordinates, or of one that another sensor reads, expected one coordinate for each sensor; reduce with serep"
     )]
@@ -120,7 +120,7 @@ pub enum CorrelateError {
         /// The sensor, as the theory names it.
         dof: Dof,
     },
-    /// Another number of names than of coordinates.
+    /// Names that differ in number from the coordinates.
     #[error(
         "got names of {got} coordinates, expected {expected}: the model has coordinates that are no degrees of freedom of a body"
     )]
@@ -133,7 +133,7 @@ pub enum CorrelateError {
     /// A mass matrix that cannot be reduced to the sensors.
     #[error("the mass matrix cannot be reduced to the sensors: {0}")]
     Reduction(#[source] Box<TheoryError>),
-    /// Two sets of FRFs of other points.
+    /// Two sets of FRFs without common points.
     #[error(
         "got {got_first} and {got_second} functions without one response and reference in common, expected functions of the same points"
     )]
@@ -143,7 +143,7 @@ pub enum CorrelateError {
         /// Functions of the second set.
         got_second: usize,
     },
-    /// Two sets of FRFs on other lines.
+    /// Two sets of FRFs without common lines.
     #[error(
         "got axes with lines every {got_first_hz} Hz and {got_second_hz} Hz that have {common} lines in common, expected two or more"
     )]
@@ -155,7 +155,7 @@ pub enum CorrelateError {
         /// Lines in common inside the band.
         common: usize,
     },
-    /// A matrix problem without an answer.
+    /// A matrix problem without a solution.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
 }

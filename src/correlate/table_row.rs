@@ -84,7 +84,7 @@ pub struct TestCell {
 }
 
 impl TestCell {
-    /// Whether the status is certain: that of an unmatched root of unknown observability is not.
+    /// Whether the status is certain; that of an unmatched root of unknown observability is not.
     pub fn is_status_certain(&self) -> bool {
         let known = self.observability.as_ref();
         self.status != Status::MissedUnexpected

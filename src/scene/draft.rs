@@ -20,7 +20,7 @@ use super::typed::SCENE_SCHEMA;
 pub struct DraftPlan<'a> {
     /// Title of the scene.
     pub title: &'a str,
-    /// Points, beside those of the files.
+    /// Points in addition to those of the files.
     pub geometry: Option<&'a Geometry>,
     /// The model.
     pub model: Option<&'a DraftModel>,
@@ -59,7 +59,7 @@ enum Content {
     Modes,
     /// Columns or arrays whose meaning the file does not say.
     Arrays,
-    /// Nothing that a test is made of, such as geometry alone.
+    /// No test data, such as geometry only.
     Nothing,
 }
 
@@ -306,7 +306,7 @@ fn lacks_hit_point(catalog: &Catalog) -> bool {
     forces.any(|entry| entry.response.is_none()) && responses.any(|entry| entry.reference.is_none())
 }
 
-/// What the headers say of FRFs, and what they leave open: unit, points.
+/// Statements of the headers on FRFs, and the units and points that they do not state.
 fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let frfs = || entries_of_type(files, FunctionType::Frf);
     let mut text = format!("# The headers state: {} FRFs", frfs().count());

@@ -100,7 +100,7 @@ fn heading(name: &str) -> &str {
     }
 }
 
-/// What a heading says that its column is.
+/// Role of a column by its heading.
 fn role_of(name: &str) -> Option<&'static str> {
     let text = name.to_lowercase();
     let says = |words: &[&str]| words.iter().any(|word| text.contains(word));

@@ -15,9 +15,9 @@ pub struct DraftFile<'a> {
     pub path: &'a str,
     /// Contents of its headers.
     pub catalog: &'a Catalog,
-    /// The response of what does not name one.
+    /// The response of records and FRFs that do not name one.
     pub response: Option<&'a Dof>,
-    /// The hit point of what does not name one.
+    /// The excitation point of records and FRFs that do not name one.
     pub reference: Option<&'a Dof>,
     /// Whether part of it is bad, and its good part is sufficient.
     pub partial: bool,

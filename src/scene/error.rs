@@ -21,7 +21,7 @@ pub enum SceneError {
         line: usize,
         /// Column from 1.
         column: usize,
-        /// What was found and what was expected.
+        /// The text found and the accepted ones.
         message: String,
         /// The nearest known key, where an unknown one was given; else empty.
         hint: String,
@@ -50,7 +50,7 @@ pub enum SceneError {
         path: String,
         /// The key, with its table.
         key: String,
-        /// What was given.
+        /// The value as given.
         got: String,
         /// The accepted values.
         expected: String,

@@ -1,4 +1,5 @@
-//! `expected.toml` beside a scene: what a publication printed about the machine, read and checked.
+//! Published results of a machine are read from `expected.toml` in the folder of a scene and
+//! checked.
 //!
 //! Natural frequencies are `[[root]]`s, a comparison of theory and tests is `[comparison]`, and
 //! the claims of the text are `[[claim]]`s. Every name in a claim or a row must exist: otherwise a

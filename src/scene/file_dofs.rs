@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::dof::Dof;
 use crate::io::HitFile;
 
-/// Degrees of freedom that are in one of several files alone, for each file.
+/// For each of several files the degrees of freedom that no other file has.
 pub(super) fn dofs_of_files(files: &[HitFile]) -> Vec<Vec<Dof>> {
     let dofs = |file: &HitFile| -> BTreeSet<Dof> {
         let entries = file.source.catalog().entries.iter();

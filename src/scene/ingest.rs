@@ -29,10 +29,10 @@ const TABLE_FORMAT: &str = "table";
 /// Formats whose channels the scene describes: tables, and files of arrays.
 const DESCRIBED_FORMATS: [&str; 5] = [TABLE_FORMAT, "npy", "npz", "matlab5", "hdf5"];
 
-/// Text exports that describe themselves, unless the scene says what their columns are.
+/// Text exports with self-describing headers, unless the scene describes their columns.
 const TEXT_EXPORTS: [&str; 2] = ["pulse", "signalcalc"];
 
-/// Roles of columns alone; `force` and `response` are roles of records too.
+/// Roles of columns only; `force` and `response` are roles of records too.
 const COLUMN_ROLES: [&str; 8] = [
     "time",
     "frequency",
@@ -68,7 +68,7 @@ pub struct IngestOptions<'a> {
     pub hits: HitGrouping,
     /// How hits are cut from continuous records.
     pub trigger: TriggerOptions,
-    /// The test as typed: what its channels are, where the files do not say.
+    /// The `[[test]]` table, with the channels that the files do not state.
     pub typed: Option<&'a TestTable>,
     /// Whether the good part of a partly bad file is used.
     pub partial: bool,
@@ -174,7 +174,7 @@ pub fn open_test(
     Ok(merged)
 }
 
-/// Whether the scene says what the columns of a text are: a channel has a role that no record has.
+/// Whether the scene describes the columns of a text: a channel has a role that no record has.
 fn describes_columns(test: &TestTable) -> bool {
     let roles = test
         .channel

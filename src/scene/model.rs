@@ -71,7 +71,7 @@ struct KindKeys {
     matrices: Option<IgnoredAny>,
 }
 
-/// `[[sensor]]` of a model file, whatever its kind.
+/// `[[sensor]]` tables of a model file of any kind.
 #[derive(Deserialize)]
 struct SensorTables {
     #[serde(default)]
@@ -300,7 +300,7 @@ impl LoadedModel {
         Ok(sweep(model, &self.values, parameter, range, band)?)
     }
 
-    /// Whether the lowest modes alone can be computed.
+    /// Whether only the lowest modes can be computed.
     fn is_sparse(&self) -> Result<bool, SceneError> {
         Ok(self.model.sparse(&self.values)?.is_some())
     }

@@ -11,12 +11,12 @@ use super::test_plan::TestPlan;
 use super::test_result::TestResult;
 use super::typed::PlacementTable;
 
-/// A test to be given more points, and the points that it could have.
+/// A test and the candidates for its additional points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacementPlan {
     /// Name of the test.
     pub test: String,
-    /// The points.
+    /// The candidates.
     pub candidates: Candidates,
 }
 
@@ -25,13 +25,13 @@ pub struct PlacementPlan {
 pub struct PlacedTest {
     /// Name of the test.
     pub test: String,
-    /// The points that it could have.
+    /// The candidates.
     pub candidates: Candidates,
-    /// Those that it should have, or why that is not known.
+    /// The selected points, or the reason why they are not known.
     pub placement: Result<Placement, NotAssessed>,
 }
 
-/// `[[placement]]` as meant: tests by name, and points out of the scene's sensors.
+/// The plans of `[[placement]]` tables: tests by name, and candidates among the scene's sensors.
 ///
 /// # Errors
 /// [`SceneError::Value`] for an unknown test and for a pattern that no sensor has.
@@ -88,7 +88,7 @@ fn points(
     Ok(found.into_iter().collect())
 }
 
-/// The points for every test that asks for some.
+/// The selected points of every test that has a plan.
 pub(super) fn placed_tests(
     plans: &[PlacementPlan],
     tests: &[TestResult],

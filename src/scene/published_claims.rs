@@ -1,4 +1,4 @@
-//! `[[claim]]`s of an `expected.toml`: what a publication says, as typed and as meant.
+//! The claims of a publication are `[[claim]]`s of an `expected.toml`.
 
 use serde::Deserialize;
 

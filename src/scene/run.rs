@@ -185,7 +185,7 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
 /// Data of a test.
 #[derive(Default)]
 pub struct TestData {
-    /// Its hits or FRFs; neither for a test of finished modes.
+    /// Its hits or FRFs; neither for a test of modes from a file.
     pub ingested: Ingested,
     /// Files that they come from.
     pub inputs: Vec<InputFile>,
@@ -196,7 +196,7 @@ pub struct TestData {
 /// Reads the files of a test, or computes its synthetic recording.
 ///
 /// # Errors
-/// [`SceneError`] for what cannot be read or recorded.
+/// [`SceneError`] for files that cannot be read and tests that cannot be computed.
 pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError> {
     match &test.source {
         TestSource::Modes(_) => Ok(TestData::default()),

@@ -22,7 +22,7 @@ pub struct SynthFile {
     pub title: String,
     /// Seed of everything drawn.
     pub seed: u64,
-    /// What the recorded machine is.
+    /// The machine that is recorded.
     pub truth: TruthTable,
     /// Sensors and hits on the truth's bodies.
     #[serde(default)]

@@ -24,9 +24,9 @@ pub struct TestPlan {
     pub band: Option<Band>,
     /// Whether the good part of a partly bad file is used.
     pub partial: bool,
-    /// Numbers, from 1, of hits that are used whatever the rules say.
+    /// Numbers, from 1, of hits that are used regardless of their checks.
     pub accept: BTreeSet<usize>,
-    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    /// Numbers, from 1, of hits that are rejected regardless of their checks.
     pub reject: BTreeSet<usize>,
 }
 
@@ -35,13 +35,13 @@ pub struct TestPlan {
 pub enum TestSource {
     /// Recordings or FRFs.
     Files {
-        /// Each file with what the scene says of it.
+        /// The files, each with the points that the scene states.
         files: Vec<FilePlan>,
         /// How hits are grouped.
         hits: HitGrouping,
         /// How they are cut from continuous records.
         trigger: TriggerOptions,
-        /// The test as typed: what its channels are, where the files do not say.
+        /// The `[[test]]` table, with the channels that the files do not state.
         typed: Box<TestTable>,
     },
     /// A synthetic test's spec.
@@ -50,7 +50,7 @@ pub enum TestSource {
     Modes(PathBuf),
 }
 
-/// One file with what the scene says of it.
+/// One file with the points that the scene states.
 #[derive(Clone, Debug)]
 pub struct FilePlan {
     /// Path.
@@ -123,7 +123,7 @@ pub(super) fn test_plan(
     })
 }
 
-/// Whether a test states what only files need.
+/// Whether a test states keys that only files need.
 fn describes_files(test: &TestTable) -> bool {
     let table = test.sampling_rate_hz.is_some() || test.delimiter.is_some() || test.skip_lines > 0;
     table
@@ -193,7 +193,7 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
     })
 }
 
-/// The files of one entry of `files`: itself, or what its wildcards match, in order of name.
+/// The files of one entry of `files`: itself, or the matches of its wildcards in order of name.
 fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, SceneError> {
     if !pattern.contains(['*', '?', '[']) || folder.join(pattern).exists() {
         return Ok(vec![folder.join(pattern)]);

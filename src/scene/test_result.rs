@@ -9,14 +9,14 @@ use crate::modal::ModalModel;
 
 use super::recording::SyntheticRecording;
 
-/// What one test came to.
+/// Result of one test.
 #[derive(Clone, Debug, Default)]
 pub struct TestResult {
     /// Name.
     pub name: String,
-    /// Its FRFs, one set per axis; none for a test of finished modes.
+    /// Its FRFs, one set per axis; none for a test of modes from a file.
     pub frfs: Vec<FrfSet>,
-    /// Its hits with what the rules said of them.
+    /// Its hits with their checks.
     pub hits: Vec<HitReport>,
     /// Its modes.
     pub modes: ModalModel,

@@ -8,7 +8,7 @@ use crate::frf::FrfError;
 use crate::record::{ChannelPlace, Cut, HitInfo, Recording, Samples, Stretch};
 use crate::signal::{Segments, TriggerOptions, segments, to_si};
 
-/// The hits of continuous records, all of one length, with what was left out.
+/// The hits of continuous records, all of one length, with findings on the rejected ones.
 ///
 /// # Errors
 /// [`FrfError`] for records that cannot be read, and as [`segments`].

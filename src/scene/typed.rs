@@ -87,10 +87,10 @@ pub struct TestTable {
     /// Trigger that cuts hits from continuous records; estimated from the records where not stated.
     #[serde(default)]
     pub trigger: TriggerTable,
-    /// Numbers, from 1, of hits that are used whatever the rules say.
+    /// Numbers, from 1, of hits that are used regardless of their checks.
     #[serde(default)]
     pub accept: BTreeSet<usize>,
-    /// Numbers, from 1, of hits that are not used whatever the rules say.
+    /// Numbers, from 1, of hits that are rejected regardless of their checks.
     #[serde(default)]
     pub reject: BTreeSet<usize>,
     /// Band of identification, `[lo, hi]` in Hz.
@@ -173,7 +173,7 @@ pub struct ChannelTable {
     pub full_scale: Option<f64>,
 }
 
-/// The scene's word for the degrees of freedom of one file.
+/// The scene's statement on the degrees of freedom of one file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileTable {

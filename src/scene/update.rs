@@ -24,7 +24,7 @@ use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
 use super::updated_model::{model_table_text, overrides_note, replace_nominal_values};
 
-/// Name of the published frequencies beside the tests.
+/// Name of the published frequencies among the tests.
 const PUBLISHED: &str = "published";
 
 /// Findings on the signs of sensors.
@@ -39,7 +39,7 @@ pub struct SceneUpdate {
     pub options: UpdateOptions,
     /// The result.
     pub result: UpdateResult,
-    /// Which change explains the misfit; `None` where it was not asked for.
+    /// The change that explains the misfit; `None` where it was not requested.
     pub explanation: Option<Explanation>,
     /// The model before.
     pub theory_before: Theory,
@@ -202,7 +202,7 @@ fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>,
     counted.map(|test| run_test(scene, test)).collect()
 }
 
-/// The modes of a test, or what was published.
+/// The modes of a test, or published frequencies.
 #[derive(Clone)]
 struct Measured {
     name: String,

@@ -78,7 +78,7 @@ impl ReversedSensor {
         self.group.is_some() && self.group == other.group
     }
 
-    /// Name of the sensor, or of its group of so many.
+    /// Name of the sensor, or of its group with the number of members.
     pub fn name(&self, members: usize) -> String {
         match &self.group {
             Some(group) => format!("{group} ({members} sensors)"),

@@ -39,7 +39,7 @@ pub use shapes::{MacFigure, Partner, Reading, ShapeFigure, ShapePoint, ShapeValu
 /// Maximum number of points of all FRF curves of a report: with six numbers each, about 2 MB.
 const MAX_CURVE_POINTS: usize = 36_000;
 
-/// All that a report shows beside its tables.
+/// Figures of a report.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Figures {
     /// Deviations between test and model; `None` without a comparison.
@@ -106,7 +106,7 @@ pub struct EnergyBar {
     pub strain: Vec<(String, f64)>,
 }
 
-/// The figures of a scene that was run, and what it was made from.
+/// The figures of a scene, with the provenance of its results.
 ///
 /// `frf_files` are the names under which the FRFs of the tests are written, in their order.
 ///

@@ -17,7 +17,7 @@ pub struct Overview {
     pub tests: Vec<TestSummary>,
     /// Whether errors are a part of the theory's frequency (else of the test's).
     pub of_theory: bool,
-    /// Every root with what each test has of it, then test modes without a partner.
+    /// Every root with the cell of each test, then test modes without a partner.
     pub rows: Vec<OverviewRow>,
     /// One factor on all stiffnesses that would bring the mean frequency of all pairs to the tests:
     /// the square of the mean ratio of test to theory. `None` unless the pairs, three or more, are

@@ -31,7 +31,7 @@ pub struct MacFigure {
     pub theory_hz: Vec<f64>,
     /// Their numbers among all its modes, from 1.
     pub theory_modes: Vec<usize>,
-    /// Modes of the theory that stand still at the sensors, and are left out.
+    /// Number of theory modes with nodes at all sensors, which are left out.
     pub still: usize,
     /// MAC.
     pub mac: Vec<Vec<Option<f64>>>,
