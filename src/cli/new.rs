@@ -19,9 +19,9 @@ use super::outcome::Outcome;
 use super::output::Output;
 
 /// The parts of a new scene other than the raw files.
-const NAMES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
+const NEW_FILES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
 
-const EXPECTED: &str =
+const EXPECTED_TEMPLATE: &str =
     "# Published results about this machine, if there are any; `run` holds the model against them.
 # While all lines are remarks there are none.
 # schema = \"modalign-expected/1\"
@@ -39,14 +39,18 @@ const EXPECTED: &str =
 /// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; lists the entries that
 /// are still to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
-    check_free(args)?;
+    check_new_files(args)?;
     let opened = args
         .files
         .iter()
-        .map(|path| opened(path, args.partial, format));
+        .map(|path| open_source(path, args.partial, format));
     let opened: Vec<(Box<dyn Source>, bool)> = opened.collect::<Result<_, Error>>()?;
     let partly_bad = opened.iter().any(|(_, is_bad)| *is_bad);
-    let paths: Vec<String> = args.files.iter().map(|path| named(args, path)).collect();
+    let paths: Vec<String> = args
+        .files
+        .iter()
+        .map(|path| scene_path(args, path))
+        .collect();
     let reference = |number: usize| match args.reference.as_slice() {
         [only] => Some(only),
         all => all.get(number),
@@ -66,9 +70,9 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let model = args
         .model
         .as_deref()
-        .map(|path| model(args, path))
+        .map(|path| draft_model(args, path))
         .transpose()?;
-    let points = args.points.as_deref().map(points).transpose()?;
+    let points = args.points.as_deref().map(read_points).transpose()?;
     let title = files
         .iter()
         .find_map(|file| file.catalog.title.first().cloned());
@@ -87,9 +91,12 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let source = source_text(args, &files)?;
     let copied = args.files.iter().filter(|_| args.copy);
     let mut written: Vec<(PathBuf, NewFile)> = copied
-        .map(|path| (raw(args, path), NewFile::CopyOf(path)))
+        .map(|path| (copy_path(args, path), NewFile::CopyOf(path)))
         .collect();
-    for (name, text) in NAMES.iter().zip([source.as_str(), EXPECTED, &draft.scene]) {
+    for (name, text) in NEW_FILES
+        .iter()
+        .zip([source.as_str(), EXPECTED_TEMPLATE, &draft.scene])
+    {
         written.push((args.folder.join(name), NewFile::Text(text)));
     }
     let writing = output.guard_writing(written.iter().map(|(path, _)| path.as_path()));
@@ -133,12 +140,12 @@ fn next_steps(args: &NewArgs, scene: &str) -> String {
     };
     text + &format!(
         "\nThen: modalign run {} prints {next}.",
-        typed(&args.folder)
+        shell_quoted(&args.folder)
     )
 }
 
-/// A path as a shell takes it for one word.
-fn typed(path: &Path) -> String {
+/// A path quoted for a shell.
+fn shell_quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain =
         |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c) || (cfg!(windows) && c == '\\');
@@ -151,13 +158,13 @@ fn typed(path: &Path) -> String {
     }
 }
 
-/// Nothing that would be written may be there, and there is one hit point for all files or one for
-/// each.
-fn check_free(args: &NewArgs) -> Result<(), Error> {
+/// Checks that no file to be written exists, and that there is one excitation point for all files
+/// or one for each.
+fn check_new_files(args: &NewArgs) -> Result<(), Error> {
     let (points, files) = (args.reference.len(), args.files.len());
     if points > 1 && points != files {
         let got = format!("{points} hit points for {files} files");
-        return Err(argument(
+        return Err(argument_error(
             "--reference",
             got,
             "one for all files, or one for each",
@@ -165,18 +172,18 @@ fn check_free(args: &NewArgs) -> Result<(), Error> {
     }
     let mut raws = BTreeSet::new();
     for path in args.files.iter().filter(|_| args.copy) {
-        if !raws.insert(raw(args, path)) {
-            return Err(argument(
+        if !raws.insert(copy_path(args, path)) {
+            return Err(argument_error(
                 "FILE",
-                format!("two files named {}", raw(args, path).display()),
+                format!("two files named {}", copy_path(args, path).display()),
                 "files of different names with --copy",
             ));
         }
     }
-    let drafted = NAMES.iter().map(|name| args.folder.join(name));
+    let drafted = NEW_FILES.iter().map(|name| args.folder.join(name));
     match drafted.chain(raws).find(|path| path.exists()) {
         None => Ok(()),
-        Some(path) => Err(argument(
+        Some(path) => Err(argument_error(
             "DIR",
             format!("{}, which exists", path.display()),
             "a folder without it: nothing is written over",
@@ -184,7 +191,7 @@ fn check_free(args: &NewArgs) -> Result<(), Error> {
     }
 }
 
-fn argument(argument: &'static str, got: String, expected: &str) -> Error {
+fn argument_error(argument: &'static str, got: String, expected: &str) -> Error {
     Error::Argument {
         argument,
         got,
@@ -193,7 +200,7 @@ fn argument(argument: &'static str, got: String, expected: &str) -> Error {
 }
 
 /// The source of a file, and whether part of it is bad.
-fn opened(
+fn open_source(
     path: &Path,
     partial: bool,
     format: Option<&str>,
@@ -208,7 +215,7 @@ fn opened(
     Ok((source, is_bad))
 }
 
-fn raw(args: &NewArgs, path: &Path) -> PathBuf {
+fn copy_path(args: &NewArgs, path: &Path) -> PathBuf {
     args.folder
         .join("raw")
         .join(path.file_name().unwrap_or_default())
@@ -216,19 +223,19 @@ fn raw(args: &NewArgs, path: &Path) -> PathBuf {
 
 /// The path by which the scene names a file: that of its copy, else relative to the scene where
 /// they share a folder.
-fn named(args: &NewArgs, path: &Path) -> String {
+fn scene_path(args: &NewArgs, path: &Path) -> String {
     if args.copy {
         return format!(
             "raw/{}",
             path.file_name().unwrap_or_default().to_string_lossy()
         );
     }
-    relative(&args.folder, path).unwrap_or_else(|| path.display().to_string())
+    relative_path(&args.folder, path).unwrap_or_else(|| path.display().to_string())
 }
 
-/// `path` seen from `folder`; absolute where they have nothing but the root in common.
-fn relative(folder: &Path, path: &Path) -> Option<String> {
-    let (from, to) = (resolved(folder)?, resolved(path)?);
+/// `path` relative to `folder`; absolute where they have only the root in common.
+fn relative_path(folder: &Path, path: &Path) -> Option<String> {
+    let (from, to) = (resolve_links(folder)?, resolve_links(path)?);
     let parts = |path: &Path| -> Vec<String> {
         let names = path
             .components()
@@ -248,7 +255,7 @@ fn relative(folder: &Path, path: &Path) -> Option<String> {
 }
 
 /// The absolute path with links followed, as far as it exists.
-fn resolved(path: &Path) -> Option<PathBuf> {
+fn resolve_links(path: &Path) -> Option<PathBuf> {
     let absolute = std::path::absolute(path).ok()?;
     let known = absolute
         .ancestors()
@@ -265,7 +272,7 @@ fn resolved(path: &Path) -> Option<PathBuf> {
 }
 
 /// The `[model]` of the scene; its bodies are where sensors can sit.
-fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
+fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
     let kind = model_kind(path);
@@ -275,7 +282,10 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
         .is_some_and(|extension| extension == "toml");
     if is_file && !is_toml {
         return Ok(DraftModel {
-            line: text("file", &relative(&args.folder, path).unwrap_or_default()),
+            line: text(
+                "file",
+                &relative_path(&args.folder, path).unwrap_or_default(),
+            ),
             bodies: Vec::new(),
             has_sensors: true,
         });
@@ -292,7 +302,10 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     };
     Ok(DraftModel {
         line: if is_file {
-            text("file", &relative(&args.folder, path).unwrap_or_default())
+            text(
+                "file",
+                &relative_path(&args.folder, path).unwrap_or_default(),
+            )
         } else {
             text("name", &path.display().to_string())
         },
@@ -301,9 +314,9 @@ fn model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     })
 }
 
-/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and remarks
-/// (`#`) are passed over.
-fn points(path: &Path) -> Result<Geometry, Error> {
+/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and comments
+/// (`#`) are ignored.
+fn read_points(path: &Path) -> Result<Geometry, Error> {
     let name = path.display().to_string();
     let text = read_text(path)?;
     let mut geometry = Geometry::default();
@@ -330,7 +343,7 @@ fn points(path: &Path) -> Result<Geometry, Error> {
             _ => "POINT,X,Y,Z in metres",
         };
         let got = format!("{line:?} in line {} of {name}", index + 1);
-        return Err(argument("--points", got, expected));
+        return Err(argument_error("--points", got, expected));
     }
     Ok(geometry)
 }
@@ -358,9 +371,9 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_path_is_quoted_where_a_shell_would_part_it() {
-        assert_eq!(typed(Path::new("out/beam-1")), "out/beam-1");
-        assert_eq!(typed(Path::new("the beam")), "'the beam'");
-        assert_eq!(typed(Path::new("it's")), r"'it'\''s'");
+        assert_eq!(shell_quoted(Path::new("out/beam-1")), "out/beam-1");
+        assert_eq!(shell_quoted(Path::new("the beam")), "'the beam'");
+        assert_eq!(shell_quoted(Path::new("it's")), r"'it'\''s'");
     }
 
     #[test]
@@ -369,7 +382,7 @@ mod tests {
         let path = folder.path().join("points.csv");
         let read = |text: &str| {
             std::fs::write(&path, text).unwrap();
-            points(&path).map(|geometry| geometry.nodes.len())
+            read_points(&path).map(|geometry| geometry.nodes.len())
         };
         assert_eq!(
             read("point,x,y,z\n1,0,0,0\n\n# end\n2,0.1,0,0\n").unwrap(),
