@@ -14,7 +14,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 pub use location::Location;
-use numbers::{short, with_spread};
+use numbers::{format_number, format_with_std};
 pub use severity::Severity;
 
 /// Declares the codes with their sentence and their longer explanation in one table.
@@ -425,10 +425,10 @@ impl Code {
     }
 }
 
-/// One observation, with its numbers.
+/// An observation on data or results, with its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How much it matters.
+    /// Its consequence for the results.
     pub severity: Severity,
     /// Its subject.
     pub code: Code,
@@ -496,14 +496,19 @@ impl fmt::Display for Finding {
             .as_deref()
             .map_or_else(String::new, |u| format!(" {u}"));
         match (self.value, self.limit) {
-            (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
-                write!(f, " ({})", with_spread(value, spread))?;
+            (Some(value), Some(std)) if self.code == Code::CommonFactor => {
+                write!(f, " ({})", format_with_std(value, std))?;
             }
             (Some(value), Some(limit)) => {
-                write!(f, " ({}{unit}, limit {}{unit})", short(value), short(limit))?;
+                write!(
+                    f,
+                    " ({}{unit}, limit {}{unit})",
+                    format_number(value),
+                    format_number(limit)
+                )?;
             }
-            (Some(value), None) => write!(f, " ({}{unit})", short(value))?,
-            (None, Some(limit)) => write!(f, " (limit {}{unit})", short(limit))?,
+            (Some(value), None) => write!(f, " ({}{unit})", format_number(value))?,
+            (None, Some(limit)) => write!(f, " (limit {}{unit})", format_number(limit))?,
             (None, None) => {}
         }
         let detail = self.detail.as_deref();

@@ -20,7 +20,7 @@ use crate::report::{
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
-    compare_tests, holds_functions, load_model, load_modes, model_kind, table_model, theory,
+    compare_tests, has_functions_only, load_model, load_modes, model_kind, table_model, theory,
 };
 use crate::theory::ModeOptions;
 
@@ -47,7 +47,7 @@ pub fn correlate(
     let Some(theory) = &args.theory else {
         return compare_with_itself(args, format, output);
     };
-    if holds_functions(theory, format) {
+    if has_functions_only(theory, format) {
         return correlate_frfs(args, theory, format, output);
     }
     if args.band.is_some() || args.lines.is_some() {
@@ -193,7 +193,7 @@ fn compare_with_itself(
     let (mut all, mut partly_bad) = (Vec::new(), false);
     for path in &args.test {
         let name = path.display().to_string();
-        if holds_functions(path, format) {
+        if has_functions_only(path, format) {
             return Err(Error::Argument {
                 argument: "--test",
                 got: format!("{name}, which holds functions and no modes"),

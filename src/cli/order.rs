@@ -8,7 +8,7 @@ use crate::study::order;
 
 use super::outcome::Outcome;
 use super::output::Output;
-use super::scene_reading::{SceneReading, load, report_damage};
+use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::OrderArgs;
 
 /// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was
@@ -18,7 +18,7 @@ pub fn needs(
     reading: SceneReading,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    let (scene, spec) = load(&args.path, reading)?;
+    let (scene, spec) = load_scene_and_study(&args.path, reading)?;
     let analysis = order(&scene, &spec.order, output.observer())?;
     let blocks = order_blocks(&analysis);
     if let Some(folder) = &args.output {

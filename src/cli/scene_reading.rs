@@ -33,7 +33,10 @@ impl SceneReading<'_> {
 }
 
 /// The scene with its spec; the defaults for a scene without one.
-pub(super) fn load(path: &Path, reading: SceneReading) -> Result<(Scene, StudyFile), Error> {
+pub(super) fn load_scene_and_study(
+    path: &Path,
+    reading: SceneReading,
+) -> Result<(Scene, StudyFile), Error> {
     let is_scene = Scene::is_path(path);
     let beside = path.is_dir().then(|| path.join(STUDY_FILE));
     let spec = match is_scene {

@@ -10,7 +10,7 @@ use crate::study::{SpeedAccuracy, speed_accuracy};
 use super::meter::ProcessMeter;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::scene_reading::{SceneReading, load, report_damage};
+use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::SpeedAccuracyArgs;
 
 /// Runs the study; exit code 1 when part of the files was bad.
@@ -19,7 +19,7 @@ pub fn study(
     reading: SceneReading,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    let (scene, spec) = load(&args.path, reading)?;
+    let (scene, spec) = load_scene_and_study(&args.path, reading)?;
     let mut options = spec.speed_accuracy;
     options.draws = args.draws.unwrap_or(options.draws);
     let result = speed_accuracy(&scene, &options, &ProcessMeter, output.observer())?;

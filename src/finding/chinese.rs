@@ -1,6 +1,6 @@
 //! Chinese sentences and explanations translate those of each finding code.
 
-use super::{Code, Finding, Location, Severity, short, with_spread};
+use super::{Code, Finding, Location, Severity, format_number, format_with_std};
 
 macro_rules! chinese {
     ($($name:ident: $sentence:literal, $explanation:literal;)*) => {
@@ -285,10 +285,10 @@ impl Finding {
             .unit
             .as_deref()
             .map_or_else(String::new, |u| format!(" {u}"));
-        let number = |value: f64| format!("{}{unit}", short(value));
+        let number = |value: f64| format!("{}{unit}", format_number(value));
         let numbers = match (self.value, self.limit) {
-            (Some(value), Some(spread)) if self.code == Code::CommonFactor => {
-                format!("（{}）", with_spread(value, spread))
+            (Some(value), Some(std)) if self.code == Code::CommonFactor => {
+                format!("（{}）", format_with_std(value, std))
             }
             (Some(value), Some(limit)) => format!("（{}，限值 {}）", number(value), number(limit)),
             (Some(value), None) => format!("（{}）", number(value)),

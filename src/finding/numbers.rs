@@ -2,7 +2,7 @@
 
 /// Four significant digits; whole numbers as they are, round ones with a power of ten where that is
 /// much shorter.
-pub(super) fn short(value: f64) -> String {
+pub(super) fn format_number(value: f64) -> String {
     let magnitude = value.abs();
     if value.fract().abs() < f64::EPSILON && magnitude < 1e15 {
         let (whole, power) = (format!("{value:.0}"), format!("{value:e}"));
@@ -20,10 +20,10 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// A value and its standard deviation, both to the second digit of the standard deviation.
-pub(super) fn with_spread(value: f64, spread: f64) -> String {
-    if !(1e-9..10.0).contains(&spread) {
-        return format!("{} ± {}", short(value), short(spread));
+pub(super) fn format_with_std(value: f64, std: f64) -> String {
+    if !(1e-9..10.0).contains(&std) {
+        return format!("{} ± {}", format_number(value), format_number(std));
     }
-    let decimals = (1 - spread.log10().floor() as i32).max(0) as usize;
-    format!("{value:.decimals$} ± {spread:.decimals$}")
+    let decimals = (1 - std.log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$} ± {std:.decimals$}")
 }

@@ -10,10 +10,10 @@ fn numbers_in_a_sentence_have_at_most_four_digits() {
         (1_234_567.0, "1234567"),
         (2.5, "2.500"),
     ] {
-        assert_eq!(short(value), expected);
+        assert_eq!(format_number(value), expected);
     }
-    assert_eq!(with_spread(0.566_12, 0.008_378), "0.5661 ± 0.0084");
-    assert_eq!(with_spread(1.234, 0.0), "1.234 ± 0");
+    assert_eq!(format_with_std(0.566_12, 0.008_378), "0.5661 ± 0.0084");
+    assert_eq!(format_with_std(1.234, 0.0), "1.234 ± 0");
 }
 
 #[test]

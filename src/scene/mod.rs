@@ -56,7 +56,7 @@ pub use limits::{
 };
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use model_kind::{ModelKind, built_in_name_finding, model_kind};
-pub use modes_file::{LoadedModes, ModesOptions, holds_functions, is_modes_file, load_modes};
+pub use modes_file::{LoadedModes, ModesOptions, has_functions_only, is_modes_file, load_modes};
 pub use observer::Observer;
 pub use placement::{PlacedTest, PlacementPlan};
 pub use plan::{Scene, force_window, offset};

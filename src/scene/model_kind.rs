@@ -25,7 +25,7 @@ pub enum ModelKind {
 /// is a file or a folder with a scene.
 pub fn model_kind(path: &Path) -> ModelKind {
     let is_plain = path.components().count() == 1;
-    if is_built_in(path) && (is_plain || !(path.is_file() || holds_scene(path))) {
+    if is_built_in(path) && (is_plain || !(path.is_file() || has_scene(path))) {
         ModelKind::BuiltIn
     } else if Scene::is_path(path) {
         ModelKind::Scene
@@ -38,7 +38,7 @@ pub fn model_kind(path: &Path) -> ModelKind {
 
 /// The finding on a built-in model whose name a file, or a folder with a scene, has too.
 pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
-    let other = match (path.is_file(), holds_scene(path)) {
+    let other = match (path.is_file(), has_scene(path)) {
         (true, _) => "file",
         (_, true) => "folder",
         (false, false) => return None,
@@ -55,6 +55,6 @@ pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
     Some(finding.detail(format!("./{} names the {other}", path.display())))
 }
 
-fn holds_scene(path: &Path) -> bool {
+fn has_scene(path: &Path) -> bool {
     path.join("scene.toml").is_file()
 }

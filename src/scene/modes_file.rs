@@ -23,7 +23,7 @@ pub fn is_modes_file(path: &Path) -> bool {
 
 /// Whether a file holds functions and no modes, by its headers; `false` for one that cannot be
 /// opened, whose reason the reader of modes tells.
-pub fn holds_functions(path: &Path, format: Option<&str>) -> bool {
+pub fn has_functions_only(path: &Path, format: Option<&str>) -> bool {
     let Ok(format) = format_of(path, format) else {
         return false;
     };
