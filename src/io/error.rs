@@ -199,10 +199,22 @@ impl IoError {
 }
 
 /// The error of an output that the operating system refuses.
-pub(super) fn write_failed(path: &str, source: std::io::Error) -> IoError {
+pub(in crate::io) fn write_failed(path: &str, source: std::io::Error) -> IoError {
     IoError::System {
         path: path.to_owned(),
         action: "write",
+        source,
+    }
+}
+
+/// The error of an action on a path that the operating system refuses.
+pub(in crate::io) fn system(
+    path: &str,
+    action: &'static str,
+) -> impl FnOnce(std::io::Error) -> IoError {
+    move |source| IoError::System {
+        path: path.to_owned(),
+        action,
         source,
     }
 }

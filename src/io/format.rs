@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use super::sample_range::even_abscissa;
-use super::{Catalog, Damage, IoError, TableSpec};
 use crate::finding::Finding;
+use crate::io::catalog::sample_range::even_abscissa;
+use crate::io::{Catalog, Damage, IoError, TableSpec};
 
 /// A byte stream that can be read and sought.
 pub trait ReadSeek: Read + Seek + Send {}

@@ -1,0 +1,82 @@
+//! An opened file carries the scene's statements about it; hits are grouped by a rule of the test.
+
+use crate::dof::Dof;
+use crate::frf::Window;
+use crate::quantity::{FrfUnit, Unit};
+use crate::record::Role;
+
+use crate::io::Source;
+
+/// The rule that groups the records of a test into hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum HitGrouping {
+    /// By the records' identification and order.
+    #[default]
+    Records,
+    /// Each file is one hit.
+    Files,
+    /// As records, but each is a continuous recording of several hits.
+    Trigger,
+}
+
+impl HitGrouping {
+    /// The grouping of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "records" => Some(HitGrouping::Records),
+            "files" => Some(HitGrouping::Files),
+            "trigger" => Some(HitGrouping::Trigger),
+            _ => None,
+        }
+    }
+}
+
+/// Properties that the scene states for one record of every hit.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ChannelOverride {
+    /// Number of the record within its hit, from 1.
+    pub number: usize,
+    /// Its role.
+    pub role: Option<Role>,
+    /// Where it measures.
+    pub dof: Option<Dof>,
+    /// Unit of its numbers; its quantity is the channel's.
+    pub unit: Option<Unit>,
+    /// Calibration: value in the stated unit = `scale` × number in the file.
+    pub scale: Option<f64>,
+    /// Largest magnitude that the converter can hold, in the stated unit.
+    pub full_scale: Option<f64>,
+}
+
+/// One opened file with what the scene says of it.
+pub struct HitFile {
+    /// The file.
+    pub source: Box<dyn Source>,
+    /// The scene's word for its response.
+    pub response: Option<Dof>,
+    /// The scene's word for its hit point.
+    pub reference: Option<Dof>,
+    /// The scene's word for the unit of FRFs that do not state it.
+    pub frf_unit: Option<FrfUnit>,
+    /// The scene's word for the number of averages of FRFs that do not state it.
+    pub averages: Option<u32>,
+    /// The scene's word for the window of FRFs that do not state it.
+    pub window: Option<Window>,
+    /// Whether hits of which records are missing may be left out.
+    pub partial: bool,
+}
+
+impl HitFile {
+    /// A file of which the scene says nothing.
+    pub fn new(source: Box<dyn Source>) -> Self {
+        Self {
+            source,
+            response: None,
+            reference: None,
+            frf_unit: None,
+            averages: None,
+            window: None,
+            partial: false,
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! Time records become hits: which records belong together, which is the force, where the hammer
+//! hit.
+//!
+//! The header decides: records of one file with the same version number, load case and ID lines
+//! belong together, and a further force record (or a response that is already there) opens the next
+//! hit. Where headers do not say, the order in the file, the length and the sampling decide, and a
+//! finding says so. Nothing is guessed beyond that: a unit, a response point or a hit point that
+//! neither file nor scene states is an error.
+
+use crate::axis::TimeAxis;
+use crate::dof::Dof;
+use crate::finding::{Code, Finding, Location, Severity};
+use crate::quantity::Quantity;
+use crate::record::{
+    ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
+};
+
+use super::hit_grouping::{Group, Roles, add_once, channel_override};
+use crate::io::{
+    Block, ChannelOverride, Entry, EntryAxis, HitFile, HitGrouping, IoError, SampleFormat,
+};
+
+/// Hits with what was said on the way.
+pub struct HitSet {
+    /// Hits in file order, their samples still in the files.
+    pub recording: FileRecording,
+    /// Findings.
+    pub findings: Vec<Finding>,
+}
+
+impl std::fmt::Debug for HitSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let hits = &self.recording.hits;
+        write!(f, "{hits:?} {:?}", self.findings)
+    }
+}
+
+/// Hits whose samples are in files.
+#[derive(Default)]
+pub struct FileRecording {
+    files: Vec<HitFile>,
+    hits: Vec<HitInfo>,
+    /// File of each hit, and the entries of its force and its responses.
+    places: Vec<(usize, usize, Vec<usize>)>,
+}
+
+impl FileRecording {
+    /// States the range of the converter of the forces, or of the responses at a degree of freedom
+    /// (at all without one), SI unit.
+    pub fn state_full_scale(&mut self, role: Role, dof: Option<&Dof>, full_scale: f64) {
+        for hit in &mut self.hits {
+            match role {
+                Role::Force => hit.force.full_scale = Some(full_scale),
+                Role::Response => {
+                    let channels = hit.responses.iter_mut();
+                    let channels =
+                        channels.filter(|channel| dof.is_none_or(|dof| *dof == channel.dof));
+                    channels.for_each(|channel| channel.full_scale = Some(full_scale));
+                }
+            }
+        }
+    }
+}
+
+impl Recording for FileRecording {
+    fn hits(&self) -> &[HitInfo] {
+        &self.hits
+    }
+
+    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
+        let (file, force, responses) = &self.places[stretch.hit];
+        let entry = match stretch.channel {
+            ChannelPlace::Force => *force,
+            ChannelPlace::Response(number) => responses[number],
+        };
+        let mut block = match std::mem::replace(samples, Samples::F64(Vec::new())) {
+            Samples::F32(values) => Block::F32(values),
+            Samples::F64(values) => Block::F64(values),
+        };
+        let source = &mut self.files[*file].source;
+        source
+            .read(entry, stretch.samples.clone(), &mut block)
+            .map_err(ReadError::new)?;
+        *samples = match block {
+            Block::F32(values) => Samples::F32(values),
+            Block::F64(values) => Samples::F64(values),
+            // Grouping refuses complex records.
+            Block::Complex(values) => Samples::F64(values.iter().map(|v| v.re).collect()),
+        };
+        Ok(())
+    }
+}
+
+/// Groups the time records of files into hits; their samples are read when they are asked for.
+///
+/// # Errors
+/// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a
+/// quantity, a response or a hit point that neither file nor scene states.
+pub fn group_hits(
+    files: Vec<HitFile>,
+    grouping: HitGrouping,
+    overrides: &[ChannelOverride],
+) -> Result<HitSet, IoError> {
+    let mut findings = Vec::new();
+    let (mut hits, mut places) = (Vec::new(), Vec::new());
+    for (number, file) in files.iter().enumerate() {
+        let roles = Roles { overrides, file };
+        findings.extend(roles.left_out_findings());
+        let groups = match grouping {
+            HitGrouping::Files => roles.one_hit()?,
+            HitGrouping::Records | HitGrouping::Trigger => roles.hits(&mut findings)?,
+        };
+        for group in groups {
+            let (hit, force, responses) = hit_of(file, &group, overrides, &mut findings)?;
+            hits.push(hit);
+            places.push((number, force, responses));
+        }
+    }
+    let recording = FileRecording {
+        files,
+        hits,
+        places,
+    };
+    Ok(HitSet {
+        recording,
+        findings,
+    })
+}
+
+/// A hit with the entries of its force and its responses.
+fn hit_of(
+    file: &HitFile,
+    group: &Group,
+    overrides: &[ChannelOverride],
+    findings: &mut Vec<Finding>,
+) -> Result<(HitInfo, usize, Vec<usize>), IoError> {
+    let judge = Roles { overrides, file };
+    let numbered = group.iter().enumerate();
+    let roles: Vec<Role> = numbered
+        .map(|(place, index)| judge.role(*index, place + 1))
+        .collect();
+    let catalog = file.source.catalog();
+    let axis = common_axis(catalog.entries.as_slice(), group, &catalog.path)?;
+    let hit_point = hit_point(file, group, &roles, overrides, findings)?;
+    let is_motion = |quantity| quantity != Quantity::Force;
+    let quantities = group.iter().map(|index| catalog.entries[*index].quantity);
+    let moves = quantities.flatten().any(is_motion);
+    let (mut force, mut responses, mut entries) = (None, Vec::new(), Vec::new());
+    for (place, (&index, &role)) in group.iter().zip(&roles).enumerate() {
+        let stated = channel_override(overrides, place + 1);
+        match role {
+            Role::Force => {
+                force = Some((
+                    channel_info(file, index, role, hit_point.clone(), stated)?,
+                    index,
+                ));
+            }
+            Role::Response if stated.is_none() && moves && judge.is_other(index) => {
+                add_once(findings, judge.left_out_finding(index));
+            }
+            Role::Response => {
+                let dof = response_point(file, index, stated)?;
+                responses.push(channel_info(file, index, role, dof, stated)?);
+                entries.push(index);
+            }
+        }
+    }
+    let (force, force_entry) = force.expect("every group was checked to hold one force");
+    let origin = format!("{} record {}", catalog.path, group[0] + 1);
+    let hit = HitInfo {
+        axis,
+        force,
+        responses,
+        origin,
+    };
+    Ok((hit, force_entry, entries))
+}
+
+/// Channels may begin apart by this fraction of a sample.
+const START_AGREEMENT: f64 = 1e-3;
+
+fn common_axis(entries: &[Entry], group: &Group, path: &str) -> Result<TimeAxis, IoError> {
+    let error = |got: String| IoError::Grouping {
+        path: path.to_owned(),
+        what: "sampling of the channels of one hit",
+        got,
+        expected: "one length, spacing and start in time".to_owned(),
+    };
+    let described = |axis: &TimeAxis| {
+        format!(
+            "{} samples by {} s from {} s",
+            axis.len, axis.step_s, axis.start_s
+        )
+    };
+    let mut common: Option<TimeAxis> = None;
+    for index in group {
+        let EntryAxis::Time(axis) = entries[*index].axis else {
+            let axis = match entries[*index].axis {
+                EntryAxis::Frequency(_) => "a frequency axis",
+                _ => "an uneven axis",
+            };
+            return Err(error(format!("record {} on {axis}", index + 1)));
+        };
+        let first = *common.get_or_insert(axis);
+        let same = axis.len == first.len
+            && (axis.step_s - first.step_s).abs() <= 1e-9 * first.step_s
+            && (axis.start_s - first.start_s).abs() <= START_AGREEMENT * first.step_s;
+        if !same {
+            return Err(error(format!(
+                "{} and {}",
+                described(&first),
+                described(&axis)
+            )));
+        }
+    }
+    common.ok_or_else(|| error("no record".to_owned()))
+}
+
+/// The force record's response, else the responses' common reference, else the scene's word.
+fn hit_point(
+    file: &HitFile,
+    group: &Group,
+    roles: &[Role],
+    overrides: &[ChannelOverride],
+    findings: &mut Vec<Finding>,
+) -> Result<Dof, IoError> {
+    let catalog = file.source.catalog();
+    let place = roles
+        .iter()
+        .position(|role| *role == Role::Force)
+        .expect("every group was checked to hold one force");
+    let stated = channel_override(overrides, place + 1).and_then(|channel| channel.dof.clone());
+    if let Some(dof) = stated.or_else(|| catalog.entries[group[place]].response.clone()) {
+        return Ok(dof);
+    }
+    let responses = group
+        .iter()
+        .zip(roles)
+        .filter(|(_, role)| **role == Role::Response);
+    let references: Vec<&Option<Dof>> = responses
+        .map(|(index, _)| &catalog.entries[*index].reference)
+        .collect();
+    let common = references.first().and_then(|first| {
+        references
+            .iter()
+            .all(|other| other == first)
+            .then(|| (*first).clone())?
+    });
+    let found = common.or_else(|| file.reference.clone()).ok_or_else(|| IoError::NotStated {
+        path: catalog.path.clone(),
+        what: format!("the hit point of the hit that starts with record {}", group[0] + 1),
+        expected: "a response node in the force record, a common reference of the responses, or `reference` in [[test.file]] (--reference)".to_owned(),
+    })?;
+    let location = Location::File {
+        path: catalog.path.clone(),
+        line: None,
+        byte: None,
+    };
+    let finding = Finding::new(Severity::Info, Code::HitPointAssumed, location);
+    add_once(findings, finding);
+    Ok(found)
+}
+
+fn response_point(
+    file: &HitFile,
+    index: usize,
+    channel: Option<&ChannelOverride>,
+) -> Result<Dof, IoError> {
+    let stated = channel.and_then(|channel| channel.dof.clone());
+    let catalog = file.source.catalog();
+    stated.or_else(|| catalog.entries[index].response.clone()).or_else(|| file.response.clone()).ok_or_else(|| IoError::NotStated {
+        path: catalog.path.clone(),
+        what: format!("the response point of record {}", index + 1),
+        expected: "a response node in its header, `dof` in [[test.channel]] or `response` in [[test.file]]".to_owned(),
+    })
+}
+
+fn channel_info(
+    file: &HitFile,
+    index: usize,
+    role: Role,
+    dof: Dof,
+    channel: Option<&ChannelOverride>,
+) -> Result<ChannelInfo, IoError> {
+    let entry = &file.source.catalog().entries[index];
+    let path = &file.source.catalog().path;
+    let (quantity, to_si) = calibration(entry, role, channel).ok_or_else(|| {
+        let label = if entry.unit_label.is_empty() {
+            "an empty unit label".to_owned()
+        } else {
+            format!("unit label {:?}", entry.unit_label)
+        };
+        IoError::NotStated {
+            path: place(path, entry),
+            what: format!("quantity and unit of record {} ({label})", index + 1),
+            expected: format!(
+                "a {} unit in the file or `unit` in [[test.channel]]",
+                if role == Role::Force {
+                    "force"
+                } else {
+                    "response"
+                }
+            ),
+        }
+    })?;
+    if matches!(
+        entry.format,
+        SampleFormat::ComplexF32 | SampleFormat::ComplexF64
+    ) {
+        return Err(IoError::Grouping {
+            path: place(path, entry),
+            what: "reading a time record",
+            got: "complex values".to_owned(),
+            expected: "real values".to_owned(),
+        });
+    }
+    let scale = channel.and_then(|channel| channel.scale).unwrap_or(1.0);
+    let full_scale = channel.and_then(|channel| channel.full_scale);
+    Ok(ChannelInfo {
+        dof,
+        quantity,
+        to_si,
+        full_scale: full_scale.map(|stated| stated * (to_si / scale).abs()),
+    })
+}
+
+/// Quantity and factor to SI; the scene's word goes before the file's. `None` when they are unknown
+/// or do not suit the role.
+fn calibration(
+    entry: &Entry,
+    role: Role,
+    channel: Option<&ChannelOverride>,
+) -> Option<(Quantity, f64)> {
+    let scale = channel.and_then(|channel| channel.scale).unwrap_or(1.0);
+    let (quantity, to_si) = match channel.and_then(|channel| channel.unit) {
+        Some(unit) => (unit.quantity, unit.to_si),
+        None => (entry.quantity?, entry.to_si?),
+    };
+    ((quantity == Quantity::Force) == (role == Role::Force)).then_some((quantity, scale * to_si))
+}
+
+fn place(path: &str, entry: &Entry) -> String {
+    entry
+        .line
+        .map_or_else(|| path.to_owned(), |line| format!("{path}:{line}"))
+}

@@ -1,0 +1,12 @@
+//! Named arrays, the content of HDF5, MATLAB and NumPy files.
+//!
+//! A store lists and reads the arrays of one file. The schema gives names and shapes to records,
+//! FRFs, geometry and modes. A source reads the arrays of a store by the schema, by a scene's
+//! description, or lists them without a meaning. Nothing here knows the bytes of a file.
+
+pub mod schema;
+pub(in crate::io) mod source;
+pub(in crate::io) mod store;
+
+#[cfg(test)]
+mod recording_tests;

@@ -1,0 +1,385 @@
+//! The layout to a source. Samples are read when they are asked for.
+
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use crate::axis::{FrequencyAxis, TimeAxis};
+use crate::io::catalog::sample_range::{check_range, even_abscissa};
+use crate::io::formats::arrays::store::bytes::count;
+use crate::io::formats::arrays::store::{ArrayStore, Elements};
+use crate::io::{
+    Block, Catalog, Damage, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
+    SampleFormat, Source,
+};
+
+use super::array_index::{Shelf, same_shape};
+use super::arrays::SCHEMA;
+use super::entry_fields::{NUMBERS, TEXTS, domain_of, format_of};
+use super::{geometry, modes};
+
+/// Arrays of the samples of a group.
+#[derive(Clone, Copy, Debug)]
+enum Values {
+    Real(usize),
+    Complex(usize, usize),
+}
+
+/// Where the samples of an entry lie.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    values: Values,
+    /// First element in the arrays.
+    first: usize,
+    /// Array of the abscissa, of an uneven one.
+    abscissa: Option<usize>,
+}
+
+/// A source over arrays in the layout of modalign.
+pub(in crate::io) struct LayoutSource {
+    catalog: Catalog,
+    store: Box<dyn ArrayStore>,
+    places: Vec<Place>,
+}
+
+/// A text of more bytes does not name this layout.
+const LONGEST_SCHEMA: u64 = 1024;
+
+/// Whether the arrays state this layout. A file of another program may also have a `schema`.
+///
+/// # Errors
+/// [`IoError::Grouping`] for this layout with another number.
+pub(in crate::io) fn is_layout(store: &mut dyn ArrayStore, path: &str) -> Result<bool, IoError> {
+    let mut shelf = Shelf::new(store, path);
+    let short = shelf
+        .bytes("schema")
+        .is_some_and(|bytes| bytes <= LONGEST_SCHEMA);
+    let schema = match short {
+        true => shelf.text("schema").ok().flatten().unwrap_or_default(),
+        false => return Ok(false),
+    };
+    let name = SCHEMA.trim_end_matches(|c| c != '/');
+    match schema == SCHEMA {
+        false if schema.starts_with(name) => {
+            Err(shelf.error("schema", format!("{schema:?}"), SCHEMA))
+        }
+        same => Ok(same),
+    }
+}
+
+/// Makes the source; `catalog` has format, path and what the store had to say. A group that cannot
+/// be used is left out with its error.
+pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalog) -> LayoutSource {
+    let mut catalog = catalog;
+    let path = catalog.path.clone();
+    let mut shelf = Shelf::new(store.as_mut(), &path);
+    let mut errors = Vec::new();
+    let mut found: Vec<(f64, Entry, Place)> = Vec::new();
+    for group in groups(&shelf) {
+        match read_group(&mut shelf, &group) {
+            Ok(entries) => found.extend(entries),
+            Err(error) => errors.push((error, part_of(&mut shelf, &group))),
+        }
+    }
+    let mut keep =
+        |read: Result<(), IoError>, part| errors.extend(read.err().map(|error| (error, part)));
+    let title = shelf.texts("title", None);
+    keep(
+        title.map(|title| catalog.title = title.unwrap_or_default()),
+        Part::Other,
+    );
+    keep(
+        geometry::read(&mut shelf, &mut catalog.geometry),
+        Part::Nodes,
+    );
+    keep(modes::read(&mut shelf, &mut catalog.modes), Part::Mode);
+    for (error, part) in errors {
+        catalog.note_damage(error, part);
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (entries, places) = found
+        .into_iter()
+        .map(|(_, entry, place)| (entry, place))
+        .unzip();
+    catalog.entries = entries;
+    LayoutSource {
+        catalog,
+        store,
+        places,
+    }
+}
+
+/// Names of the groups of functions.
+fn groups(shelf: &Shelf) -> Vec<String> {
+    let names = shelf
+        .names()
+        .filter_map(|name| name.strip_suffix("/function_type"));
+    names.map(str::to_owned).collect()
+}
+
+/// The contents of a group with an unreadable part.
+fn part_of(shelf: &mut Shelf, group: &str) -> Part {
+    let name = format!("{group}/function_type");
+    named(shelf, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)
+}
+
+fn read_group(shelf: &mut Shelf, group: &str) -> Result<Vec<(f64, Entry, Place)>, IoError> {
+    let name = |field: &str| format!("{group}/{field}");
+    let function_type = named(shelf, &name("function_type"), FunctionType::from_name)?;
+    let format = named(shelf, &name("stored"), format_of)?;
+    let positions = shelf.needed_numbers(&name("position"), None)?;
+    let (values, lines) = values(shelf, group, format, positions.len())?;
+    let (axis, abscissa) = read_axis(shelf, group, lines)?;
+    let mut entries = vec![Entry::new(function_type, axis, format); positions.len()];
+    describe(shelf, group, &mut entries)?;
+    let numbered = positions.into_iter().zip(entries).enumerate();
+    let placed = numbered.map(|(row, (position, entry))| {
+        let place = Place {
+            values,
+            first: row * lines,
+            abscissa,
+        };
+        (position, entry, place)
+    });
+    Ok(placed.collect())
+}
+
+/// A text that must be there and mean something.
+fn named<T>(
+    shelf: &mut Shelf,
+    name: &str,
+    meaning: impl Fn(&str) -> Option<T>,
+) -> Result<T, IoError> {
+    let text = shelf.text(name)?.unwrap_or_default();
+    meaning(&text).ok_or_else(|| shelf.error(name, format!("{text:?}"), "a name of the layout"))
+}
+
+/// The arrays of samples and the number of lines of each function.
+fn values(
+    shelf: &Shelf,
+    group: &str,
+    format: SampleFormat,
+    functions: usize,
+) -> Result<(Values, usize), IoError> {
+    let array = |field: &str| {
+        let name = format!("{group}/{field}");
+        let found = shelf.place(&name).zip(shelf.shape(&name));
+        let (place, shape) =
+            found.ok_or_else(|| shelf.error(&name, "nothing", "an array [function, line]"))?;
+        let lines = lines_of(shape, functions).ok_or_else(|| {
+            let expected = format!("shape [{functions}, lines]");
+            shelf.error(&name, format!("shape {shape:?}"), expected)
+        })?;
+        Ok((place, lines))
+    };
+    match format {
+        SampleFormat::RealF32 | SampleFormat::RealF64 => {
+            let (real, lines) = array("values")?;
+            Ok((Values::Real(real), lines))
+        }
+        SampleFormat::ComplexF32 | SampleFormat::ComplexF64 => {
+            let ((re, lines), (im, other)) = (array("re")?, array("im")?);
+            if lines != other {
+                let got = format!("{lines} and {other} lines");
+                return Err(shelf.error(group, got, "re and im of one shape"));
+            }
+            Ok((Values::Complex(re, im), lines))
+        }
+    }
+}
+
+/// Lines of each function in an array [function, line]; `None` for any other shape.
+fn lines_of(shape: &[usize], functions: usize) -> Option<usize> {
+    let lines = count(shape)?.checked_div(functions).unwrap_or(0);
+    same_shape(shape, &[functions, lines]).then_some(lines)
+}
+
+fn read_axis(
+    shelf: &mut Shelf,
+    group: &str,
+    len: usize,
+) -> Result<(EntryAxis, Option<usize>), IoError> {
+    let name = |field: &str| format!("{group}/{field}");
+    let domain = named(shelf, &name("domain"), domain_of)?;
+    let is_even = named(shelf, &name("axis"), |text| match text {
+        "even" => Some(true),
+        "general" => Some(false),
+        _ => None,
+    })?;
+    let start = shelf.number(&name("start"))?;
+    let even = start.zip(shelf.number(&name("step"))?);
+    if let Some((start, step)) = even {
+        check_even(shelf, group, is_even, start, step)?;
+    }
+    let axis = match (is_even, domain, even) {
+        (true, Domain::Time, Some((start_s, step_s))) => EntryAxis::Time(TimeAxis {
+            start_s,
+            step_s,
+            len,
+        }),
+        (true, Domain::Frequency, Some((start_hz, step_hz))) => {
+            EntryAxis::Frequency(FrequencyAxis {
+                start_hz,
+                step_hz,
+                len,
+            })
+        }
+        (true, ..) => {
+            return Err(shelf.error(group, "an even axis", "time or frequency, start and step"));
+        }
+        (false, ..) => EntryAxis::General(GeneralAxis { domain, even, len }),
+    };
+    if even.is_some() {
+        return Ok((axis, None));
+    }
+    let array = name("abscissa");
+    match (shelf.place(&array), shelf.shape(&array)) {
+        (Some(place), Some(shape)) if same_shape(shape, &[len]) => Ok((axis, Some(place))),
+        (_, None) => Err(shelf.error(&array, "nothing", format!("shape [{len}]"))),
+        (_, Some(shape)) => {
+            let got = format!("shape {shape:?}");
+            Err(shelf.error(&array, got, format!("shape [{len}]")))
+        }
+    }
+}
+
+/// Start and step are finite; a time or frequency axis ascends.
+fn check_even(
+    shelf: &Shelf,
+    group: &str,
+    ascends: bool,
+    start: f64,
+    step: f64,
+) -> Result<(), IoError> {
+    if !start.is_finite() {
+        return Err(shelf.error(&format!("{group}/start"), start, "a finite number"));
+    }
+    let name = format!("{group}/step");
+    match ascends {
+        true if !(step.is_finite() && step > 0.0) => {
+            Err(shelf.error(&name, step, "a finite number above 0"))
+        }
+        false if !step.is_finite() => Err(shelf.error(&name, step, "a finite number")),
+        _ => Ok(()),
+    }
+}
+
+fn describe(shelf: &mut Shelf, group: &str, entries: &mut [Entry]) -> Result<(), IoError> {
+    let count = entries.len();
+    for field in TEXTS {
+        let name = format!("{group}/{}", field.name);
+        let values = shelf.texts(&name, Some(&[count]))?.unwrap_or_default();
+        for (entry, text) in entries.iter_mut().zip(values) {
+            if !text.is_empty() && !(field.set)(entry, &text) {
+                return Err(shelf.error(&name, format!("{text:?}"), "a value of the layout"));
+            }
+        }
+    }
+    for field in NUMBERS {
+        let name = format!("{group}/{}", field.name);
+        let values = shelf.numbers(&name, Some(&[count]))?.unwrap_or_default();
+        for (entry, value) in entries.iter_mut().zip(values) {
+            if !value.is_nan() && !(field.set)(entry, value) {
+                return Err(shelf.error(&name, value, "a value of the layout"));
+            }
+        }
+    }
+    let lines = shelf.texts(&format!("{group}/id_lines"), Some(&[count, 5]))?;
+    let lines = lines.unwrap_or_default();
+    for (entry, id_lines) in entries.iter_mut().zip(lines.chunks_exact(5)) {
+        entry.identification.lines.clone_from_slice(id_lines);
+    }
+    let name = format!("{group}/valid_hz");
+    let valid = shelf.numbers(&name, Some(&[count, 2]))?;
+    let valid = valid.unwrap_or_default();
+    for (entry, limits) in entries.iter_mut().zip(valid.chunks_exact(2)) {
+        if limits[0].is_nan() != limits[1].is_nan() {
+            return Err(shelf.error(&name, format!("{limits:?}"), "two limits, or NaN twice"));
+        }
+        entry.note.valid_hz = (!limits[0].is_nan()).then_some((limits[0], limits[1]));
+    }
+    Ok(())
+}
+
+impl LayoutSource {
+    fn wrong_kind(&self, entry: usize) -> IoError {
+        IoError::Grouping {
+            path: self.catalog.path.clone(),
+            what: "reading layout modalign-frf/1",
+            got: format!("samples of entry {} of another kind", entry + 1),
+            expected: "numbers, as many as lines".to_owned(),
+        }
+    }
+
+    fn reals(
+        &mut self,
+        entry: usize,
+        array: usize,
+        range: Range<usize>,
+    ) -> Result<Vec<f64>, IoError> {
+        let count = range.len();
+        match self.store.read_part(array, range)? {
+            Elements::F64(values) if values.len() == count => Ok(values),
+            Elements::F32(values) if values.len() == count => {
+                Ok(values.into_iter().map(f64::from).collect())
+            }
+            _ => Err(self.wrong_kind(entry)),
+        }
+    }
+}
+
+impl Source for LayoutSource {
+    fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    fn take_damage(&mut self) -> Vec<Damage> {
+        std::mem::take(&mut self.catalog.damage)
+    }
+
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        let place = self.places[entry];
+        let part = place.first + range.start..place.first + range.end;
+        if let (Values::Real(array), Block::F32(values)) = (&place.values, &mut *block)
+            && self.store.read_singles(*array, part.clone(), values)?
+        {
+            return Ok(());
+        }
+        *block = match place.values {
+            Values::Complex(re, im) => {
+                let re = self.reals(entry, re, part.clone())?;
+                let im = self.reals(entry, im, part)?;
+                let pairs = re.into_iter().zip(im);
+                Block::Complex(pairs.map(|(re, im)| Complex64::new(re, im)).collect())
+            }
+            Values::Real(array) => match self.store.read_part(array, part)? {
+                Elements::F32(values) if values.len() == range.len() => Block::F32(values),
+                Elements::F64(values) if values.len() == range.len() => Block::F64(values),
+                _ => return Err(self.wrong_kind(entry)),
+            },
+        };
+        Ok(())
+    }
+
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        match self.places[entry].abscissa {
+            None => even_abscissa(&self.catalog, entry, range, out),
+            Some(array) => {
+                *out = self.reals(entry, array, range)?;
+                Ok(())
+            }
+        }
+    }
+}

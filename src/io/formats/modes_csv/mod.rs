@@ -1,0 +1,128 @@
+//! Modes as a table, one row for each: `.csv`.
+//!
+//! ```text
+//! frequency_hz,damping_ratio,group,1:+Z,2:+Z
+//! 12.25,0.004,,1,0.62
+//! 31.5,,1,0.3,-0.8
+//! ```
+//!
+//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators
+//! part the cells, `#` (blanks may stand before it) begins a line of remarks, a line whose cells
+//! are all empty is skipped. An empty cell is a value that is not known: a degree of freedom
+//! without one is not in that shape.
+//!
+//! | column | meaning |
+//! |---|---|
+//! | `frequency_hz` | natural frequency, Hz, 0 or more |
+//! | `damping_ratio` | a fraction |
+//! | `frequency_std_hz`, `damping_std` | their standard deviations, 0 or more |
+//! | `group` | a whole number; modes of one repeated root have the same |
+//! | `modal_mass_kg` | modal mass, above 0 |
+//! | `scaling` | `unit-modal-mass`, `unit-max` or `unknown` (also without the column) |
+//! | `1:+Z` | the shape at this degree of freedom, real |
+//! | `1:+Z re`, `1:+Z im` | its real and imaginary part, both or none |
+//!
+//! A degree of freedom stands there with one sign: `1:+Z` and `1:-Z` are one.
+
+use crate::finding::Finding;
+use crate::modal::Mode;
+
+use crate::io::open::read_all;
+use crate::io::{
+    Catalog, Confidence, Format, Hints, IoError, MemorySource, ReadSeek, Source, WriteOptions,
+    WriteSeek,
+};
+
+mod column;
+mod read;
+#[cfg(test)]
+mod tests;
+mod write;
+
+use read::{heading, read};
+use write::{not_carried, text, unwritable};
+
+/// A table of modes.
+pub struct ModesCsv;
+
+impl Format for ModesCsv {
+    fn name(&self) -> &'static str {
+        "modes-csv"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
+    }
+
+    /// Modes and no functions, which another table holds.
+    fn takes(&self, catalog: &Catalog) -> bool {
+        !catalog.modes.is_empty() && catalog.entries.is_empty()
+    }
+
+    /// Certain for a heading that begins as this format's.
+    fn detect(&self, head: &[u8]) -> Confidence {
+        if heading(head).1.is_some() {
+            Confidence::Certain
+        } else {
+            Confidence::No
+        }
+    }
+
+    fn open(
+        &self,
+        mut input: Box<dyn ReadSeek>,
+        hints: &Hints,
+    ) -> Result<Box<dyn Source>, IoError> {
+        let bytes = read_all(&mut *input, &hints.path)?;
+        let (modes, damage) = read(&bytes, &hints.path)?;
+        let mut catalog = Catalog {
+            format: "modes-csv",
+            path: hints.path.clone(),
+            modes,
+            ..Catalog::default()
+        };
+        for error in damage {
+            catalog.note_damage(error, crate::io::Part::Mode);
+        }
+        Ok(Box::new(MemorySource {
+            catalog,
+            ..MemorySource::default()
+        }))
+    }
+
+    /// Writes the modes; records, functions, geometry, residues and what tells of an identification
+    /// are not carried.
+    fn write(
+        &self,
+        out: &mut dyn WriteSeek,
+        source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        let catalog = source.catalog();
+        let modes: Vec<&Mode> = catalog.modes.iter().map(|entry| &entry.mode).collect();
+        if modes.is_empty() {
+            return Err(IoError::Unwritable {
+                path: options.path.clone(),
+                what: "modes",
+                got: "a file without modes".to_owned(),
+                expected: "modes; identify them first".to_owned(),
+            });
+        }
+        let text = text(&modes);
+        // What this reader refuses is not written.
+        let refused = match read(text.as_bytes(), &options.path) {
+            Ok((_, damage)) => damage.into_iter().next(),
+            Err(error) => Some(error),
+        };
+        if let Some(error) = refused {
+            return Err(unwritable(error, &options.path));
+        }
+        out.write_all(text.as_bytes())
+            .map_err(|source| IoError::System {
+                path: options.path.clone(),
+                action: "write",
+                source,
+            })?;
+        Ok(not_carried(catalog))
+    }
+}

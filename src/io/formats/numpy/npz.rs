@@ -1,0 +1,304 @@
+//! `.npz`: a zip archive of `.npy` arrays, each a member whose name without `.npy` is the array's.
+
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+
+use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use super::until_failed::UntilFailed;
+use crate::finding::Finding;
+use crate::io::formats::arrays::schema;
+use crate::io::formats::arrays::source::open_arrays;
+use crate::io::formats::arrays::store::bytes::{RecentArrays, Window};
+use crate::io::formats::arrays::store::{ArrayStore, Elements, NamedArray, outside};
+use crate::io::{
+    ArrayInfo, Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
+};
+
+use super::header::{Header, written};
+use super::items::{description, encode};
+use super::npy::read_bytes;
+
+/// The first bytes of a zip archive with members.
+const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
+
+/// Where the length of the first member's name stands, and where the name begins.
+const NAME_LENGTH: usize = 26;
+const NAME: usize = 30;
+
+/// Deflate expands at most so many times.
+const DEFLATE_EXPANSION: u64 = 1032;
+
+/// Members of this size need the 64-bit fields of a zip archive.
+const LARGE: usize = 0xffff_0000;
+
+/// NumPy archive of named arrays.
+pub struct Npz;
+
+impl Format for Npz {
+    fn name(&self) -> &'static str {
+        "npz"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["npz"]
+    }
+
+    fn detect(&self, head: &[u8]) -> Confidence {
+        let length = head.get(NAME_LENGTH..NAME_LENGTH + 2);
+        let length = length.map_or(0, |bytes| {
+            usize::from(u16::from_le_bytes([bytes[0], bytes[1]]))
+        });
+        let name = head.get(NAME..NAME + length).unwrap_or_default();
+        if head.starts_with(ZIP_MAGIC) && name.ends_with(b".npy") {
+            Confidence::Certain
+        } else {
+            Confidence::No
+        }
+    }
+
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        open_arrays("npz", open_npz(input, &hints.path)?, hints)
+    }
+
+    fn write(
+        &self,
+        out: &mut dyn WriteSeek,
+        source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        let mut archive = ZipWriter::new(UntilFailed::new(out));
+        let mut put = |array: NamedArray| {
+            let member = write_member(&mut archive, &array);
+            member.map_err(|source| IoError::System {
+                path: options.path.clone(),
+                action: "write",
+                source,
+            })
+        };
+        let findings = schema::write_layout(source, options.precision, &mut put)?;
+        let finished = archive.finish().map_err(std::io::Error::from);
+        finished
+            .and_then(UntilFailed::end)
+            .map_err(|source| IoError::System {
+                path: options.path.clone(),
+                action: "write",
+                source,
+            })?;
+        Ok(findings)
+    }
+}
+
+/// The arrays of an archive.
+///
+/// # Errors
+/// As [`Format::open`].
+pub(in crate::io) fn open_npz(
+    input: Box<dyn ReadSeek>,
+    path: &str,
+) -> Result<Box<dyn ArrayStore>, IoError> {
+    Ok(Box::new(NpzStore::open(input, path)?))
+}
+
+fn write_member<W: Write + Seek>(
+    archive: &mut ZipWriter<W>,
+    array: &NamedArray,
+) -> std::io::Result<()> {
+    let bytes = encode(&array.elements);
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::DEFAULT)
+        .large_file(bytes.len() >= LARGE);
+    archive.start_file(format!("{}.npy", array.name), options)?;
+    archive.write_all(&written(&description(&array.elements), &array.shape))?;
+    archive.write_all(&bytes)
+}
+
+/// A member of the archive.
+struct Member {
+    /// Its place in the archive.
+    index: usize,
+    /// `None` for one that is not an array.
+    header: Option<Header>,
+    stored: bool,
+    /// Most bytes that its elements can have.
+    available: u64,
+}
+
+struct NpzStore {
+    archive: ZipArchive<Box<dyn ReadSeek>>,
+    members: Vec<Member>,
+    list: Vec<ArrayInfo>,
+    damage: Vec<IoError>,
+    path: String,
+    recent: RecentArrays,
+}
+
+fn zip_error(path: &str) -> impl Fn(ZipError) -> IoError {
+    move |error| match error {
+        ZipError::Io(source) => IoError::System {
+            path: path.to_owned(),
+            action: "read",
+            source,
+        },
+        other => IoError::Binary {
+            path: path.to_owned(),
+            byte: 0,
+            what: "zip archive",
+            got: other.to_string(),
+            expected: "members that are stored or deflated".to_owned(),
+        },
+    }
+}
+
+impl NpzStore {
+    fn open(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Self, IoError> {
+        let length = input.seek(SeekFrom::End(0));
+        let length = length.map_err(|source| IoError::System {
+            path: path.to_owned(),
+            action: "read",
+            source,
+        })?;
+        let archive = ZipArchive::new(input).map_err(zip_error(path))?;
+        let mut store = Self {
+            archive,
+            members: Vec::new(),
+            list: Vec::new(),
+            damage: Vec::new(),
+            path: path.to_owned(),
+            recent: RecentArrays::new(length),
+        };
+        for index in 0..store.archive.len() {
+            if let Err(error) = store.list_member(index) {
+                store.damage.push(error);
+            }
+        }
+        Ok(store)
+    }
+
+    fn list_member(&mut self, index: usize) -> Result<(), IoError> {
+        let error = zip_error(&self.path);
+        let mut file = self.archive.by_index(index).map_err(&error)?;
+        let name = file.name().map_err(&error)?.into_owned();
+        let stored = file.compression() == CompressionMethod::Stored;
+        let most = file.compressed_size().saturating_mul(DEFLATE_EXPANSION);
+        let size = file.size().min(most);
+        let (header, info) = match name.strip_suffix(".npy") {
+            Some(array) => {
+                let place = format!("{}({name})", self.path);
+                let header = Header::read(&mut file, &place)?;
+                let info = header.info(array.to_owned());
+                (Some(header), info)
+            }
+            None => {
+                let kind = "file".to_owned();
+                let shape = Vec::new();
+                (None, ArrayInfo { name, shape, kind })
+            }
+        };
+        let start = header.as_ref().map_or(0, |header| header.data);
+        self.members.push(Member {
+            index,
+            header,
+            stored,
+            available: size.saturating_sub(start),
+        });
+        self.list.push(info);
+        Ok(())
+    }
+
+    /// Header of array `index` and the path for messages.
+    fn header(&self, index: usize) -> Result<(Header, String), IoError> {
+        let path = format!("{}({})", self.path, self.list[index].name);
+        match &self.members[index].header {
+            Some(header) => Ok((header.clone(), path)),
+            None => Err(IoError::Grouping {
+                path,
+                what: "reading an array",
+                got: "a file of another kind".to_owned(),
+                expected: "an .npy member".to_owned(),
+            }),
+        }
+    }
+
+    fn read_stored(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
+        let (header, path) = self.header(index)?;
+        let member = &self.members[index];
+        let (size, _) = header.checked_size(member.available, &path)?;
+        let mut file = self
+            .archive
+            .by_index_seek(member.index)
+            .map_err(zip_error(&path))?;
+        let first = header.data + (range.start * size) as u64;
+        file.seek(SeekFrom::Start(first))
+            .map_err(|source| IoError::System {
+                path: path.clone(),
+                action: "read",
+                source,
+            })?;
+        let bytes = read_bytes(file, range.len() * size, first, &path)?;
+        Ok(header.item.decode(&bytes))
+    }
+}
+
+impl ArrayStore for NpzStore {
+    fn list(&self) -> &[ArrayInfo] {
+        &self.list
+    }
+
+    fn can_read(&self, index: usize) -> bool {
+        let header = self.members[index].header.as_ref();
+        header.is_some_and(|header| header.item.size().is_some())
+    }
+
+    fn bytes(&self, index: usize) -> u64 {
+        let header = self.members[index].header.as_ref();
+        header.map_or(0, Header::bytes)
+    }
+
+    fn take_damage(&mut self) -> Vec<IoError> {
+        std::mem::take(&mut self.damage)
+    }
+
+    fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
+        let (header, path) = self.header(index)?;
+        let member = &self.members[index];
+        let error = zip_error(&path);
+        let mut file = self.archive.by_index(member.index).map_err(error)?;
+        read_bytes(&mut file, header.data as usize, 0, &path)?;
+        let elements = header.read_elements(&mut file, member.available, &path)?;
+        finish(&mut file, &path)?;
+        Ok(NamedArray {
+            name: self.list[index].name.clone(),
+            shape: header.shape,
+            elements,
+        })
+    }
+
+    fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
+        let member = &self.members[index];
+        if member.stored && member.header.as_ref().is_some_and(|header| !header.fortran) {
+            return self.read_stored(index, range);
+        }
+        let mut recent = std::mem::take(&mut self.recent);
+        let read = || {
+            let elements = self.read(index)?.elements;
+            Ok(Window { start: 0, elements })
+        };
+        let part = recent.part(index, range.clone(), read);
+        self.recent = recent;
+        part?.ok_or_else(|| outside(&self.list[index].name, &range))
+    }
+}
+
+/// Reads to the end, where the archive's check sum is compared.
+fn finish(file: &mut impl Read, path: &str) -> Result<(), IoError> {
+    let copied = std::io::copy(file, &mut std::io::sink());
+    copied.map(drop).map_err(|source| IoError::System {
+        path: path.to_owned(),
+        action: "read to its end",
+        source,
+    })
+}

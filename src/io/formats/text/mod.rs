@@ -1,0 +1,32 @@
+//! Text other than universal files: tables of numbers (CSV and its kin) and the exports of two
+//! measurement systems.
+//!
+//! A text is read in blocks; its numbers are parsed straight from the bytes.
+
+mod columns;
+mod dialect;
+mod dof_text;
+mod encoding;
+mod entries;
+mod fields;
+mod header_syntax;
+mod header_units;
+mod pulse;
+mod signalcalc;
+mod table;
+mod write;
+
+#[cfg(test)]
+mod dialect_tests;
+#[cfg(test)]
+mod recording_tests;
+#[cfg(test)]
+mod table_tests;
+#[cfg(test)]
+mod vendor_tests;
+#[cfg(test)]
+mod write_tests;
+
+pub use pulse::Pulse;
+pub use signalcalc::SignalCalc;
+pub use table::Table;

@@ -1,0 +1,257 @@
+//! Universal files (UFF, UNV): reader and writer, one file per dataset number.
+//!
+//! A universal file is a sequence of datasets between lines `    -1`; the line after the first of
+//! them is the number of the dataset.
+//!
+//! | dataset | holds | read | written |
+//! |---|---|---|---|
+//! | 15, 781 | nodes | yes | as 2411 |
+//! | 18 | coordinate systems by points | yes | as 2420 |
+//! | 55 | data at nodes: modes; other analyses are passed over | yes | yes |
+//! | 58, 58b | functions and time records, as text or bytes | yes | yes |
+//! | 82 | trace lines | yes | yes |
+//! | 151 | title | yes | yes |
+//! | 164 | units | yes | yes |
+//! | 1858 | qualifiers of a function: its window | yes | yes |
+//! | 2400 | head of a model: its name | yes | - |
+//! | 2411 | nodes, double precision | yes | yes |
+//! | 2412 | elements | yes | yes |
+//! | 2414 | analysis data: modes at nodes; others are passed over | yes | as 55 |
+//! | 2417, 2429, 2430, 2432, 2435, 2452, 2477 | groups | yes | as 2467 |
+//! | 2420 | coordinate systems | yes | yes |
+//! | 2467 | groups | yes | yes |
+//!
+//! Any other number is passed over with a finding. Reading is free in form (CRLF or LF, any
+//! padding, fields off their columns, `D` and three-digit exponents, wrong byte counts) and strict
+//! in meaning (no unit, step or type is guessed).
+
+mod dataset_15;
+mod dataset_151;
+mod dataset_164;
+mod dataset_18;
+mod dataset_1858;
+mod dataset_2400;
+mod dataset_2411;
+mod dataset_2412;
+mod dataset_2414;
+mod dataset_2420;
+mod dataset_2467;
+mod dataset_55;
+mod dataset_55_write;
+mod dataset_58;
+mod dataset_58_axis;
+mod dataset_58_header;
+mod dataset_58_meaning;
+mod dataset_58_samples;
+mod dataset_58_text;
+mod dataset_58_values;
+mod dataset_58_width;
+mod dataset_58_write;
+mod dataset_82;
+mod dof_fields;
+mod fields;
+mod fixed_columns;
+mod geometry_write;
+mod lines;
+mod mode_note;
+mod modes;
+mod node_data;
+mod nodes;
+mod qualifiers;
+mod raw_geometry;
+mod records;
+mod scan;
+mod scan_functions;
+mod scan_geometry;
+mod scan_uneven;
+mod scanner;
+mod systems;
+mod write;
+
+#[cfg(test)]
+mod damage_tests;
+#[cfg(test)]
+mod file_builder;
+#[cfg(test)]
+mod function_tests;
+#[cfg(test)]
+mod geometry_round_trip_tests;
+#[cfg(test)]
+mod geometry_tests;
+#[cfg(test)]
+mod layout_tests;
+#[cfg(test)]
+mod modes_tests;
+#[cfg(test)]
+mod mutation_tests;
+#[cfg(test)]
+mod recorded_geometry_tests;
+#[cfg(test)]
+mod recording_tests;
+#[cfg(test)]
+mod round_trip_tests;
+#[cfg(test)]
+mod write_tests;
+
+pub use write::{FileLabel, write_frfs, write_time_records};
+
+use std::io::{BufWriter, ErrorKind, Write};
+use std::ops::Range;
+
+use crate::finding::Finding;
+use crate::io::catalog::sample_range::{check_range, even_abscissa};
+use crate::io::error::write_failed;
+use crate::io::{
+    Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
+    WriteSeek,
+};
+use dataset_58_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
+use dataset_58_text::{TextBlock, copy_abscissa, copy_text, read_text};
+use fields::{dataset_number, is_delimiter};
+use scanner::NAME;
+
+/// The universal file format.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Uff;
+
+impl Format for Uff {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["uff", "unv", "ufb"]
+    }
+
+    fn write(
+        &self,
+        out: &mut dyn WriteSeek,
+        source: &mut dyn Source,
+        options: &WriteOptions,
+    ) -> Result<Vec<Finding>, IoError> {
+        let mut buffered = BufWriter::new(out);
+        let findings = write::write_source(&mut buffered, source, options, false)?;
+        let flushed = buffered.flush();
+        flushed.map_err(|source| write_failed(&options.path, source))?;
+        Ok(findings)
+    }
+
+    /// Certain when the first line that is not blank is `-1` and the next one a dataset number.
+    fn detect(&self, head: &[u8]) -> Confidence {
+        let mut lines = head
+            .split(|byte| *byte == b'\n')
+            .filter(|line| !line.trim_ascii().is_empty());
+        let opened = lines.next().is_some_and(is_delimiter);
+        let numbered = lines
+            .next()
+            .is_some_and(|line| dataset_number(line).is_some());
+        if opened && numbered {
+            Confidence::Certain
+        } else {
+            Confidence::No
+        }
+    }
+
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        let scan = scan::scan(input, &hints.path)?;
+        Ok(Box::new(UffSource {
+            catalog: scan.catalog,
+            samples: scan.samples,
+            abscissa_scales: scan.abscissa_scales,
+            input: Input::new(scan.input),
+            last_text: None,
+        }))
+    }
+}
+
+/// An opened universal file.
+struct UffSource {
+    catalog: Catalog,
+    samples: Vec<Samples>,
+    /// Factor of each entry's stored abscissae to s or Hz.
+    abscissa_scales: Vec<f64>,
+    input: Input,
+    /// Entry and numbers of the text block that was read last.
+    last_text: Option<(usize, Vec<f64>)>,
+}
+
+impl UffSource {
+    /// The numbers of a text block.
+    fn numbers(&mut self, entry: usize, text: &TextBlock) -> Result<&[f64], IoError> {
+        if self.last_text.as_ref().map(|last| last.0) != Some(entry) {
+            let stream = self.input.anywhere();
+            let numbers = read_text(stream, text, false, &self.catalog.path)?;
+            self.last_text = Some((entry, numbers.values));
+        }
+        let numbers = self.last_text.as_ref().map(|last| last.1.as_slice());
+        Ok(numbers.unwrap_or_default())
+    }
+
+    /// The length was checked when the file was opened.
+    fn read_failed(&self, from: &BinaryBlock, source: std::io::Error) -> IoError {
+        let path = self.catalog.path.clone();
+        match source.kind() {
+            ErrorKind::UnexpectedEof => IoError::Truncated {
+                path,
+                byte: from.byte,
+                what: "a binary block of dataset 58b",
+                got: "a file that became shorter since it was opened".to_owned(),
+                expected: "its samples".to_owned(),
+            },
+            _ => IoError::System {
+                path,
+                action: "read",
+                source,
+            },
+        }
+    }
+}
+
+impl Source for UffSource {
+    fn catalog(&self) -> &Catalog {
+        &self.catalog
+    }
+
+    fn take_damage(&mut self) -> Vec<Damage> {
+        std::mem::take(&mut self.catalog.damage)
+    }
+
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        match self.samples[entry] {
+            Samples::Binary(binary) => read_binary(&mut self.input, &binary, range, block)
+                .map_err(|source| self.read_failed(&binary, source)),
+            Samples::Text(text) => {
+                copy_text(self.numbers(entry, &text)?, &text, range, block);
+                Ok(())
+            }
+        }
+    }
+
+    fn abscissa(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        check_range(&self.catalog, entry, &range)?;
+        if self.catalog.entries[entry].axis.even().is_some() {
+            return even_abscissa(&self.catalog, entry, range, out);
+        }
+        match self.samples[entry] {
+            Samples::Binary(binary) => read_abscissa(&mut self.input, &binary, range, out)
+                .map_err(|source| self.read_failed(&binary, source))?,
+            Samples::Text(text) => copy_abscissa(self.numbers(entry, &text)?, &text, range, out),
+        }
+        let scale = self.abscissa_scales[entry];
+        if (scale - 1.0).abs() > 0.0 {
+            out.iter_mut().for_each(|value| *value *= scale);
+        }
+        Ok(())
+    }
+}

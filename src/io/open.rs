@@ -1,0 +1,188 @@
+//! Opening files, and their fingerprints.
+
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::error::system;
+use super::{Confidence, FORMATS, Format, Hints, IoError, ReadSeek, Source};
+
+/// How many bytes a format sees when it judges a file.
+const HEAD: usize = 4096;
+
+/// The format that claims these first bytes with the highest confidence.
+///
+/// # Errors
+/// [`IoError::UnknownFormat`] when none does; [`IoError::Tie`] when several are as sure.
+pub fn detect(head: &[u8], path: &str) -> Result<&'static dyn Format, IoError> {
+    let judged = FORMATS.iter().map(|format| (format.detect(head), *format));
+    let claims: Vec<_> = judged
+        .filter(|(confidence, _)| *confidence > Confidence::No)
+        .collect();
+    let best = claims.iter().map(|(confidence, _)| *confidence).max();
+    let winners: Vec<_> = claims
+        .iter()
+        .filter(|(confidence, _)| Some(*confidence) == best)
+        .collect();
+    match winners.as_slice() {
+        [(_, format)] => Ok(*format),
+        [] => Err(IoError::UnknownFormat {
+            path: path.to_owned(),
+            head: String::from_utf8_lossy(&head[..head.len().min(24)]).into_owned(),
+            known: names(),
+        }),
+        several => Err(IoError::Tie {
+            path: path.to_owned(),
+            candidates: several
+                .iter()
+                .map(|(_, format)| format.name())
+                .collect::<Vec<_>>()
+                .join(", "),
+        }),
+    }
+}
+
+fn names() -> String {
+    FORMATS
+        .iter()
+        .map(|format| format.name())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn named(name: &str, path: &str) -> Result<&'static dyn Format, IoError> {
+    let found = FORMATS.iter().copied().find(|format| format.name() == name);
+    found.ok_or_else(|| IoError::UnknownFormat {
+        path: path.to_owned(),
+        head: format!("--format {name}"),
+        known: names(),
+    })
+}
+
+/// The format of this name, or the one that a file's content shows.
+///
+/// # Errors
+/// As [`open_path`].
+pub fn format_of(path: &Path, format: Option<&str>) -> Result<&'static dyn Format, IoError> {
+    let shown = path.display().to_string();
+    if let Some(name) = format {
+        return named(name, &shown);
+    }
+    let mut head = Vec::with_capacity(HEAD);
+    let file = File::open(path).map_err(system(&shown, "open"))?;
+    file.take(HEAD as u64)
+        .read_to_end(&mut head)
+        .map_err(system(&shown, "read"))?;
+    detect(&head, &shown)
+}
+
+/// Opens a file with the format of this name, or the one that its content shows.
+///
+/// # Errors
+/// [`IoError`] when it cannot be read, no format claims it, or its headers cannot be used at all.
+pub fn open_path(
+    path: &Path,
+    hints: &Hints,
+    format: Option<&str>,
+) -> Result<Box<dyn Source>, IoError> {
+    let file = File::open(path).map_err(system(&hints.path, "open"))?;
+    if file
+        .metadata()
+        .map_err(system(&hints.path, "read"))?
+        .is_dir()
+    {
+        return Err(system(&hints.path, "open")(std::io::Error::other(
+            "it is a folder, expected a file",
+        )));
+    }
+    open_stream(Box::new(BufReader::new(file)), hints, format)
+}
+
+/// Opens bytes as if they were a file.
+///
+/// # Errors
+/// As [`open_path`].
+pub fn open_bytes(bytes: Vec<u8>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+    open_stream(Box::new(Cursor::new(bytes)), hints, None)
+}
+
+fn open_stream(
+    mut input: Box<dyn ReadSeek>,
+    hints: &Hints,
+    format: Option<&str>,
+) -> Result<Box<dyn Source>, IoError> {
+    let mut head = Vec::with_capacity(HEAD);
+    input
+        .by_ref()
+        .take(HEAD as u64)
+        .read_to_end(&mut head)
+        .map_err(system(&hints.path, "read"))?;
+    input
+        .seek(SeekFrom::Start(0))
+        .map_err(system(&hints.path, "read"))?;
+    let format = format.map_or_else(
+        || detect(&head, &hints.path),
+        |name| named(name, &hints.path),
+    )?;
+    format.open(input, hints)
+}
+
+/// SHA-256 of a file, lower-case hexadecimal.
+///
+/// # Errors
+/// [`IoError::System`] when it cannot be read.
+pub fn sha256_hex(path: &Path) -> Result<String, IoError> {
+    let name = path.display().to_string();
+    let mut file = File::open(path).map_err(system(&name, "open"))?;
+    let mut hasher = Sha256::new();
+    std::io::copy(&mut file, &mut hasher).map_err(system(&name, "read"))?;
+    Ok(hexadecimal(&hasher.finalize()))
+}
+
+/// SHA-256 of bytes, lower-case hexadecimal.
+pub fn sha256_of_bytes(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// All bytes of an input.
+///
+/// # Errors
+/// [`IoError::System`].
+pub(in crate::io) fn read_all(input: &mut dyn ReadSeek, path: &str) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::new();
+    match input.read_to_end(&mut bytes) {
+        Ok(_) => Ok(bytes),
+        Err(source) => Err(IoError::System {
+            path: path.to_owned(),
+            action: "read",
+            source,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_of_no_known_format_are_refused_with_the_known_formats() {
+        let error = open_bytes(
+            vec![0, 1, 2, 3],
+            &Hints {
+                path: "x.bin".to_owned(),
+                ..Hints::default()
+            },
+        );
+        let text = error.err().unwrap().to_string();
+        assert!(
+            text.starts_with("x.bin: got a file of unknown format") && text.contains("uff"),
+            "{text}"
+        );
+    }
+}
