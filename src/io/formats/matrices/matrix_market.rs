@@ -57,8 +57,8 @@ pub(super) fn read(input: impl BufRead, path: &str) -> Result<MatrixEntries, IoE
     if coordinates {
         for _ in 0..sizes[2] {
             lines.next("entry")?;
-            let entry = lines.entry(&found)?;
-            lines.push(&mut found, entry, symmetry)?;
+            let (row, column, value) = lines.entry(&found)?;
+            lines.push(&mut found, row, column, value, symmetry)?;
         }
     } else {
         for column in 0..found.columns {
@@ -70,7 +70,7 @@ pub(super) fn read(input: impl BufRead, path: &str) -> Result<MatrixEntries, IoE
             for row in first..found.rows {
                 lines.next("value")?;
                 let value = lines.value(&lines.fields(1, "value")?[0])?;
-                lines.push(&mut found, (row, column, value), symmetry)?;
+                lines.push(&mut found, row, column, value, symmetry)?;
             }
         }
     }
@@ -207,7 +207,9 @@ impl<R: BufRead> Lines<'_, R> {
     fn push(
         &self,
         found: &mut MatrixEntries,
-        (row, column, value): (usize, usize, f64),
+        row: usize,
+        column: usize,
+        value: f64,
         symmetry: Symmetry,
     ) -> Result<(), IoError> {
         let (there, sign, expected) = match symmetry {

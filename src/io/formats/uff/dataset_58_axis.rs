@@ -126,7 +126,8 @@ fn factor(units: &[(f64, &[&str])], text: &str) -> Option<f64> {
 /// An evenly spaced axis; `note` is start and step in the note of modalign. `None` for several
 /// values at one place.
 pub(super) fn even_axis(
-    (domain, scale): (Domain, f64),
+    domain: Domain,
+    scale: f64,
     len: usize,
     printed: &Spacing,
     note: Option<(f64, f64)>,
@@ -180,7 +181,7 @@ fn axis(domain: Domain, start: f64, step: f64, len: usize) -> Option<Axis> {
 
 /// The axis of abscissae that stand before each value: even where they are time or frequency on an
 /// even grid.
-pub(super) fn uneven_axis((domain, scale): (Domain, f64), abscissae: &Abscissae) -> EntryAxis {
+pub(super) fn uneven_axis(domain: Domain, scale: f64, abscissae: &Abscissae) -> EntryAxis {
     let general = EntryAxis::General(GeneralAxis {
         domain,
         even: None,
@@ -306,7 +307,7 @@ mod tests {
     }
 
     fn step(domain: Domain, abscissae: &Abscissae) -> Option<f64> {
-        uneven_axis((domain, 1.0), abscissae)
+        uneven_axis(domain, 1.0, abscissae)
             .even()
             .map(|even| even.1)
     }
@@ -353,8 +354,10 @@ mod tests {
             start_half_unit: Some(5e-7),
             step_half_unit: Some(5e-7),
         };
-        let hertz = (Domain::Frequency, 1.0);
-        let even = |note| even_axis(hertz, 8, &spacing, note).unwrap().axis.even();
+        let even = |note| {
+            let axis = even_axis(Domain::Frequency, 1.0, 8, &spacing, note);
+            axis.unwrap().axis.even()
+        };
         assert_eq!(even(Some(exact)), Some(exact));
         assert_eq!(even(Some((0.3, 0.4))), Some((0.3, 0.333333)));
         assert_eq!(even(None), Some((0.3, 0.333333)));
@@ -369,7 +372,7 @@ mod tests {
                 start_half_unit: None,
                 step_half_unit: None,
             };
-            even_axis((domain, 1.0), len, &spacing, None).map(|even| even.axis)
+            even_axis(domain, 1.0, len, &spacing, None).map(|even| even.axis)
         };
         for (domain, step, len) in [(Domain::Time, -1.0, 3), (Domain::Frequency, 0.0, 1)] {
             let even = Some((5.0, step));

@@ -140,7 +140,7 @@ fn reads_back(entry: &Entry, [start, step]: &[String; 2]) -> bool {
         start_half_unit: half_unit(start),
         step_half_unit: half_unit(step),
     };
-    let read = even_axis((entry.axis.domain(), 1.0), entry.len(), &printed, None);
+    let read = even_axis(entry.axis.domain(), 1.0, entry.len(), &printed, None);
     let bits = |axis: EntryAxis| axis.even().map(|(a, b)| (a.to_bits(), b.to_bits()));
     read.is_some_and(|read| bits(read.axis) == bits(entry.axis))
 }

@@ -73,11 +73,11 @@ fn axis_label(header: &Header) -> String {
 }
 
 fn axis(header: &Header, abscissae: Option<&Abscissae>) -> Result<Axis, FieldError> {
-    let domain = domain(header);
+    let (domain, scale) = domain(header);
     let Some(spacing) = &header.spacing else {
         let none = Abscissae::default();
         return Ok(Axis {
-            axis: uneven_axis(domain, abscissae.unwrap_or(&none)),
+            axis: uneven_axis(domain, scale, abscissae.unwrap_or(&none)),
             restored_rate_hz: None,
         });
     };
@@ -85,7 +85,7 @@ fn axis(header: &Header, abscissae: Option<&Abscissae>) -> Result<Axis, FieldErr
         .find(|(key, _)| *key == AXIS)
         .and_then(|(_, value)| number_pair(value));
     let len = usize::try_from(header.points).unwrap_or(usize::MAX);
-    even_axis(domain, len, spacing, note).ok_or_else(|| FieldError {
+    even_axis(domain, scale, len, spacing, note).ok_or_else(|| FieldError {
         at: header.spacing_at,
         what: "abscissa step of dataset 58",
         got: spacing.step.to_string(),
