@@ -31,7 +31,11 @@ const PRETRIGGER_SHARE: f64 = 0.02;
 const MIN_PRETRIGGER_SAMPLES: usize = 16;
 
 /// The required kind of a number, and the two limits that it then lies between.
-const POSITIVE: (&str, f64, f64) = ("a positive finite number", 0.0, f64::INFINITY);
+const POSITIVE: Accepted = Accepted {
+    expected: "a positive finite number",
+    above: 0.0,
+    below: f64::INFINITY,
+};
 
 /// How hits are cut from a continuous record. What is `None` comes from the record.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -52,32 +56,41 @@ impl TriggerOptions {
     /// below zero or not shorter than the length.
     pub fn validate(&self) -> Result<(), SignalError> {
         let longest = self.length_s.unwrap_or(f64::INFINITY);
-        parameter("level_n", self.level_n, "N", POSITIVE)?;
-        parameter("length_s", self.length_s, "s", POSITIVE)?;
+        check_parameter("level_n", self.level_n, "N", POSITIVE)?;
+        check_parameter("length_s", self.length_s, "s", POSITIVE)?;
         // The interval is open, so that its lower end lies below the 0 that is accepted.
-        let pretrigger = (
-            "0 or more, less than the length",
-            -f64::MIN_POSITIVE,
-            longest,
-        );
-        parameter("pretrigger_s", self.pretrigger_s, "s", pretrigger)
+        let pretrigger = Accepted {
+            expected: "0 or more, less than the length",
+            above: -f64::MIN_POSITIVE,
+            below: longest,
+        };
+        check_parameter("pretrigger_s", self.pretrigger_s, "s", pretrigger)
     }
 }
 
-/// One option against the open interval of what is accepted.
-fn parameter(
+/// The open interval of the accepted values of a parameter.
+#[derive(Clone, Copy)]
+struct Accepted {
+    /// The interval in words, for the error.
+    expected: &'static str,
+    above: f64,
+    below: f64,
+}
+
+/// A stated value must lie in its interval.
+fn check_parameter(
     parameter: &'static str,
     value: Option<f64>,
     unit: &'static str,
-    (expected, above, below): (&'static str, f64, f64),
+    accepted: Accepted,
 ) -> Result<(), SignalError> {
-    match value.filter(|v| !(*v > above && *v < below)) {
+    match value.filter(|v| !(*v > accepted.above && *v < accepted.below)) {
         None => Ok(()),
         Some(got) => Err(SignalError::WindowParameter {
             parameter,
             got,
             unit,
-            expected,
+            expected: accepted.expected,
         }),
     }
 }
@@ -151,14 +164,14 @@ pub fn segments(
 /// All argument checks.
 fn check(force_n: &[f64], step_s: f64, options: &TriggerOptions) -> Result<(), SignalError> {
     options.validate()?;
-    parameter("step_s", Some(step_s), "s", POSITIVE)?;
+    check_parameter("step_s", Some(step_s), "s", POSITIVE)?;
     let longest = (force_n.len() as f64 + 0.5) * step_s;
-    let length = (
-        "two samples or more, no more than the recording",
-        1.5 * step_s,
-        longest,
-    );
-    parameter("length_s", options.length_s, "s", length)?;
+    let length = Accepted {
+        expected: "two samples or more, no more than the recording",
+        above: 1.5 * step_s,
+        below: longest,
+    };
+    check_parameter("length_s", options.length_s, "s", length)?;
     match force_n.iter().position(|v| !v.is_finite()) {
         Some(sample) => Err(SignalError::ForceNotFinite {
             sample,

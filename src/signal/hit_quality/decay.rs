@@ -83,7 +83,7 @@ pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
 }
 
 /// The larger end of the line over the peak.
-fn judge(samples: &[f64], step_s: f64, pulse: &Pulse, (peak, limit): (f64, f64)) -> Check {
+fn judge_drift(samples: &[f64], step_s: f64, pulse: &Pulse, peak: f64, limit: f64) -> Check {
     let Some(drift) = drift_of(samples, step_s, pulse) else {
         return Check::new(Rule::Drift, Outcome::NotDecidable);
     };
@@ -107,7 +107,7 @@ pub(super) fn force_drift(
     pulse: &Pulse,
     limits: &JudgeLimits,
 ) -> Check {
-    judge(force_n, step_s, pulse, (pulse.height_n.abs(), limits.drift))
+    judge_drift(force_n, step_s, pulse, pulse.height_n.abs(), limits.drift)
 }
 
 /// Offset and drift of a response over its largest value.
@@ -120,5 +120,5 @@ pub(super) fn response_drift(
     let offset = PreTrigger::of(&response[pulse.quiet()]).map_or(0.0, |quiet| quiet.mean);
     let peak = response.iter().map(|x| (x - offset).abs());
     let peak = peak.fold(0.0, f64::max);
-    judge(response, step_s, pulse, (peak, limits.drift))
+    judge_drift(response, step_s, pulse, peak, limits.drift)
 }

@@ -21,7 +21,8 @@ pub(super) fn roll_off(
     force_n: &[f64],
     step_s: f64,
     pulse: &Pulse,
-    (band_end_hz, limits): (f64, &JudgeLimits),
+    band_end_hz: f64,
+    limits: &JudgeLimits,
 ) -> Check {
     let half = (pulse.end - pulse.onset).div_ceil(2);
     let first = pulse.onset.saturating_sub(half);

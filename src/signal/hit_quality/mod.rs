@@ -90,7 +90,7 @@ pub fn judge_force(
         double_hit::double_hit(force_n, step_s, pulse, limits),
         overload::overload(force_n, &Extent::of(force_n), full_scale_n, limits),
         pretrigger::force_pre_trigger(force_n, pulse, limits),
-        force_bandwidth::roll_off(force_n, step_s, pulse, (band_end_hz, limits)),
+        force_bandwidth::roll_off(force_n, step_s, pulse, band_end_hz, limits),
         pretrigger::dead_force(force_n, pulse),
         pretrigger::sign(pulse),
         decay::force_drift(force_n, step_s, pulse, limits),
