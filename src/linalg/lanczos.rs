@@ -95,11 +95,11 @@ pub fn sparse_modes(
         None => (shift, run.checked(stiffness, first.found)?),
         Some(elastic) => (
             elastic,
-            with_shift(elastic, &pencil, (stiffness, mass), &mut goal)?,
+            modes_with_shift(elastic, &pencil, stiffness, mass, &mut goal)?,
         ),
     };
     while let Some((smaller, lowest)) = smaller_shift(&modes, shift) {
-        match with_shift(smaller, &pencil, (stiffness, mass), &mut goal) {
+        match modes_with_shift(smaller, &pencil, stiffness, mass, &mut goal) {
             Ok(separated) => (shift, modes) = (smaller, separated),
             Err(error) if lowest < MAX_MIXED_OVER_SHIFT * shift => return Err(error),
             Err(_) => break,
@@ -112,10 +112,11 @@ pub fn sparse_modes(
 }
 
 /// The modes with one shift.
-fn with_shift(
+fn modes_with_shift(
     shift: f64,
     pencil: &Pencil,
-    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
     goal: &mut Goal,
 ) -> Result<SparseModes, LinalgError> {
     let factor = pencil.cholesky(1.0, -shift)?;
@@ -458,7 +459,7 @@ impl<'a> Run<'a> {
             found.rounding.push(rounding);
         }
         let solve = |x: &mut RealMatrix| self.factor.solve(x);
-        verify::sparse_modes((stiffness, self.mass), &found, (self.shift, solve))?;
+        verify::sparse_modes(stiffness, self.mass, &found, self.shift, solve)?;
         Ok(found)
     }
 }

@@ -143,8 +143,8 @@ impl Pencil {
             pencil: self,
             values,
         };
-        let checked = (&self.symmetric(&combined), diagonal.as_slice());
-        verify::sparse_factor(verify::CHOLESKY, checked, |x| factor.solve(x))?;
+        let matrix = self.symmetric(&combined);
+        verify::sparse_factor(verify::CHOLESKY, &matrix, &diagonal, |x| factor.solve(x))?;
         Ok(factor)
     }
 
@@ -219,8 +219,8 @@ impl Pencil {
             });
         }
         let diagonal = self.diagonal_terms(1.0, shift);
-        let checked = (&self.symmetric(&combined), diagonal.as_slice());
-        verify::sparse_factor(verify::INERTIA, checked, |x| factor.solve(x))?;
+        let matrix = self.symmetric(&combined);
+        verify::sparse_factor(verify::INERTIA, &matrix, &diagonal, |x| factor.solve(x))?;
         Ok(factor)
     }
 }

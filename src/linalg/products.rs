@@ -14,7 +14,8 @@ const COLUMNS: usize = 48;
 /// pool.
 pub fn less_product(
     b: ComplexView<'_>,
-    (a, c): (&ComplexMatrix, &ComplexMatrix),
+    a: &ComplexMatrix,
+    c: &ComplexMatrix,
     then: impl Fn(usize, &mut [Complex64]) + Sync,
 ) -> ComplexMatrix {
     let mut whole = Mat::zeros(b.nrows(), b.ncols());
@@ -29,7 +30,7 @@ pub fn less_product(
             -Complex64::ONE,
             faer::Par::Seq,
         );
-        each_column((first, block), &then);
+        each_column(first, block, &then);
     };
     let blocks = blocks(&mut whole);
     blocks.into_par_iter().enumerate().for_each(of_block);
@@ -38,7 +39,7 @@ pub fn less_product(
 
 /// Does something to every column, with its number, in the caller's pool.
 pub fn by_column(matrix: &mut ComplexMatrix, then: impl Fn(usize, &mut [Complex64]) + Sync) {
-    let of_block = |(number, block)| each_column((number * COLUMNS, block), &then);
+    let of_block = |(number, block)| each_column(number * COLUMNS, block, &then);
     let blocks = blocks(matrix);
     blocks.into_par_iter().enumerate().for_each(of_block);
 }
@@ -56,7 +57,8 @@ fn blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
 }
 
 fn each_column(
-    (first, block): (usize, MatMut<'_, Complex64>),
+    first: usize,
+    block: MatMut<'_, Complex64>,
     then: &impl Fn(usize, &mut [Complex64]),
 ) {
     for (place, column) in block.col_iter_mut().enumerate() {

@@ -305,11 +305,7 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     let pencil = Pencil::new(&k, &m).unwrap();
     let factor = pencil.cholesky(1.0, -shift).unwrap();
     let check = |modes: &SparseModes| {
-        verify::sparse_modes(
-            (&k, &m),
-            modes,
-            (shift, |x: &mut RealMatrix| factor.solve(x)),
-        )
+        verify::sparse_modes(&k, &m, modes, shift, |x: &mut RealMatrix| factor.solve(x))
     };
     check(&right).unwrap();
     let last = right.omega_squared.len() - 1;
@@ -345,9 +341,8 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
     let sum = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
     let diagonal: Vec<f64> = (0..m.size()).map(|i| sum.get(i, i).abs()).collect();
-    let checked = (&sum, diagonal.as_slice());
-    verify::sparse_factor(verify::CHOLESKY, checked, |x| factor.solve(x)).unwrap();
-    let wrong = verify::sparse_factor(verify::CHOLESKY, checked, |x| other.solve(x));
+    verify::sparse_factor(verify::CHOLESKY, &sum, &diagonal, |x| factor.solve(x)).unwrap();
+    let wrong = verify::sparse_factor(verify::CHOLESKY, &sum, &diagonal, |x| other.solve(x));
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 
@@ -386,8 +381,9 @@ fn factors_broken_on_purpose_are_caught() {
         for place in [0, n / 3, n - 1].map(|pivot| places[pivot]) {
             let mut wrong = pencil.indefinite(sigma).unwrap();
             wrong.values[place] += off(wrong.values[place]);
-            let of = (&shifted(-sigma), diagonal(sigma));
-            let check = verify::sparse_factor(verify::INERTIA, (of.0, &of.1), |x| wrong.solve(x));
+            let (matrix, diagonal) = (shifted(-sigma), diagonal(sigma));
+            let check =
+                verify::sparse_factor(verify::INERTIA, &matrix, &diagonal, |x| wrong.solve(x));
             assert!(check.is_err(), "pivot at {place} of {n}");
         }
         let shift = 1e-12;
@@ -396,8 +392,9 @@ fn factors_broken_on_purpose_are_caught() {
             // The square of the entry is the pivot.
             let root = wrong.values[place];
             wrong.values[place] = (root * root + off(root * root)).sqrt();
-            let of = (&shifted(shift), diagonal(shift));
-            let check = verify::sparse_factor(verify::CHOLESKY, (of.0, &of.1), |x| wrong.solve(x));
+            let (matrix, diagonal) = (shifted(shift), diagonal(shift));
+            let check =
+                verify::sparse_factor(verify::CHOLESKY, &matrix, &diagonal, |x| wrong.solve(x));
             assert!(check.is_err(), "root at {place} of {n}");
         }
     }

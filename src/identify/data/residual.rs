@@ -238,7 +238,7 @@ impl PredictedResponse<'_> {
         };
         let measured = self.data.values.matrix();
         let measured = measured.subrows(lines.start, lines.len());
-        let values = linalg::less_product(measured, (&courses, &self.amplitudes), over_noise);
+        let values = linalg::less_product(measured, &courses, &self.amplitudes, over_noise);
         Residual { lines, values }
     }
 }

@@ -160,7 +160,7 @@ fn lower_residuals(
 ) -> Result<(), LinalgError> {
     for (place, level) in low.levels.iter().enumerate() {
         let first = low.levels.get(place + 1).map_or(0, |next| next.count);
-        level_residuals(check, pair, modes, (level, first))?;
+        level_residuals(check, pair, modes, level, first)?;
     }
     Ok(())
 }
@@ -170,7 +170,8 @@ fn level_residuals(
     check: &Check,
     pair: &ScaledPair,
     modes: &SymmetricModes,
-    (level, first): (&Level, usize),
+    level: &Level,
+    first: usize,
 ) -> Result<(), LinalgError> {
     let count = level.count - first;
     let vectors = modes.vectors.subcols(first, count);
@@ -249,7 +250,8 @@ fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
 /// [`LinalgError::Inaccurate`].
 pub(in crate::linalg) fn sparse_factor(
     limit: f64,
-    (a, diagonal): (&SparseMatrix, &[f64]),
+    a: &SparseMatrix,
+    diagonal: &[f64],
     solve: impl Fn(&mut RealMatrix),
 ) -> Result<(), LinalgError> {
     let size = a.size();
@@ -281,9 +283,11 @@ pub(in crate::linalg) fn sparse_factor(
 /// # Errors
 /// [`LinalgError::Inaccurate`].
 pub(in crate::linalg) fn sparse_modes(
-    (stiffness, mass): (&SparseMatrix, &SparseMatrix),
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
     modes: &SparseModes,
-    (shift, solve): (f64, impl Fn(&mut RealMatrix)),
+    shift: f64,
+    solve: impl Fn(&mut RealMatrix),
 ) -> Result<(), LinalgError> {
     let (n, count) = (mass.size(), modes.omega_squared.len());
     let check = Check {
