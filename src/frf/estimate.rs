@@ -23,7 +23,7 @@ use crate::signal::lane_count;
 
 use super::force::{Extent, ForceHit, read_force};
 use super::frf_estimation::{
-    Estimation, Finished, Group, SharedRecording, Task, Work, force_power,
+    Estimation, Finished, Group, RecordIndex, SharedRecording, Task, Work, force_power,
 };
 use super::preconditions::check;
 use super::selection::Selection;
@@ -229,7 +229,8 @@ fn forces(
             &samples,
             range,
             &conditioning,
-            (plan, &mut scratch),
+            plan,
+            &mut scratch,
         )
     };
     hits.iter().map(force).collect()
@@ -275,16 +276,19 @@ fn functions(
 fn tasks(group: &Group) -> Vec<Task> {
     let mut tasks: Vec<Task> = Vec::new();
     let mut numbers: HashMap<&Dof, usize> = HashMap::new();
-    for (h, hit) in group.hits.iter().enumerate() {
-        for (r, response) in hit.responses.iter().enumerate() {
+    for (hit_number, hit) in group.hits.iter().enumerate() {
+        for (response_number, response) in hit.responses.iter().enumerate() {
             let number = *numbers.entry(&response.dof).or_insert_with(|| {
                 tasks.push(Task {
                     response: response.dof.clone(),
-                    members: Vec::new(),
+                    records: Vec::new(),
                 });
                 tasks.len() - 1
             });
-            tasks[number].members.push((h, r));
+            tasks[number].records.push(RecordIndex {
+                hit: hit_number,
+                response: response_number,
+            });
         }
     }
     tasks.sort_unstable_by(|a, b| a.response.cmp(&b.response));

@@ -29,7 +29,8 @@ impl ForceHit {
         samples: &Samples,
         range: Option<Range<usize>>,
         conditioning: &Conditioning,
-        (plan, scratch): (&ForwardPlan, &mut Scratch),
+        plan: &ForwardPlan,
+        scratch: &mut Scratch,
     ) -> Result<Self, FrfError> {
         let mut force = Vec::new();
         to_si(hit, &hit.force, samples, &mut force)?;

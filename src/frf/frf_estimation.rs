@@ -45,11 +45,19 @@ pub(super) fn force_power<'a>(
     power.into()
 }
 
-/// One response and the hits of its group that hold it: number within the group, number of the
-/// response within the hit.
+/// One response and its records in the hits of a group.
 pub(super) struct Task {
     pub response: Dof,
-    pub members: Vec<(usize, usize)>,
+    pub records: Vec<RecordIndex>,
+}
+
+/// A record of a response.
+#[derive(Clone, Copy)]
+pub(super) struct RecordIndex {
+    /// Number of the hit within its group.
+    pub hit: usize,
+    /// Number of the response within the hit.
+    pub response: usize,
 }
 
 /// A recording that several threads read, one after the other.
@@ -158,7 +166,7 @@ pub(super) struct Estimation<'a> {
 }
 
 impl Estimation<'_> {
-    /// Reads, transforms and sums the records of a task in the order of its members. Records that
+    /// Reads, transforms and sums the records of a task in their order. Records that
     /// ran into the rail or hold nothing are left out, unless none would be left.
     pub fn finish(
         &self,
@@ -169,18 +177,18 @@ impl Estimation<'_> {
         let mut totals = Totals::default();
         let mut findings = Vec::new();
         work.clear(self.plan.lines());
-        for member in &task.members {
-            let extent = self.read(*member, recording, work)?;
-            match self.unusable(*member, &work.record, &extent) {
+        for index in &task.records {
+            let extent = self.read(*index, recording, work)?;
+            match self.unusable(*index, &work.record, &extent) {
                 Some(finding) => findings.push(finding),
-                None => self.add(*member, work, &mut totals)?,
+                None => self.add(*index, work, &mut totals)?,
             }
         }
         if totals.hits.is_empty() {
             findings = vec![self.none_left(task)];
-            for member in &task.members {
-                self.read(*member, recording, work)?;
-                self.add(*member, work, &mut totals)?;
+            for index in &task.records {
+                self.read(*index, recording, work)?;
+                self.add(*index, work, &mut totals)?;
             }
         }
         let forces = &self.group.forces;
@@ -205,37 +213,37 @@ impl Estimation<'_> {
             response: Some(task.response.clone()),
             reference: Some(self.group.reference.clone()),
         };
-        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, location);
-        finding.value(task.members.len() as f64, "hits")
+        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, place);
+        finding.value(task.records.len() as f64, "hits")
     }
 
     /// Reads a record in SI units.
     fn read(
         &self,
-        (h, r): (usize, usize),
+        index: RecordIndex,
         recording: &SharedRecording,
         work: &mut Work,
     ) -> Result<Extent, FrfError> {
-        let hit = self.group.hits[h];
+        let hit = self.group.hits[index.hit];
         let stretch = Stretch {
-            hit: self.group.numbers[h],
-            channel: ChannelPlace::Response(r),
+            hit: self.group.numbers[index.hit],
+            channel: ChannelPlace::Response(index.response),
             samples: 0..hit.axis.len,
         };
         recording.read(&stretch, &mut work.samples)?;
-        let (channel, samples) = (&hit.responses[r], &work.samples);
+        let (channel, samples) = (&hit.responses[index.response], &work.samples);
         Ok(to_si(hit, channel, samples, &mut work.record)?)
     }
 
     /// The finding of a response of this extent that holds nothing, or ran into the rail.
-    fn unusable(&self, (h, r): (usize, usize), record: &[f64], extent: &Extent) -> Option<Finding> {
-        let number = self.group.numbers[h];
+    fn unusable(&self, index: RecordIndex, record: &[f64], extent: &Extent) -> Option<Finding> {
+        let number = self.group.numbers[index.hit];
         let limits = self.selection.overloads.as_ref()?;
         if self.selection.accepted.contains(&number) {
             return None;
         }
-        let channel = &self.group.hits[h].responses[r];
-        let location = Location::HitChannel {
+        let channel = &self.group.hits[index.hit].responses[index.response];
+        let place = Location::HitChannel {
             hit: number + 1,
             dof: channel.dof.clone(),
         };
@@ -254,12 +262,12 @@ impl Estimation<'_> {
     /// Adds the record of one hit to the sums.
     fn add(
         &self,
-        (h, r): (usize, usize),
+        index: RecordIndex,
         work: &mut Work,
         totals: &mut Totals,
     ) -> Result<(), FrfError> {
-        let (hit, force) = (self.group.hits[h], &self.group.forces[h]);
-        let (channel, frame) = (&hit.responses[r], &force.frame);
+        let (hit, force) = (self.group.hits[index.hit], &self.group.forces[index.hit]);
+        let (channel, frame) = (&hit.responses[index.response], &force.frame);
         let policy = self.options.offset;
         let (quiet, offset) = offset_of(hit, channel, &work.record, &frame.pulse, policy)?;
         let weights = frame.response_weights.as_deref();
@@ -270,11 +278,11 @@ impl Estimation<'_> {
         let spectrum = &mut work.spectra[work.waiting.len()];
         let scratch = &mut work.scratch;
         self.plan.run(&mut work.record, spectrum, scratch);
-        work.waiting.push(h);
+        work.waiting.push(index.hit);
         if work.waiting.len() == ADDED_TOGETHER {
             work.sum(&self.group.forces);
         }
-        totals.hits.push(h);
+        totals.hits.push(index.hit);
         totals.energies.push(energies);
         totals.force_noise.extend(force.noise);
         // Exact zeros before the hit are a gate, not the absence of noise.
@@ -293,7 +301,8 @@ impl Estimation<'_> {
         let values = sums.estimates(estimator, kappa);
         let values = values.map_err(|(line, error)| self.line_error(error, task, line))?;
         let n = totals.hits.len();
-        let (h, r) = task.members[0];
+        let first = task.records[0];
+        let first_hit = self.group.hits[first.hit];
         let coherence = (n > 1).then(|| sums.each(coherence));
         let averaged = Averaged {
             sums,
@@ -306,7 +315,7 @@ impl Estimation<'_> {
         let function = Function {
             response: task.response.clone(),
             reference: self.group.reference.clone(),
-            kind: kind_of(self.group.hits[h], &self.group.hits[h].responses[r])?,
+            kind: kind_of(first_hit, &first_hit.responses[first.response])?,
             averages: u32::try_from(n).ok(),
             estimator: Some(estimator),
             variance_dof: variances

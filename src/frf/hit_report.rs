@@ -148,7 +148,7 @@ pub(super) fn judge(
             .par_iter()
             .map_init(
                 || plan.scratch(),
-                |scratch, read| read.judge(&infos[read.hit], &options.limits, (&plan, scratch)),
+                |scratch, read| read.judge(&infos[read.hit], &options.limits, &plan, scratch),
             )
             .collect();
         for hit in block {
@@ -200,7 +200,8 @@ impl Read {
         &self,
         info: &HitInfo,
         limits: &JudgeLimits,
-        (plan, scratch): (&ForwardPlan, &mut Scratch),
+        plan: &ForwardPlan,
+        scratch: &mut Scratch,
     ) -> Result<Judged, FrfError> {
         let step_s = info.axis.step_s;
         let (mut force, mut response) = (Vec::new(), Vec::new());
@@ -224,14 +225,14 @@ impl Read {
             checks.extend(judge_response(&record, &pulse, limits));
             // FRFs are compared at the first response: the same one in every hit of a point.
             if compared.is_none() {
-                let lines = spectrum(&response, (plan, scratch));
+                let lines = spectrum(&response, plan, scratch);
                 compared = Some((channel.dof.clone(), lines));
             }
         }
         let (compared, response) = compared.ok_or_else(|| FrfError::NoResponse {
             origin: info.origin.clone(),
         })?;
-        let force = spectrum(&force, (plan, scratch));
+        let force = spectrum(&force, plan, scratch);
         Ok(Judged {
             report: report(self.hit, info, Some(&pulse), checks),
             spectra: (force, response),
@@ -271,7 +272,7 @@ const KEPT_LINES: usize = 2048;
 
 /// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many
 /// lines an even choice.
-fn spectrum(record: &[f64], (plan, scratch): (&ForwardPlan, &mut Scratch)) -> Vec<Complex64> {
+fn spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; plan.lines()];
     plan.forward(record.iter().copied(), &mut lines, scratch);
     let end = (BAND_END * plan.len() as f64) as usize;

@@ -39,7 +39,9 @@ impl<'a> Window<'a> {
     /// The part of whole functions in a range of lines.
     pub fn of(
         lines: Range<usize>,
-        (omega, values, variance): (&'a [f64], &'a [Complex64], &'a [f64]),
+        omega: &'a [f64],
+        values: &'a [Complex64],
+        variance: &'a [f64],
     ) -> Self {
         Self {
             omega: &omega[lines.clone()],
@@ -74,10 +76,10 @@ impl<'a> Window<'a> {
                 break;
             }
         }
-        within(pole).then(|| self.result(&z, pole, (centre, scale)))
+        within(pole).then(|| self.result(&z, pole, centre, scale))
     }
 
-    fn result(&self, z: &[Complex64], pole: Complex64, (centre, scale): (f64, f64)) -> LocalPole {
+    fn result(&self, z: &[Complex64], pole: Complex64, centre: f64, scale: f64) -> LocalPole {
         let x = solve(&columns(z, pole, &[0, 1, 2]), self.values);
         let residue = x[0];
         let misfit = norm_sqr(&residual(z, pole, &[0, 1, 2], self.values));

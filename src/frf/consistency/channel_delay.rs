@@ -108,12 +108,10 @@ fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data.noise(i).iter().map(|noise| CLEAR * noise).collect();
     let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
-    let whole = (
-        data.omega.as_slice(),
-        values.as_slice(),
-        variance.as_slice(),
-    );
-    let fit = |peak: &Peak| Window::of(fit_lines(peak, power.len())?, whole).fit();
+    let fit = |peak: &Peak| {
+        let lines = fit_lines(peak, power.len())?;
+        Window::of(lines, &data.omega, &values, &variance).fit()
+    };
     let phase = |pole: LocalPole| Phase {
         omega: pole.lambda.im,
         phase: pole.residue.arg(),

@@ -72,11 +72,7 @@ const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 
 /// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s
 /// mobility.
-pub(super) fn gross_finding(
-    data: &Mobilities,
-    (a, b): (usize, usize),
-    code: Code,
-) -> Option<Finding> {
+pub(super) fn gross_finding(data: &Mobilities, a: usize, b: usize, code: Code) -> Option<Finding> {
     let (of_a, of_b) = (data.values(a), data.values(b));
     let power: Vec<f64> = of_a.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data.noise(a).iter().map(|noise| CLEAR * noise).collect();
@@ -97,10 +93,12 @@ pub(super) fn gross_finding(
 
 /// A finding about function `b` when it differs from `a` by more than a stated limit and more than
 /// noise does.
-pub(super) fn finding(
+pub(super) fn difference_finding(
     data: &Mobilities,
-    (a, b): (usize, usize),
-    (code, limit): (Code, f64),
+    a: usize,
+    b: usize,
+    code: Code,
+    limit: f64,
 ) -> Option<Finding> {
     let difference = difference(data, a, b);
     let limit = limit.max(difference.of_noise);

@@ -161,8 +161,8 @@ impl<'a> Summed<'a> {
     fn resonance(&self, peak: &Peak, runs: &[Vec<usize>]) -> Option<Resonance> {
         let lines = fit_lines(peak, self.power.len())?;
         let fit = |i: &usize| {
-            let whole = (self.omega, &self.values[*i][..], &self.variance[*i][..]);
-            let pole = Window::of(lines.clone(), whole).fit()?;
+            let (values, variance) = (&self.values[*i], &self.variance[*i]);
+            let pole = Window::of(lines.clone(), self.omega, values, variance).fit()?;
             (pole.background < MAX_BACKGROUND_OVER_PEAK).then_some((*i, pole))
         };
         let run =

@@ -60,7 +60,7 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
             (repeatability::repeats(&data), Code::RepeatsDiffer),
         ] {
             let pairs = pairs.into_iter();
-            findings.extend(pairs.filter_map(|pair| gross_finding(&data, pair, code)));
+            findings.extend(pairs.filter_map(|(a, b)| gross_finding(&data, a, b, code)));
         }
     }
     let dead = dead.into_iter();

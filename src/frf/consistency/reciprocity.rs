@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::discrepancy::finding;
+use super::discrepancy::difference_finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to
@@ -14,7 +14,7 @@ const LIMIT: f64 = 0.1;
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let pairs = reciprocal(data).into_iter();
     pairs
-        .filter_map(|pair| finding(data, pair, (Code::NotReciprocal, LIMIT)))
+        .filter_map(|(a, b)| difference_finding(data, a, b, Code::NotReciprocal, LIMIT))
         .collect()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::finding::{Code, Finding};
 
-use super::discrepancy::finding;
+use super::discrepancy::difference_finding;
 use super::mobility::Mobilities;
 
 /// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %,
@@ -13,7 +13,7 @@ const LIMIT: f64 = 0.05;
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let pairs = repeats(data).into_iter();
     pairs
-        .filter_map(|pair| finding(data, pair, (Code::RepeatsDiffer, LIMIT)))
+        .filter_map(|(a, b)| difference_finding(data, a, b, Code::RepeatsDiffer, LIMIT))
         .collect()
 }
 
