@@ -1,4 +1,8 @@
-//! Universal files (UFF, UNV): reader and writer, one file per dataset number.
+//! Universal files (UFF, UNV): reader and writer, one file or folder per dataset number.
+//!
+//! `fields` parses lines and knows no dataset; `scan` passes over the headers of a file. Functions
+//! are in `dataset_58`, modes (55, 2414) in `modes`; nodes, coordinate systems, trace lines,
+//! elements and groups in `geometry`.
 //!
 //! A universal file is a sequence of datasets between lines `    -1`; the line after the first of
 //! them is the number of the dataset.
@@ -25,73 +29,19 @@
 //! padding, fields off their columns, `D` and three-digit exponents, wrong byte counts) and strict
 //! in meaning (no unit, step or type is guessed).
 
-mod dataset_15;
 mod dataset_151;
 mod dataset_164;
-mod dataset_18;
 mod dataset_1858;
 mod dataset_2400;
-mod dataset_2411;
-mod dataset_2412;
-mod dataset_2414;
-mod dataset_2420;
-mod dataset_2467;
-mod dataset_55;
-mod dataset_55_write;
 mod dataset_58;
-mod dataset_58_axis;
-mod dataset_58_header;
-mod dataset_58_meaning;
-mod dataset_58_samples;
-mod dataset_58_text;
-mod dataset_58_values;
-mod dataset_58_width;
-mod dataset_58_write;
-mod dataset_82;
-mod dof_fields;
 mod fields;
-mod fixed_columns;
-mod geometry_write;
-mod lines;
-mod mode_note;
+mod geometry;
 mod modes;
-mod node_data;
-mod nodes;
 mod qualifiers;
-mod raw_geometry;
-mod records;
 mod scan;
-mod scan_functions;
-mod scan_geometry;
-mod scan_uneven;
-mod scanner;
-mod systems;
+#[cfg(test)]
+mod tests;
 mod write;
-
-#[cfg(test)]
-mod damage_tests;
-#[cfg(test)]
-mod file_builder;
-#[cfg(test)]
-mod function_tests;
-#[cfg(test)]
-mod geometry_round_trip_tests;
-#[cfg(test)]
-mod geometry_tests;
-#[cfg(test)]
-mod layout_tests;
-#[cfg(test)]
-mod modes_tests;
-#[cfg(test)]
-mod mutation_tests;
-#[cfg(test)]
-mod recorded_geometry_tests;
-#[cfg(test)]
-mod recording_tests;
-#[cfg(test)]
-mod round_trip_tests;
-#[cfg(test)]
-mod write_tests;
 
 pub use write::{FileLabel, write_frfs, write_time_records};
 
@@ -105,10 +55,10 @@ use crate::io::{
     Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
     WriteSeek,
 };
-use dataset_58_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
-use dataset_58_text::{TextBlock, copy_abscissa, copy_text, read_text};
+use dataset_58::binary_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
+use dataset_58::text_samples::{TextBlock, copy_abscissa, copy_text, read_text};
 use fields::{dataset_number, is_delimiter};
-use scanner::NAME;
+use scan::scanner::NAME;
 
 /// The universal file format.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,24 +3,24 @@
 //!
 //! Values are written as they are stored, with their unit in the header; a factor to SI that no
 //! unit has makes them SI values. What the format has no field for goes into ID lines 4 and 5
-//! (`dataset_58_header`), so that bytes come back to the bit; text keeps 13 digits of 64 bits, 6 of
-//! 32 and 7 of uneven abscissae; the latter two are reported. Lost are the origin of a hit,
-//! variances, and arrays without a meaning.
+//! (`dataset_58::entry_header`), so that bytes come back to the bit; text keeps 13 digits of 64
+//! bits, 6 of 32 and 7 of uneven abscissae; the latter two are reported. Lost are the origin of a
+//! hit, variances, and arrays without a meaning.
 
 use std::io::{self, Write};
 
-use super::dataset_55_write::write_modes;
-use super::dataset_58_header::{Fitted, fit};
-use super::dataset_58_values::{Target, written_format};
 use super::dataset_1858;
-use super::dof_fields::DofFields;
-use super::fixed_columns::line_text;
-use super::geometry_write::write_geometry;
 use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::io::error::write_failed;
 use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::uff::dataset_58::dof_fields::DofFields;
+use crate::io::formats::uff::dataset_58::entry_header::{Fitted, fit};
+use crate::io::formats::uff::dataset_58::write_values::{Target, written_format};
+use crate::io::formats::uff::fields::fixed_columns::line_text;
+use crate::io::formats::uff::geometry::write::write_geometry;
+use crate::io::formats::uff::modes::write::write_modes;
 use crate::io::{
     Encoding, FunctionType, IoError, Precision, Source, Window, WriteOptions, frf_source,
     hit_source,
