@@ -40,7 +40,7 @@ pub use matrix::{
     ComplexMatrix, ComplexView, Matrix3, RealMatrix, Vector3, complex_matrix, not_a_number,
     real_matrix,
 };
-pub use products::{add_square, adjoint_product, by_column, less_product};
+pub use products::{add_square, adjoint_product, for_each_column, subtract_product};
 pub use scaled_pair::SymmetricModes;
 pub use semidefinite::{
     negative_dimension, null_dimension, null_limit, null_vector, principal_block,

@@ -282,7 +282,7 @@ impl Candidate {
         let length = self.values.norm_l2();
         if length > 0.0 {
             self.length *= length;
-            linalg::by_column(&mut self.values, |_, column| {
+            linalg::for_each_column(&mut self.values, |_, column| {
                 column.iter_mut().for_each(|value| *value /= length);
             });
         }
@@ -292,7 +292,8 @@ impl Candidate {
     fn orthogonalise(&mut self, basis: &ComplexMatrix) {
         for _ in 0..2 {
             let components = linalg::adjoint_product(basis, self.values.as_ref());
-            self.values = linalg::less_product(self.values.as_ref(), basis, &components, |_, _| ());
+            self.values =
+                linalg::subtract_product(self.values.as_ref(), basis, &components, |_, _| ());
             self.normalise();
         }
     }
@@ -370,7 +371,7 @@ impl<'a> Fitted<'a> {
     /// Adds columns to the fit, each with the degrees of freedom of `noise_factor` lines.
     fn add(&mut self, columns: &ComplexMatrix, noise_factor: f64) {
         let amplitudes = linalg::adjoint_product(columns, self.rest.as_ref());
-        self.rest = linalg::less_product(self.rest.as_ref(), columns, &amplitudes, |_, _| ());
+        self.rest = linalg::subtract_product(self.rest.as_ref(), columns, &amplitudes, |_, _| ());
         self.used_freedom += noise_factor * columns.ncols() as f64;
         let first = self.basis.ncols();
         let column = |k: usize, c: usize| match c.checked_sub(first) {
@@ -452,7 +453,7 @@ impl<'a> Fitted<'a> {
     /// Residual over the noise of each value.
     fn over_noise(&self) -> Residual {
         let mut values = self.rest.clone();
-        linalg::by_column(&mut values, |f, column| {
+        linalg::for_each_column(&mut values, |f, column| {
             for (value, ratio) in column.iter_mut().zip(&self.ratio[f]) {
                 *value /= ratio.sqrt();
             }

@@ -23,7 +23,7 @@ use super::vectorised::vectorised;
 
 /// Largest power of two of [`equilibration`], and the reciprocal of the smallest: the product of
 /// two is a normal number.
-const LARGEST_SCALE: f64 = f64::from_bits((1023 + 500) << 52);
+const MAX_SCALE: f64 = f64::from_bits((1023 + 500) << 52);
 
 /// `x^T A x` with the size of its terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -110,7 +110,7 @@ pub fn quadratic_forms(a: MatRef<'_, f64>, block: MatRef<'_, f64>) -> Vec<Quadra
     (0..block.ncols())
         .map(|j| {
             let products = [high.col_as_slice(j), low.col_as_slice(j)];
-            product_with(x.col_as_slice(j), products, sizes.col_as_slice(j))
+            compensated_product(x.col_as_slice(j), products, sizes.col_as_slice(j))
         })
         .collect()
 }
@@ -121,18 +121,18 @@ pub(super) fn plain_forms(a: &RealMatrix, block: &RealMatrix) -> (Vec<QuadraticF
     let (forces, sizes) = (a * block, magnitudes(a) * magnitudes(block));
     let form = |j: usize| QuadraticForm {
         value: block.col(j).transpose() * forces.col(j),
-        magnitude: dot_of_sizes(block.col_as_slice(j), sizes.col_as_slice(j)),
+        magnitude: dot_of_magnitudes(block.col_as_slice(j), sizes.col_as_slice(j)),
     };
     let bound = (a.nrows() + 1) as f64 * f64::EPSILON;
     ((0..block.ncols()).map(form).collect(), bound)
 }
 
-fn dot_of_sizes(x: &[f64], sizes: &[f64]) -> f64 {
+fn dot_of_magnitudes(x: &[f64], sizes: &[f64]) -> f64 {
     x.iter().zip(sizes).map(|(x, size)| x.abs() * size).sum()
 }
 
 /// `x^T (y_1 + y_2)`, and the magnitude `|x|^T z` that goes with it.
-fn product_with(x: &[f64], [high, low]: [&[f64]; 2], sizes: &[f64]) -> QuadraticForm {
+fn compensated_product(x: &[f64], [high, low]: [&[f64]; 2], sizes: &[f64]) -> QuadraticForm {
     // A fused multiply-add that is not an instruction takes a hundred times as long.
     vectorised(
         #[inline(always)]
@@ -190,7 +190,7 @@ fn equilibration(a: MatRef<'_, f64>) -> Vec<f64> {
         } else {
             1.0
         };
-        scale.push(factor.clamp(LARGEST_SCALE.recip(), LARGEST_SCALE));
+        scale.push(factor.clamp(MAX_SCALE.recip(), MAX_SCALE));
     }
     scale
 }

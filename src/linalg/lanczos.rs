@@ -16,8 +16,8 @@
 use faer::Mat;
 
 use super::low_modes::{
-    MAX_MIXED_OVER_SHIFT, MAX_NEXT_SHIFT, MAX_UNSEPARATED_OVER_SHIFT, MIN_SHIFT_OVER_HIGHEST,
-    MIN_SHIFT_ROUNDINGS, NEAR_SHIFT, ZERO_ROUNDINGS, orthonormal,
+    MAX_MIXED_OVER_SHIFT, MAX_NEAR_OVER_SHIFT, MAX_NEXT_SHIFT, MAX_UNSEPARATED_OVER_SHIFT,
+    MIN_SHIFT_OVER_HIGHEST, MIN_SHIFT_ROUNDINGS, ZERO_ROUNDINGS, orthonormal,
 };
 use super::pencil::{Cholesky, Pencil};
 use super::ritz::{Goal, Ritz};
@@ -28,22 +28,22 @@ use super::{LinalgError, RealMatrix, SymmetricEigen, symmetric_eigen, verify};
 
 /// Width of the block: two and more see the double roots of symmetric structures at once; one to
 /// four take about as long, eight longer.
-const BLOCK: usize = 4;
+const BLOCK_WIDTH: usize = 4;
 /// A pair is converged when its residual is below this part of its theta; the error of theta is the
 /// square of it.
-const CONVERGED: f64 = 1e-11;
+const MAX_RESIDUAL_OVER_THETA: f64 = 1e-11;
 /// A vector depends on the others when orthogonalisation reduces its norm below this fraction.
-const DEPENDENT: f64 = 1e-12;
+const MIN_NORM_RATIO: f64 = 1e-12;
 /// The first shift as a part of the least `K_ii / M_ii`, which no lowest eigenvalue exceeds.
-const FIRST_SHIFT: f64 = 1e-9;
+const FIRST_SHIFT_OVER_RATIO: f64 = 1e-9;
 /// Difference of a Ritz value from the Rayleigh quotient of its vector, as a part of the shifted
 /// eigenvalue and over the bound of rounding, beyond which the iteration is not to be trusted.
-const RITZ_ERROR: f64 = 1e-7;
-const RITZ_ROUNDINGS: f64 = 100.0;
+const MAX_RITZ_ERROR: f64 = 1e-7;
+const MAX_RITZ_ROUNDINGS: f64 = 100.0;
 /// Part of a limit by which roots may exceed it. Smaller: of a repeated root at the limit a part is
 /// counted (`a_repeated_root_at_the_limit_is_counted_whole`). Larger: modes beyond a band are in
 /// it.
-const BESIDE_LIMIT: f64 = 1e-9;
+const LIMIT_TOLERANCE: f64 = 1e-9;
 /// Steps of a hundredfold shift before a stiffness counts as not positive semidefinite.
 const SHIFT_TRIES: usize = 6;
 
@@ -80,7 +80,7 @@ pub fn sparse_modes(
     let mut goal = match wanted {
         Wanted::Lowest(count) => Goal::Lowest(count.min(size)),
         // A root at the limit is in the band, whole: rounding would count part of a repeated one.
-        Wanted::Below(limit) => Goal::counted(&pencil, limit * (1.0 + BESIDE_LIMIT))?,
+        Wanted::Below(limit) => Goal::counted(&pencil, limit * (1.0 + LIMIT_TOLERANCE))?,
     };
     let got = match goal {
         Goal::Lowest(count) | Goal::Below { count, .. } => count,
@@ -90,9 +90,9 @@ pub fn sparse_modes(
     }
     let (shift, factor) = first_factor(&pencil, stiffness, mass)?;
     let mut run = Run::new(&factor, mass, shift);
-    let first = run.until(&pencil, &mut goal, true)?;
+    let first = run.run_to_goal(&pencil, &mut goal, true)?;
     let (mut shift, mut modes) = match first.better_shift {
-        None => (shift, run.checked(stiffness, first.found)?),
+        None => (shift, run.checked_modes(stiffness, first.found)?),
         Some(elastic) => (
             elastic,
             modes_with_shift(elastic, &pencil, stiffness, mass, &mut goal)?,
@@ -121,8 +121,8 @@ fn modes_with_shift(
 ) -> Result<SparseModes, LinalgError> {
     let factor = pencil.cholesky(1.0, -shift)?;
     let mut run = Run::new(&factor, mass, shift);
-    let ended = run.until(pencil, goal, false)?;
-    run.checked(stiffness, ended.found)
+    let ended = run.run_to_goal(pencil, goal, false)?;
+    run.checked_modes(stiffness, ended.found)
 }
 
 /// A smaller shift for all modes, where modes that are not 0 lie far below this one, with the
@@ -152,7 +152,7 @@ fn first_factor<'a>(
     let ratios = (0..mass.size()).map(|i| stiffness.get(i, i) / mass.get(i, i));
     let least = ratios.filter(|ratio| *ratio > 0.0).fold(f64::MAX, f64::min);
     let mut shift = if least < f64::MAX {
-        FIRST_SHIFT * least
+        FIRST_SHIFT_OVER_RATIO * least
     } else {
         1.0
     };
@@ -166,7 +166,7 @@ fn first_factor<'a>(
 }
 
 /// How a run ended.
-struct Ended {
+struct RunResult {
     found: SparseModes,
     /// A shift with which the elastic modes are exact, where rigid-body modes hide them; nothing is
     /// found then.
@@ -203,16 +203,16 @@ impl<'a> Run<'a> {
             remainder: Mat::zeros(0, 0),
             random: SplitMix(0),
         };
-        run.widen(BLOCK.min(n));
+        run.add_random_vectors(BLOCK_WIDTH.min(n));
         run
     }
 
-    fn until(
+    fn run_to_goal(
         &mut self,
         pencil: &Pencil,
         goal: &mut Goal,
         first: bool,
-    ) -> Result<Ended, LinalgError> {
+    ) -> Result<RunResult, LinalgError> {
         let size = self.mass.size();
         let mut looked = 0;
         loop {
@@ -221,43 +221,44 @@ impl<'a> Run<'a> {
             let needed = match *goal {
                 Goal::Lowest(count) | Goal::Below { count, .. } => count,
             };
-            let early = first && self.filled < size && looked == 0 && self.filled >= 5 * BLOCK;
-            let due = self.filled >= needed && self.filled >= looked + looked / 20 + BLOCK;
+            let early =
+                first && self.filled < size && looked == 0 && self.filled >= 5 * BLOCK_WIDTH;
+            let due = self.filled >= needed && self.filled >= looked + looked / 20 + BLOCK_WIDTH;
             if !(finished || early || due) {
                 continue;
             }
             looked = self.filled;
             let ritz = self.ritz()?;
             if let Some(shift) = ritz.shift_past_rigid().filter(|_| first) {
-                return Ok(Ended {
+                return Ok(RunResult {
                     better_shift: Some(shift),
                     found: self.modes(&ritz, 0, None),
                 });
             }
             if self.filled == size {
-                return Ok(Ended {
+                return Ok(RunResult {
                     better_shift: None,
-                    found: self.modes(&ritz, ritz.within(goal), None),
+                    found: self.modes(&ritz, ritz.count_for_goal(goal), None),
                 });
             }
-            if let Some((count, limit)) = ritz.settled(pencil, goal)? {
-                return Ok(Ended {
+            if let Some((count, limit)) = ritz.count_when_complete(pencil, goal)? {
+                return Ok(RunResult {
                     better_shift: None,
                     found: self.modes(&ritz, count, Some(limit)),
                 });
             }
-            if self.filled >= self.most(needed) {
+            if self.filled >= self.max_vectors(needed) {
                 let found = ritz.converged;
                 return Err(LinalgError::ModesMissing { found, needed });
             }
             if self.next.ncols() == 0 {
-                self.widen(BLOCK);
+                self.add_random_vectors(BLOCK_WIDTH);
             }
         }
     }
 
     /// Vectors that are kept at most: many times what a converging iteration needs.
-    fn most(&self, needed: usize) -> usize {
+    fn max_vectors(&self, needed: usize) -> usize {
         (20 * needed + 400).min(self.mass.size())
     }
 
@@ -340,7 +341,7 @@ impl<'a> Run<'a> {
                 }
             }
             let norm = dot(&block, j, &moved, j).max(0.0).sqrt();
-            if norm > DEPENDENT * before[j] {
+            if norm > MIN_NORM_RATIO * before[j] {
                 r[(kept.len(), j)] = norm;
                 scale(&mut block, j, 1.0 / norm);
                 scale(&mut moved, j, 1.0 / norm);
@@ -353,7 +354,7 @@ impl<'a> Run<'a> {
     }
 
     /// New directions beside the next block.
-    fn widen(&mut self, count: usize) {
+    fn add_random_vectors(&mut self, count: usize) {
         let n = self.mass.size();
         let count = count.min(n - self.filled - self.next.ncols());
         let kept = self.next.ncols();
@@ -403,7 +404,8 @@ impl<'a> Run<'a> {
             let column = (0..residuals.nrows()).map(|i| residuals[(i, j)].powi(2));
             // Theta is not known better than the rounding of the largest.
             ritz > 0.0
-                && column.sum::<f64>().sqrt() <= (CONVERGED * ritz).max(f64::EPSILON * largest)
+                && column.sum::<f64>().sqrt()
+                    <= (MAX_RESIDUAL_OVER_THETA * ritz).max(f64::EPSILON * largest)
         });
         Ok(Ritz {
             converged: converged.count(),
@@ -427,13 +429,14 @@ impl<'a> Run<'a> {
     }
 
     /// The modes with Rayleigh quotients in compensated arithmetic and their rounding, checked.
-    fn checked(
+    fn checked_modes(
         &self,
         stiffness: &SparseMatrix,
         mut found: SparseModes,
     ) -> Result<SparseModes, LinalgError> {
         // As among the lowest modes of a dense pair.
-        let is_near = |omega_squared: &f64| omega_squared + self.shift <= NEAR_SHIFT * self.shift;
+        let is_near =
+            |omega_squared: &f64| omega_squared + self.shift <= MAX_NEAR_OVER_SHIFT * self.shift;
         let near = found.omega_squared.partition_point(is_near);
         let mut smooth = self
             .mass
@@ -445,7 +448,8 @@ impl<'a> Run<'a> {
         for (j, omega_squared) in found.omega_squared.iter_mut().enumerate() {
             let x: Vec<f64> = found.vectors.col(j).iter().copied().collect();
             let (quotient, rounding) = sparse_rayleigh_quotient(stiffness, self.mass, &x);
-            let limit = RITZ_ERROR * (quotient.abs() + self.shift) + RITZ_ROUNDINGS * rounding;
+            let limit =
+                MAX_RITZ_ERROR * (quotient.abs() + self.shift) + MAX_RITZ_ROUNDINGS * rounding;
             if (quotient - *omega_squared).abs() > limit {
                 return Err(LinalgError::Inaccurate {
                     what: "natural frequencies",

@@ -2,9 +2,9 @@
 //!
 //! The eigenvalues of `(K + s M)^-1 M` are `1 / (omega^2 + s)`: the lowest modes are its largest
 //! eigenvalues, and their errors are relative to themselves. Divide and conquer of the whole matrix
-//! gives the subspace of these modes (its error there is `eps` over [`GRADED`]); one product with
-//! the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh quotients, compensated where
-//! their terms cancel, give the modes.
+//! gives the subspace of these modes (its error there is `eps` over [`MAX_LOW_OVER_LARGEST`]); one
+//! product with the inverse, a Rayleigh-Ritz step in the subspace and Rayleigh quotients,
+//! compensated where their terms cancel, give the modes.
 //!
 //! Modes far below s are not separated from each other. Where there are such, as with rigid springs
 //! or tiny masses, they are computed again with a smaller shift, level by level.
@@ -24,24 +24,24 @@ use super::{LinalgError, RealMatrix};
 /// time without use (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of
 /// divide and conquer, up to 10 eps of the largest omega², exceeds 1e-9 of the omega² of modes that
 /// are not computed again.
-const GRADED: f64 = 1e-5;
+const MAX_LOW_OVER_LARGEST: f64 = 1e-5;
 /// Part of an omega² that it must be above the one before, for the two to be computed in different
 /// ways. Smaller: a repeated root, known to 2e-10 there, is divided, and its values do not ascend.
 /// Larger: modes of a dense spectrum are computed again without use.
-const GAP: f64 = 1e-8;
+const MIN_RELATIVE_GAP: f64 = 1e-8;
 /// The shift as a part of the largest omega². Larger: modes far below it are not separated from
-/// each other. Smaller: the modes just below [`GRADED`] are not, as the error of a Ritz vector is
-/// eps times their omega² over the shift.
-const SHIFT: f64 = 1e-12;
+/// each other. Smaller: the modes just below [`MAX_LOW_OVER_LARGEST`] are not, as the error of a
+/// Ritz vector is eps times their omega² over the shift.
+const SHIFT_OVER_LARGEST: f64 = 1e-12;
 /// Modes with `omega^2 + s` up to this many shifts get one more product with the inverse by
 /// themselves: the Ritz step leaves rounding of the size of the vectors everywhere, and in the
 /// highest modes, which the inverse takes away, its energy is `(n eps)^2` of the largest omega².
 /// Larger: such a product brings rounding of the lowest modes into higher ones, by the ratio of
 /// their `omega^2 + s`. Smaller: rolling balls of the cycloid ball drive are not at 0.
-pub(super) const NEAR_SHIFT: f64 = 10.0;
-/// Factors of [`SHIFT`] that are tried until `K + s M` is positive definite to working precision; a
-/// matrix for which none suffices is indefinite, and what is relative to its small eigenvalues has
-/// no meaning.
+pub(super) const MAX_NEAR_OVER_SHIFT: f64 = 10.0;
+/// Factors of [`SHIFT_OVER_LARGEST`] that are tried until `K + s M` is positive definite to working
+/// precision; a matrix for which none suffices is indefinite, and what is relative to its small
+/// eigenvalues has no meaning.
 const SHIFT_FACTORS: [f64; 3] = [1.0, 1e2, 1e4];
 
 /// Part of the shift below which modes are computed with a smaller one: the part of one in another
@@ -63,7 +63,7 @@ pub(super) const MIN_SHIFT_ROUNDINGS: f64 = 1e6;
 /// Smallest shift over the largest omega² that it is for, as of the first shift. Smaller: one
 /// solution puts rounding of the lowest mode into the highest
 /// (`rigid_body_modes_beside_a_tiny_mass_pass_their_checks`).
-pub(super) const MIN_SHIFT_OVER_HIGHEST: f64 = SHIFT / GRADED;
+pub(super) const MIN_SHIFT_OVER_HIGHEST: f64 = SHIFT_OVER_LARGEST / MAX_LOW_OVER_LARGEST;
 /// Largest smaller shift over the one before. Larger: time without use. Smaller: modes of soft
 /// suspensions are an error.
 pub(super) const MAX_NEXT_SHIFT: f64 = 1e-2;
@@ -89,9 +89,9 @@ impl<'a> LowModes<'a> {
     /// Prepared for a pair whose omega² are these, ascending.
     pub fn new(pair: &'a ScaledPair, omega_squared: &[f64]) -> Self {
         let largest = omega_squared.last().copied().unwrap_or(0.0);
-        let count = count_below(omega_squared, GRADED * largest);
+        let count = count_below(omega_squared, MAX_LOW_OVER_LARGEST * largest);
         let level = (count > 0 && largest > 0.0)
-            .then(|| Level::new(pair, count, SHIFT * largest))
+            .then(|| Level::new(pair, count, SHIFT_OVER_LARGEST * largest))
             .flatten();
         Self {
             pair,
@@ -99,7 +99,7 @@ impl<'a> LowModes<'a> {
         }
     }
 
-    /// Number of modes below [`GRADED`]; 0 where K is indefinite.
+    /// Number of modes below [`MAX_LOW_OVER_LARGEST`]; 0 where K is indefinite.
     pub fn count(&self) -> usize {
         self.levels.first().map_or(0, |level| level.count)
     }
@@ -178,7 +178,7 @@ impl<'a> LowModes<'a> {
         let last = level.count - 1;
         let scaled = |i: usize, j: usize| ritz.vectors[(i, last - j)] / ritz.values[last - j];
         let mut vectors = image * Mat::from_fn(level.count, level.count, scaled);
-        let is_near = |&j: &usize| NEAR_SHIFT * level.shift * ritz.values[last - j] >= 1.0;
+        let is_near = |&j: &usize| MAX_NEAR_OVER_SHIFT * level.shift * ritz.values[last - j] >= 1.0;
         let near = (0..level.count).take_while(is_near).count();
         if near > 0 {
             let smooth = level.solve(&self.pair.mass_times(vectors.subcols(0, near)));
@@ -188,13 +188,18 @@ impl<'a> LowModes<'a> {
             vectors.subcols_mut(0, near).copy_from(smooth);
         }
         let moved = self.pair.mass_times(vectors.as_ref());
-        self.take(modes, level.count, &orthonormal(vectors, moved)?);
+        self.replace_lowest(modes, level.count, &orthonormal(vectors, moved)?);
         Ok(())
     }
 
     /// Puts vectors in the place of the lowest, with their Rayleigh quotients in ascending order,
     /// and takes their components out of the others.
-    fn take(&self, modes: &mut SymmetricModes, count: usize, [low, moved]: &[RealMatrix; 2]) {
+    fn replace_lowest(
+        &self,
+        modes: &mut SymmetricModes,
+        count: usize,
+        [low, moved]: &[RealMatrix; 2],
+    ) {
         let n = low.nrows();
         let strain = self.pair.stiffness_forms(low);
         // M is definite: its forms are no small differences of large terms.
@@ -242,7 +247,8 @@ impl Level {
 /// Number of the lowest omega² up to a limit, with those that are one root with the last of them.
 fn count_below(omega_squared: &[f64], limit: f64) -> usize {
     let mut count = omega_squared.partition_point(|value| *value <= limit);
-    let is_near = |j: usize| omega_squared[j] - omega_squared[j - 1] <= GAP * omega_squared[j];
+    let is_near =
+        |j: usize| omega_squared[j] - omega_squared[j - 1] <= MIN_RELATIVE_GAP * omega_squared[j];
     while count > 0 && count < omega_squared.len() && is_near(count) {
         count += 1;
     }

@@ -144,7 +144,9 @@ impl Pencil {
             values,
         };
         let matrix = self.symmetric(&combined);
-        verify::sparse_factor(verify::CHOLESKY, &matrix, &diagonal, |x| factor.solve(x))?;
+        verify::sparse_factor(verify::MAX_CHOLESKY_ERROR, &matrix, &diagonal, |x| {
+            factor.solve(x)
+        })?;
         Ok(factor)
     }
 
@@ -220,7 +222,9 @@ impl Pencil {
         }
         let diagonal = self.diagonal_terms(1.0, shift);
         let matrix = self.symmetric(&combined);
-        verify::sparse_factor(verify::INERTIA, &matrix, &diagonal, |x| factor.solve(x))?;
+        verify::sparse_factor(verify::MAX_INERTIA_ERROR, &matrix, &diagonal, |x| {
+            factor.solve(x)
+        })?;
         Ok(factor)
     }
 }

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::{ComplexMatrix, ComplexView};
 
 /// Columns of a product that one thread forms.
-const COLUMNS: usize = 48;
+const COLUMNS_PER_BLOCK: usize = 48;
 
 /// `B − A C` with something done to every column, some columns of it at a time in the caller's
 /// pool.
-pub fn less_product(
+pub fn subtract_product(
     b: ComplexView<'_>,
     a: &ComplexMatrix,
     c: &ComplexMatrix,
@@ -20,7 +20,7 @@ pub fn less_product(
 ) -> ComplexMatrix {
     let mut whole = Mat::zeros(b.nrows(), b.ncols());
     let of_block = |(number, mut block): (usize, MatMut<'_, Complex64>)| {
-        let (first, count) = (number * COLUMNS, block.ncols());
+        let (first, count) = (number * COLUMNS_PER_BLOCK, block.ncols());
         block.copy_from(b.subcols(first, count));
         faer::linalg::matmul::matmul(
             block.as_mut(),
@@ -30,25 +30,26 @@ pub fn less_product(
             -Complex64::ONE,
             faer::Par::Seq,
         );
-        each_column(first, block, &then);
+        for_each_block_column(first, block, &then);
     };
-    let blocks = blocks(&mut whole);
+    let blocks = column_blocks(&mut whole);
     blocks.into_par_iter().enumerate().for_each(of_block);
     whole
 }
 
 /// Does something to every column, with its number, in the caller's pool.
-pub fn by_column(matrix: &mut ComplexMatrix, then: impl Fn(usize, &mut [Complex64]) + Sync) {
-    let of_block = |(number, block)| each_column(number * COLUMNS, block, &then);
-    let blocks = blocks(matrix);
+pub fn for_each_column(matrix: &mut ComplexMatrix, then: impl Fn(usize, &mut [Complex64]) + Sync) {
+    let of_block =
+        |(number, block)| for_each_block_column(number * COLUMNS_PER_BLOCK, block, &then);
+    let blocks = column_blocks(matrix);
     blocks.into_par_iter().enumerate().for_each(of_block);
 }
 
-fn blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
+fn column_blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
     let mut blocks = Vec::new();
     let mut left = matrix.as_mut();
     while left.ncols() > 0 {
-        let count = COLUMNS.min(left.ncols());
+        let count = COLUMNS_PER_BLOCK.min(left.ncols());
         let (block, others) = left.split_at_col_mut(count);
         blocks.push(block);
         left = others;
@@ -56,7 +57,7 @@ fn blocks(matrix: &mut ComplexMatrix) -> Vec<MatMut<'_, Complex64>> {
     blocks
 }
 
-fn each_column(
+fn for_each_block_column(
     first: usize,
     block: MatMut<'_, Complex64>,
     then: &impl Fn(usize, &mut [Complex64]),
@@ -70,15 +71,15 @@ fn each_column(
 
 /// `Aᴴ B`, some columns of B at a time in the caller's pool.
 pub fn adjoint_product(a: &ComplexMatrix, b: ComplexView<'_>) -> ComplexMatrix {
-    let parts: Vec<ComplexMatrix> = (0..b.ncols().div_ceil(COLUMNS))
+    let parts: Vec<ComplexMatrix> = (0..b.ncols().div_ceil(COLUMNS_PER_BLOCK))
         .into_par_iter()
         .map(|part| {
-            let first = part * COLUMNS;
-            a.adjoint() * b.subcols(first, COLUMNS.min(b.ncols() - first))
+            let first = part * COLUMNS_PER_BLOCK;
+            a.adjoint() * b.subcols(first, COLUMNS_PER_BLOCK.min(b.ncols() - first))
         })
         .collect();
     Mat::from_fn(a.ncols(), b.ncols(), |i, j| {
-        parts[j / COLUMNS][(i, j % COLUMNS)]
+        parts[j / COLUMNS_PER_BLOCK][(i, j % COLUMNS_PER_BLOCK)]
     })
 }
 

@@ -4,11 +4,11 @@ use super::pencil::Pencil;
 use super::{LinalgError, RealMatrix};
 
 /// Eigenvalues nearer than this part are not parted by a limit.
-const GAP: f64 = 1e-5;
+const MIN_RELATIVE_GAP: f64 = 1e-5;
 
 /// Eigenvalues below this part of the shift are 0 but for rounding: with rigid-body modes the shift
 /// is the first elastic eigenvalue, without them far below it.
-const RIGID: f64 = 1e-3;
+const MAX_RIGID_OVER_SHIFT: f64 = 1e-3;
 
 /// The remaining search.
 #[derive(Clone, Copy)]
@@ -51,34 +51,34 @@ impl Ritz {
     }
 
     /// Of a whole spectrum, how many belong to the goal.
-    pub fn within(&self, goal: &Goal) -> usize {
+    pub fn count_for_goal(&self, goal: &Goal) -> usize {
         match *goal {
             Goal::Below { limit, .. } => self.lambda.partition_point(|value| *value < limit),
             Goal::Lowest(count) => self
-                .parted(count, self.lambda.len())
+                .count_to_gap(count, self.lambda.len())
                 .unwrap_or(self.lambda.len()),
         }
     }
 
     /// The least number of modes from `count` on after which the next of the first `known` is
     /// parted by a gap. Rigid-body modes, at 0 but for rounding, are one root.
-    fn parted(&self, count: usize, known: usize) -> Option<usize> {
+    fn count_to_gap(&self, count: usize, known: usize) -> Option<usize> {
         let parted = |&j: &usize| {
             let (last, next) = (self.lambda[j - 1], self.lambda[j]);
-            next > RIGID * self.shift && next - last > GAP * next.abs()
+            next > MAX_RIGID_OVER_SHIFT * self.shift && next - last > MIN_RELATIVE_GAP * next.abs()
         };
         (count.max(1)..known).find(parted)
     }
 
     /// Number of modes and the limit, once as many are converged as are counted below it. Counts
     /// when that is due.
-    pub fn settled(
+    pub fn count_when_complete(
         &self,
         pencil: &Pencil,
         goal: &mut Goal,
     ) -> Result<Option<(usize, f64)>, LinalgError> {
         if let Goal::Lowest(count) = *goal {
-            let Some(parted) = self.parted(count, self.converged) else {
+            let Some(parted) = self.count_to_gap(count, self.converged) else {
                 return Ok(None);
             };
             let limit = 0.5 * (self.lambda[parted - 1] + self.lambda[parted]);
@@ -87,7 +87,7 @@ impl Ritz {
         let Goal::Below { limit, count } = *goal else {
             return Ok(None);
         };
-        let found = self.below(limit);
+        let found = self.converged_below(limit);
         match found.cmp(&count) {
             std::cmp::Ordering::Less => Ok(None),
             std::cmp::Ordering::Equal => Ok(Some((count, limit))),
@@ -98,7 +98,7 @@ impl Ritz {
         }
     }
 
-    fn below(&self, limit: f64) -> usize {
+    fn converged_below(&self, limit: f64) -> usize {
         self.lambda[..self.converged].partition_point(|value| *value < limit)
     }
 }

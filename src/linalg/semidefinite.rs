@@ -17,7 +17,7 @@ use super::{LinalgError, RealMatrix, real_matrix};
 const NULL_OVER_ROUNDING: f64 = 16.0;
 /// Applications of the shifted inverse: each takes what is not in the null space down by the shift
 /// over its eigenvalue.
-const APPLICATIONS: usize = 3;
+const INVERSE_APPLICATIONS: usize = 3;
 /// Steps of a hundredfold shift until the shifted matrix is definite; an indefinite one needs more
 /// than rounding.
 const SHIFT_TRIES: usize = 9;
@@ -53,7 +53,7 @@ pub fn null_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
     if a.size() == 0 {
         return Ok(0);
     }
-    let pencil = Pencil::new(a, &scale(a)?)?;
+    let pencil = Pencil::new(a, &diagonal_or_one(a)?)?;
     let limit = null_limit(a.size());
     // A Cholesky factor of the matrix less the limit, whose pivots do not grow, proves that there
     // is none.
@@ -71,7 +71,7 @@ pub fn negative_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
     if a.size() == 0 {
         return Ok(0);
     }
-    let pencil = Pencil::new(a, &scale(a)?)?;
+    let pencil = Pencil::new(a, &diagonal_or_one(a)?)?;
     let limit = null_limit(a.size());
     if pencil.cholesky(1.0, -limit).is_ok() {
         return Ok(0);
@@ -88,12 +88,12 @@ pub fn negative_dimension(a: &SparseMatrix) -> Result<usize, LinalgError> {
 /// within reach makes definite.
 pub fn null_vector(a: &SparseMatrix) -> Result<Vec<f64>, LinalgError> {
     let n = a.size();
-    let diagonal = scale(a)?;
+    let diagonal = diagonal_or_one(a)?;
     let pencil = Pencil::new(a, &diagonal)?;
     let factor = pencil.cholesky(1.0, -definite_shift(&pencil, null_limit(n)))?;
     // Components without a pattern, the same in every run.
     let mut vector = real_matrix(n, 1, |i, _| (i as f64 * GOLDEN_RATIO).fract() - 0.5);
-    for _ in 0..APPLICATIONS {
+    for _ in 0..INVERSE_APPLICATIONS {
         vector = diagonal.multiply(&vector);
         factor.solve(&mut vector);
         let largest = vector.col(0).iter().fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -131,14 +131,14 @@ fn definite_shift(pencil: &Pencil, first: f64) -> f64 {
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::NotConverged`].
 pub fn solve_sparse_definite(a: &SparseMatrix, b: &RealMatrix) -> Result<RealMatrix, LinalgError> {
-    let pencil = Pencil::new(a, &scale(a)?)?;
+    let pencil = Pencil::new(a, &diagonal_or_one(a)?)?;
     let mut solution = b.clone();
     pencil.cholesky(1.0, 0.0)?.solve(&mut solution);
     Ok(solution)
 }
 
 /// The diagonal of a matrix, 1 where it is 0.
-fn scale(a: &SparseMatrix) -> Result<SparseMatrix, LinalgError> {
+fn diagonal_or_one(a: &SparseMatrix) -> Result<SparseMatrix, LinalgError> {
     let entry = |i: usize| {
         let diagonal = a.get(i, i).abs();
         (i, i, if diagonal > 0.0 { diagonal } else { 1.0 })

@@ -341,8 +341,13 @@ fn sparse_modes_broken_on_purpose_are_caught() {
     let other = pencil.cholesky(1.0, -1.000_001 * shift).unwrap();
     let sum = SparseMatrix::weighted_sum(m.size(), &[(1.0, &k), (shift, &m)]).unwrap();
     let diagonal: Vec<f64> = (0..m.size()).map(|i| sum.get(i, i).abs()).collect();
-    verify::sparse_factor(verify::CHOLESKY, &sum, &diagonal, |x| factor.solve(x)).unwrap();
-    let wrong = verify::sparse_factor(verify::CHOLESKY, &sum, &diagonal, |x| other.solve(x));
+    verify::sparse_factor(verify::MAX_CHOLESKY_ERROR, &sum, &diagonal, |x| {
+        factor.solve(x)
+    })
+    .unwrap();
+    let wrong = verify::sparse_factor(verify::MAX_CHOLESKY_ERROR, &sum, &diagonal, |x| {
+        other.solve(x)
+    });
     assert!(matches!(wrong, Err(LinalgError::Inaccurate { .. })));
 }
 
@@ -382,8 +387,9 @@ fn factors_broken_on_purpose_are_caught() {
             let mut wrong = pencil.indefinite(sigma).unwrap();
             wrong.values[place] += off(wrong.values[place]);
             let (matrix, diagonal) = (shifted(-sigma), diagonal(sigma));
-            let check =
-                verify::sparse_factor(verify::INERTIA, &matrix, &diagonal, |x| wrong.solve(x));
+            let check = verify::sparse_factor(verify::MAX_INERTIA_ERROR, &matrix, &diagonal, |x| {
+                wrong.solve(x)
+            });
             assert!(check.is_err(), "pivot at {place} of {n}");
         }
         let shift = 1e-12;
@@ -394,7 +400,9 @@ fn factors_broken_on_purpose_are_caught() {
             wrong.values[place] = (root * root + off(root * root)).sqrt();
             let (matrix, diagonal) = (shifted(shift), diagonal(shift));
             let check =
-                verify::sparse_factor(verify::CHOLESKY, &matrix, &diagonal, |x| wrong.solve(x));
+                verify::sparse_factor(verify::MAX_CHOLESKY_ERROR, &matrix, &diagonal, |x| {
+                    wrong.solve(x)
+                });
             assert!(check.is_err(), "root at {place} of {n}");
         }
     }

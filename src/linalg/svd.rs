@@ -58,7 +58,7 @@ impl SingularVectors {
 pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgError> {
     #[cfg(test)]
     super::faults::call("singular values")?;
-    let Svd { u, values, v } = checked(a)?;
+    let Svd { u, values, v } = checked_svd(a)?;
     Ok(SingularVectors {
         left: u,
         values,
@@ -73,7 +73,7 @@ pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgErro
 pub fn right_singular_vectors(a: &RealMatrix) -> Result<(Vec<f64>, RealMatrix), LinalgError> {
     #[cfg(test)]
     super::faults::call("singular values")?;
-    let Svd { values, v, .. } = checked(a)?;
+    let Svd { values, v, .. } = checked_svd(a)?;
     Ok((values, v))
 }
 
@@ -85,7 +85,7 @@ struct Svd<T: ComplexField> {
 }
 
 /// By divide and conquer, else by QR iteration, whichever passes the check.
-fn checked<T: ComplexField<Real = f64>>(a: &Mat<T>) -> Result<Svd<T>, LinalgError> {
+fn checked_svd<T: ComplexField<Real = f64>>(a: &Mat<T>) -> Result<Svd<T>, LinalgError> {
     let factor = power_of_two(a.as_ref());
     let mut params: SvdParams = Auto::<T>::auto();
     let mut solved = scaled_svd(a, factor, params).and_then(|svd| svd.verified(a));

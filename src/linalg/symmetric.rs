@@ -59,7 +59,7 @@ pub fn symmetric_modes(
     stiffness: &RealMatrix,
     mass: &RealMatrix,
 ) -> Result<SymmetricModes, LinalgError> {
-    modes_by(stiffness, mass, &[divide_and_conquer, qr_iteration])
+    modes_by_solvers(stiffness, mass, &[divide_and_conquer, qr_iteration])
 }
 
 impl SymmetricModes {
@@ -67,7 +67,7 @@ impl SymmetricModes {
     /// in ascending order: the error of a quotient is the square of that of its vector, where
     /// reduction by a mass matrix of condition 100 leaves 1e-11 in the eigenvalue of a mode at a
     /// thousandth of the largest.
-    fn take_quotients(&mut self, pair: &ScaledPair, first: usize) {
+    fn replace_by_quotients(&mut self, pair: &ScaledPair, first: usize) {
         let n = self.vectors.nrows();
         let upper = self.vectors.subcols(first, n - first);
         let forces = pair.stiffness_times(upper);
@@ -85,7 +85,7 @@ impl SymmetricModes {
 
 /// [`symmetric_modes`] by the first of these solvers of the reduced problem whose result passes the
 /// check.
-pub(super) fn modes_by(
+pub(super) fn modes_by_solvers(
     stiffness: &RealMatrix,
     mass: &RealMatrix,
     solvers: &[Solver],
@@ -99,7 +99,7 @@ pub(super) fn modes_by(
         });
     }
     let pair = ScaledPair::new(stiffness, mass);
-    let reduced = Reduced::new(&pair)?;
+    let reduced = StandardForm::new(&pair)?;
     let mut failure = None;
     for solver in solvers {
         match checked_modes(&pair, &reduced, *solver) {
@@ -112,19 +112,19 @@ pub(super) fn modes_by(
 
 fn checked_modes(
     pair: &ScaledPair,
-    reduced: &Reduced,
+    reduced: &StandardForm,
     solver: Solver,
 ) -> Result<SymmetricModes, LinalgError> {
     let mut modes = reduced.modes(solver(&reduced.matrix)?);
     let mut low = LowModes::new(pair, &modes.omega_squared);
     low.refine(&mut modes)?;
-    modes.take_quotients(pair, low.count());
+    modes.replace_by_quotients(pair, low.count());
     verify::scaled_modes(pair, &modes, &low)?;
     Ok(modes)
 }
 
 /// The pair in standard form: `M = L L^T`, `A = L^-1 K L^-T`.
-struct Reduced {
+struct StandardForm {
     mass: MassFactor,
     matrix: RealMatrix,
 }
@@ -136,7 +136,7 @@ enum MassFactor {
     Full(Llt<f64>),
 }
 
-impl Reduced {
+impl StandardForm {
     fn new(pair: &ScaledPair) -> Result<Self, LinalgError> {
         let (k, m) = (&pair.stiffness, &pair.mass);
         let n = m.nrows();
@@ -225,12 +225,12 @@ mod tests {
     #[test]
     fn a_wrong_solver_result_is_replaced_by_the_next_solver_or_is_an_error() {
         let (k, m) = chain(200);
-        let failed = modes_by(&k, &m, &[unscaled]).unwrap_err();
+        let failed = modes_by_solvers(&k, &m, &[unscaled]).unwrap_err();
         let LinalgError::Inaccurate { got, limit, .. } = failed else {
             panic!("{failed}");
         };
         assert!(got > limit);
-        let modes = modes_by(&k, &m, &[unscaled, qr_iteration]).unwrap();
+        let modes = modes_by_solvers(&k, &m, &[unscaled, qr_iteration]).unwrap();
         for (j, value) in modes.omega_squared.iter().enumerate() {
             let angle = std::f64::consts::PI * (j as f64 + 1.0) / 402.0;
             let exact = (2.0 * angle.sin()).powi(2);

@@ -24,14 +24,16 @@ use super::symmetric_solvers::SymmetricEigen;
 use super::{ComplexMatrix, LinalgError, RealMatrix};
 
 pub use modes::symmetric_modes;
-pub(super) use modes::{CHOLESKY, INERTIA, scaled_modes, sparse_factor, sparse_modes};
+pub(super) use modes::{
+    MAX_CHOLESKY_ERROR, MAX_INERTIA_ERROR, scaled_modes, sparse_factor, sparse_modes,
+};
 
 /// Vectors of random signs of one check.
-const PROBES: usize = 2;
+const RANDOM_VECTORS: usize = 2;
 /// Limit of a backward error over `(n + 10) eps`; for QR, whose rows may span decades, over `(m
 /// n + 10) eps`, for singular values over `(m + n + 10) eps`. Larger: an entry off by a hundred of
 /// these is not found. Smaller: right results fail; the largest figures are a third of it.
-const BACKWARD: f64 = 20.0;
+const MAX_BACKWARD_ERROR: f64 = 20.0;
 
 /// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which
 /// together prove that no eigenvalue is missing.
@@ -45,15 +47,15 @@ pub fn symmetric_eigen(a: &RealMatrix, eigen: &SymmetricEigen) -> Result<(), Lin
     let z = weighted_signs::<f64>(n, |_| 1.0);
     let product = &eigen.vectors * &z;
     let back = eigen.vectors.transpose() * &product - &z;
-    check.below(largest(&back), backward(n))?;
-    let weighted = Mat::from_fn(n, PROBES, |i, j| eigen.values[i] * z[(i, j)]);
+    check.below(largest(&back), backward_limit(n))?;
+    let weighted = Mat::from_fn(n, RANDOM_VECTORS, |i, j| eigen.values[i] * z[(i, j)]);
     let residual = &a * &product - &eigen.vectors * weighted;
     let size = eigen
         .values
         .iter()
         .map(|value| value.abs())
         .fold(0.0, larger);
-    check.below(length(&residual), backward(n) * size)
+    check.below(length(&residual), backward_limit(n) * size)
 }
 
 /// Checks `A = Q R`, relative to each column of A, and `Q^H Q = I`.
@@ -69,7 +71,7 @@ pub fn thin_qr<T: ComplexField<Real = f64>>(
     let n = a.ncols();
     let z = weighted_signs::<T>(n, |j| a.col(j).norm_l2());
     let residual = a * &z - q * (r * &z);
-    check.below(length(&residual), backward(a.nrows() * n))?;
+    check.below(length(&residual), backward_limit(a.nrows() * n))?;
     orthonormal(&check, q)
 }
 
@@ -99,7 +101,7 @@ pub fn least_squares<T: ComplexField<Real = f64>>(
     };
     let size: f64 = used.map(terms).sum();
     for (j, norm) in norms.iter().enumerate() {
-        let limit = backward(a.nrows() * a.ncols()) * norm * size;
+        let limit = backward_limit(a.nrows() * a.ncols()) * norm * size;
         check.below(norm_of_row(&along, j), limit)?;
     }
     Ok(())
@@ -120,7 +122,7 @@ pub fn cholesky<T: ComplexField<Real = f64>>(
     let residual = &a * &z - lower * (lower.adjoint() * &z);
     let rows = (0..n).filter(|&i| root(i) > 0.0);
     let rows = rows.map(|i| norm_of_row(&residual, i) / root(i));
-    check.below(rows.fold(0.0, larger), backward(n))
+    check.below(rows.fold(0.0, larger), backward_limit(n))
 }
 
 /// Checks `A X = B` of a general square matrix, row by row relative to `|A| |X| + |B|`.
@@ -139,7 +141,7 @@ pub fn square_solution(
             let terms: f64 = (0..a.ncols())
                 .map(|j| a[(i, j)].norm() * x[(j, k)].norm())
                 .sum();
-            let limit = backward(a.nrows()) * (terms + b[(i, k)].norm());
+            let limit = backward_limit(a.nrows()) * (terms + b[(i, k)].norm());
             check.below(residual[(i, k)].norm(), limit)?;
         }
     }
@@ -163,7 +165,7 @@ pub fn definite_solution(
     for k in 0..b.ncols() {
         let terms: f64 = (0..a.nrows()).map(|j| root(j) * x[(j, k)].abs()).sum();
         for i in 0..a.nrows() {
-            let limit = backward(a.nrows()) * (root(i) * terms + b[(i, k)].abs());
+            let limit = backward_limit(a.nrows()) * (root(i) * terms + b[(i, k)].abs());
             check.below(residual[(i, k)].abs(), limit)?;
         }
     }
@@ -183,8 +185,8 @@ pub fn singular_vectors<T: ComplexField<Real = f64>>(
     let check = Check::new("singular values", a);
     let k = values.len();
     let z = weighted_signs::<T>(k, |_| 1.0);
-    let weighted = Mat::from_fn(k, PROBES, |i, j| z[(i, j)].mul_real(&values[i]));
-    let limit = backward(a.nrows() + a.ncols()) * values.first().copied().unwrap_or(0.0);
+    let weighted = Mat::from_fn(k, RANDOM_VECTORS, |i, j| z[(i, j)].mul_real(&values[i]));
+    let limit = backward_limit(a.nrows() + a.ncols()) * values.first().copied().unwrap_or(0.0);
     check.below(length(&(a * (v * &z) - u * &weighted)), limit)?;
     check.below(length(&(a.adjoint() * (u * &z) - v * &weighted)), limit)?;
     orthonormal(&check, u)?;
@@ -205,8 +207,8 @@ pub fn general_eigen<T: ComplexField<Real = f64>>(
     let n = a.nrows();
     let complex = Mat::from_fn(n, n, |i, j| c64::new(a[(i, j)].real(), a[(i, j)].imag()));
     let z = weighted_signs::<c64>(n, |j| vectors.col(j).norm_l2());
-    let weighted = Mat::from_fn(n, PROBES, |i, j| values[i] * z[(i, j)]);
-    let limit = backward(n) * a.norm_l2();
+    let weighted = Mat::from_fn(n, RANDOM_VECTORS, |i, j| values[i] * z[(i, j)]);
+    let limit = backward_limit(n) * a.norm_l2();
     let residual = &complex * (vectors * &z) - vectors * weighted;
     check.below(length(&residual), limit)?;
     let trace: c64 = (0..n).map(|i| complex[(i, i)]).sum();
@@ -220,7 +222,7 @@ fn orthonormal<T: ComplexField<Real = f64>>(
 ) -> Result<(), LinalgError> {
     let z = weighted_signs::<T>(q.ncols(), |_| 1.0);
     let difference = q.adjoint() * (q * &z) - &z;
-    check.below(largest(&difference), backward(q.nrows() * q.ncols()))
+    check.below(largest(&difference), backward_limit(q.nrows() * q.ncols()))
 }
 
 /// The checked operation, for the error.
@@ -277,8 +279,8 @@ fn hermitian<T: ComplexField<Real = f64>>(a: MatRef<'_, T>) -> Mat<T> {
 }
 
 /// Largest backward error of a decomposition of `n` columns.
-fn backward(n: usize) -> f64 {
-    BACKWARD * f64::EPSILON * (n as f64 + 10.0)
+fn backward_limit(n: usize) -> f64 {
+    MAX_BACKWARD_ERROR * f64::EPSILON * (n as f64 + 10.0)
 }
 
 /// Largest entry; not a number where an entry is none.
@@ -319,9 +321,9 @@ fn weighted_signs<T: ComplexField<Real = f64>>(n: usize, weight: impl Fn(usize) 
         .map(weight)
         .map(|weight| if weight > 0.0 { weight.recip() } else { 0.0 })
         .collect();
-    let mut z = Mat::zeros(n, PROBES);
+    let mut z = Mat::zeros(n, RANDOM_VECTORS);
     for (i, scale) in scale.iter().enumerate() {
-        for j in 0..PROBES {
+        for j in 0..RANDOM_VECTORS {
             z[(i, j)] = T::from_f64_impl(if random.next() < 0.0 { -scale } else { *scale });
         }
     }

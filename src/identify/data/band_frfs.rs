@@ -147,7 +147,7 @@ impl BandFrfs {
         let noise = noise.into_par_iter().enumerate().map(of_receptance);
         let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
         let mut values = ComplexMatrix::zeros(omega.len(), set.len());
-        linalg::by_column(&mut values, |i, column| {
+        linalg::for_each_column(&mut values, |i, column| {
             let measured = &set.values(i)[lines.clone()];
             for ((value, measured), factor) in
                 column.iter_mut().zip(measured).zip(&scales.of(set, i).0)

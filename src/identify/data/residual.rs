@@ -63,7 +63,7 @@ impl Residual {
     /// Rescales the residual from one set of noise variances, by FRF and line, to another.
     pub fn over(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
         let lines = self.lines.clone();
-        linalg::by_column(&mut self.values, |f, column| {
+        linalg::for_each_column(&mut self.values, |f, column| {
             let variances = before[f][lines.clone()].iter().zip(&now[f][lines.clone()]);
             for (value, (before, now)) in column.iter_mut().zip(variances) {
                 *value *= (before / now).sqrt();
@@ -238,7 +238,7 @@ impl PredictedResponse<'_> {
         };
         let measured = self.data.values.matrix();
         let measured = measured.subrows(lines.start, lines.len());
-        let values = linalg::less_product(measured, &courses, &self.amplitudes, over_noise);
+        let values = linalg::subtract_product(measured, &courses, &self.amplitudes, over_noise);
         Residual { lines, values }
     }
 }

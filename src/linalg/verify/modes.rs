@@ -8,42 +8,43 @@ use super::super::scaled_pair::{ScaledPair, SymmetricModes};
 use super::super::sparse::{SparseMatrix, sparse_rayleigh_quotient};
 use super::super::sparse_modes::SparseModes;
 use super::super::{LinalgError, RealMatrix};
-use super::{Check, PROBES, backward, larger, largest, norm_of_row, weighted_signs};
+use super::{Check, RANDOM_VECTORS, backward_limit, larger, largest, norm_of_row, weighted_signs};
 
 /// Lowest modes whose number is compared with the inertia, where there are as many.
-const COUNTED: usize = 30;
+const COUNTED_MODES: usize = 30;
 /// Limit of the residual of a solution with a sparse factor over `(n + 10) eps` and the largest
 /// entry of the solution, both scaled by the root of the diagonal. Larger: a pivot off by a hundred
 /// of its roundings, `n eps`, is not found (`factors_broken_on_purpose_are_caught`). Smaller: right
 /// factors fail; the largest figure of 79 was 0.25.
-pub(in crate::linalg) const CHOLESKY: f64 = 20.0;
+pub(in crate::linalg) const MAX_CHOLESKY_ERROR: f64 = 20.0;
 /// The same of a factor that counts eigenvalues, which is pivoted within its blocks alone: the
 /// largest figure of 140 right factors was 1.1. Larger: as above, figures from 650 up are of broken
 /// factors. What fails is factored again beside the shift.
-pub(in crate::linalg) const INERTIA: f64 = 50.0;
+pub(in crate::linalg) const MAX_INERTIA_ERROR: f64 = 50.0;
 /// Limit of `|Phi^T M Phi z - z|` of sparse modes, largest entry. Larger: vectors off by 1e-9 pass.
 /// Smaller: right modes fail; the largest figure of 209 was 2e-14.
-const SPARSE_ORTHONORMAL: f64 = 1e-9;
+const MAX_SPARSE_ORTHONORMALITY_ERROR: f64 = 1e-9;
 /// Limits of a low omega² against the Rayleigh quotient of its vector, as a part of it and over its
 /// rounding bound. Larger: an omega² off by 1e-6, or by 100 rounding bounds, is not found
 /// (`modes_broken_on_purpose_are_caught`). Smaller: right modes fail; their largest figure was
 /// 0.005 of it.
-const QUOTIENT: [f64; 2] = [1e-7, 30.0];
+const MAX_QUOTIENT_ERROR: [f64; 2] = [1e-7, 30.0];
 /// Part of the largest omega² up to which each mode is compared with its Rayleigh quotient.
-/// Smaller: an error of 1e-6 in a mode above it is less than [`BACKWARD`](super::BACKWARD) allows
-/// with 2,000 coordinates (4e-4). Larger: time without use.
-const WEIGHED: f64 = 1e-3;
+/// Smaller: an error of 1e-6 in a mode above it is less than
+/// [`MAX_BACKWARD_ERROR`](super::MAX_BACKWARD_ERROR) allows with 2,000 coordinates (4e-4). Larger:
+/// time without use.
+const MAX_QUOTIENT_MODE_OVER_LARGEST: f64 = 1e-3;
 /// Limits of `|phi - (omega^2 + s) (K + s M)^-1 M phi|` in the norm of the mass, as a number and
 /// over the rounding bound of `omega^2 + s`. Larger: a mode in the place of another passes where
 /// their frequencies are close. Smaller: right modes fail; sums of them reached 0.005 of these
 /// limits.
-const INVERSE: [f64; 2] = [1e-6, 1e3];
+const MAX_INVERSE_ERROR: [f64; 2] = [1e-6, 1e3];
 /// Limit of the sum of these differences with random signs, each over its limit: a mode at its
 /// limit is found beside others.
 const MAX_SUM_OF_MODES: f64 = 0.5;
 /// Part of an omega² that it must be above the one before, for the modes to be counted between
 /// them.
-const GAP: f64 = 1e-4;
+const MIN_RELATIVE_GAP: f64 = 1e-4;
 
 /// Checks the modes of a symmetric pair (K, M).
 ///
@@ -86,12 +87,12 @@ pub(in crate::linalg) fn scaled_modes(
     let back = modes.vectors.transpose() * &moved - &z;
     check.below(
         largest(&back),
-        backward(n) * largest_diagonal_form(pair, modes),
+        backward_limit(n) * largest_diagonal_form(pair, modes),
     )?;
     upper_residual(&check, pair, modes, low.count())?;
-    quotients(&check, pair, modes, low.count())?;
+    check_quotients(&check, pair, modes, low.count())?;
     lower_residuals(&check, pair, modes, low)?;
-    count(pair, modes, low.count())
+    check_count(pair, modes, low.count())
 }
 
 /// Largest `phi^T diag(M) phi` of modes with `phi^T M phi = 1`, at least 1: the terms whose
@@ -114,19 +115,19 @@ fn upper_residual(
     let n = pair.mass.nrows();
     let mut z = weighted_signs::<f64>(n, |_| 1.0);
     z.subrows_mut(0, first).fill(0.0);
-    let weighted = Mat::from_fn(n, PROBES, |i, j| modes.omega_squared[i] * z[(i, j)]);
+    let weighted = Mat::from_fn(n, RANDOM_VECTORS, |i, j| modes.omega_squared[i] * z[(i, j)]);
     let forces = pair.stiffness_times((&modes.vectors * &z).as_ref());
     let residual = forces - pair.mass_times((&modes.vectors * weighted).as_ref());
     let scaled = |i: usize, j: usize| residual[(i, j)] / pair.mass[(i, i)].sqrt();
     let size = modes.omega_squared.iter();
     let size = size.fold(0.0, |a: f64, b| a.max(b.abs()));
-    let got = largest(&Mat::from_fn(n, PROBES, scaled));
-    check.below(got, backward(n) * size)
+    let got = largest(&Mat::from_fn(n, RANDOM_VECTORS, scaled));
+    check.below(got, backward_limit(n) * size)
 }
 
-/// Each mode from `first` on, up to [`WEIGHED`], against its Rayleigh quotient: an error of 1e-6 is
-/// too small a part of the largest omega² for [`upper_residual`].
-fn quotients(
+/// Each mode from `first` on, up to [`MAX_QUOTIENT_MODE_OVER_LARGEST`], against its Rayleigh
+/// quotient: an error of 1e-6 is too small a part of the largest omega² for [`upper_residual`].
+fn check_quotients(
     check: &Check,
     pair: &ScaledPair,
     modes: &SymmetricModes,
@@ -134,8 +135,8 @@ fn quotients(
 ) -> Result<(), LinalgError> {
     let largest = modes.omega_squared.last().copied().unwrap_or(0.0);
     let up_to = |limit: f64| modes.omega_squared.partition_point(|value| *value <= limit);
-    let first = first.max(up_to(-WEIGHED * largest));
-    let end = up_to(WEIGHED * largest);
+    let first = first.max(up_to(-MAX_QUOTIENT_MODE_OVER_LARGEST * largest));
+    let end = up_to(MAX_QUOTIENT_MODE_OVER_LARGEST * largest);
     if end <= first {
         return Ok(());
     }
@@ -144,7 +145,7 @@ fn quotients(
     for j in 0..end - first {
         let omega_squared = modes.omega_squared[first + j];
         let quotient = vectors.col(j).transpose() * forces.col(j);
-        let limit = (QUOTIENT[0] * omega_squared.abs()).max(f64::EPSILON * largest);
+        let limit = (MAX_QUOTIENT_ERROR[0] * omega_squared.abs()).max(f64::EPSILON * largest);
         check.below((quotient - omega_squared).abs(), limit)?;
     }
     Ok(())
@@ -181,16 +182,17 @@ fn level_residuals(
     for j in 0..count {
         let (omega_squared, rounding) = (modes.omega_squared[first + j], modes.rounding[first + j]);
         let quotient = vectors.col(j).transpose() * forces.col(j);
-        let limit = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
+        let limit =
+            (MAX_QUOTIENT_ERROR[0] * omega_squared.abs()).max(MAX_QUOTIENT_ERROR[1] * rounding);
         check.below((quotient - omega_squared).abs(), limit)?;
-        limits.push(INVERSE[0].max(INVERSE[1] * rounding / shifted(j)));
+        limits.push(MAX_INVERSE_ERROR[0].max(MAX_INVERSE_ERROR[1] * rounding / shifted(j)));
     }
     let z = weighted_signs::<f64>(count, |j| limits[j]);
-    let weighted = Mat::from_fn(count, PROBES, |i, j| shifted(i) * z[(i, j)]);
+    let weighted = Mat::from_fn(count, RANDOM_VECTORS, |i, j| shifted(i) * z[(i, j)]);
     let image = level.solve(&pair.mass_times((vectors * weighted).as_ref()));
     let difference = vectors * z - image;
     let moved = pair.mass_times(difference.as_ref());
-    for probe in 0..PROBES {
+    for probe in 0..RANDOM_VECTORS {
         let energy = difference.col(probe).transpose() * moved.col(probe);
         check.below(energy.abs().sqrt(), MAX_SUM_OF_MODES)?;
     }
@@ -198,9 +200,9 @@ fn level_residuals(
 }
 
 /// The number of the lowest modes against the inertia of `K - sigma M`.
-fn count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), LinalgError> {
+fn check_count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), LinalgError> {
     let n = modes.omega_squared.len();
-    let Some(counted) = counted(&modes.omega_squared, low.max(COUNTED.min(n))) else {
+    let Some(counted) = count_to_gap(&modes.omega_squared, low.max(COUNTED_MODES.min(n))) else {
         // Where all modes are counted, or nothing separates them, that the vectors are complete is
         // the proof.
         return Ok(());
@@ -236,9 +238,10 @@ fn count(pair: &ScaledPair, modes: &SymmetricModes, low: usize) -> Result<(), Li
 }
 
 /// The least number of modes, from `first` on, after which the next one is above a gap.
-fn counted(omega_squared: &[f64], first: usize) -> Option<usize> {
-    let is_gap =
-        |&j: &usize| omega_squared[j] - omega_squared[j - 1] > GAP * omega_squared[j].abs();
+fn count_to_gap(omega_squared: &[f64], first: usize) -> Option<usize> {
+    let is_gap = |&j: &usize| {
+        omega_squared[j] - omega_squared[j - 1] > MIN_RELATIVE_GAP * omega_squared[j].abs()
+    };
     (first.max(1)..omega_squared.len()).find(is_gap)
 }
 
@@ -300,24 +303,27 @@ pub(in crate::linalg) fn sparse_modes(
         let x: Vec<f64> = modes.vectors.col(j).iter().copied().collect();
         let (quotient, _) = sparse_rayleigh_quotient(stiffness, mass, &x);
         let rounding = modes.rounding[j];
-        let nearest = (QUOTIENT[0] * omega_squared.abs()).max(QUOTIENT[1] * rounding);
+        let nearest =
+            (MAX_QUOTIENT_ERROR[0] * omega_squared.abs()).max(MAX_QUOTIENT_ERROR[1] * rounding);
         check.below((quotient - omega_squared).abs(), nearest)?;
-        limits.push(INVERSE[0].max(INVERSE[1] * rounding / (omega_squared + shift)));
+        limits.push(
+            MAX_INVERSE_ERROR[0].max(MAX_INVERSE_ERROR[1] * rounding / (omega_squared + shift)),
+        );
     }
     let z = weighted_signs::<f64>(count, |_| 1.0);
     let moved = mass.multiply(&(&modes.vectors * &z));
     let back = modes.vectors.transpose() * &moved - &z;
-    check.below(largest(&back), SPARSE_ORTHONORMAL)?;
+    check.below(largest(&back), MAX_SPARSE_ORTHONORMALITY_ERROR)?;
     // Each mode over its limit, so that the loose limit of one hides no error of another.
-    let over = Mat::from_fn(count, PROBES, |i, j| z[(i, j)] / limits[i]);
-    let weighted = Mat::from_fn(count, PROBES, |i, j| {
+    let over = Mat::from_fn(count, RANDOM_VECTORS, |i, j| z[(i, j)] / limits[i]);
+    let weighted = Mat::from_fn(count, RANDOM_VECTORS, |i, j| {
         (modes.omega_squared[i] + shift) * over[(i, j)]
     });
     let mut image = mass.multiply(&(&modes.vectors * weighted));
     solve(&mut image);
     let difference = &modes.vectors * over - image;
     let moved = mass.multiply(&difference);
-    for probe in 0..PROBES {
+    for probe in 0..RANDOM_VECTORS {
         let energy = difference.col(probe).transpose() * moved.col(probe);
         check.below(energy.abs().sqrt(), MAX_SUM_OF_MODES)?;
     }
