@@ -9,7 +9,7 @@ use super::spectra_sums::LineSums;
 const MIN_COHERENCE: f64 = 1e-6;
 
 /// Coherence that noise alone gives with hundreds of averages.
-const NONE: f64 = 1e-3;
+const MAX_NOISE_COHERENCE: f64 = 1e-3;
 
 /// `γ² = |Gfx|² / (Gff Gxx)` in `[0, 1]`; rounding above 1 is taken off, and 0 where either power
 /// is 0.
@@ -30,10 +30,10 @@ pub(super) fn coherence(sums: LineSums) -> f64 {
 }
 
 /// Variance of H1 at every line from its coherence and the number of averages, 2 or more: `|H|²(1 −
-/// γ²)/(γ²(n − 1))`. Where there is hardly any coherence ([`NONE`]), `|H|²` is at least its mean
-/// over the lines: a value that is 0 for want of a signal is not a sure one. A coherence that is 1
-/// as it was stored is half a step of its [`resolution`] below 1: no line is free of noise beside
-/// others.
+/// γ²)/(γ²(n − 1))`. Where there is hardly any coherence ([`MAX_NOISE_COHERENCE`]), `|H|²` is at
+/// least its mean over the lines: a value that is 0 for want of a signal is not a sure one. A
+/// coherence that is 1 as it was stored counts as half a [`storage_step`] below 1: no line is free
+/// of noise beside others.
 ///
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
@@ -45,10 +45,10 @@ pub(crate) fn variance_from_coherence(
     let finite = values.iter().map(Complex64::norm_sqr);
     let finite: Vec<f64> = finite.filter(|power| power.is_finite()).collect();
     let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
-    let highest = 1.0 - 0.5 * resolution(coherence);
+    let highest = 1.0 - 0.5 * storage_step(coherence);
     let variance = |(h, g): (&Complex64, &f64)| {
         let gamma_squared = g.clamp(MIN_COHERENCE, highest);
-        let least = if *g <= NONE { mean } else { 0.0 };
+        let least = if *g <= MAX_NOISE_COHERENCE { mean } else { 0.0 };
         let power = h.norm_sqr().max(least);
         power * (1.0 - gamma_squared) / (gamma_squared * f64::from(averages - 1))
     };
@@ -56,23 +56,23 @@ pub(crate) fn variance_from_coherence(
 }
 
 /// Decimals of a printed coherence: fewer count as 3, and more are finer than single precision.
-const DECIMALS: std::ops::RangeInclusive<i32> = 3..=7;
+const PRINTED_DECIMALS: std::ops::RangeInclusive<i32> = 3..=7;
 /// Largest distance of a printed value from whole steps, in steps: what single precision leaves of
 /// 3 decimals is 6e-5.
-const MAX_FROM_STEP: f64 = 1e-3;
+const MAX_STEP_DEVIATION: f64 = 1e-3;
 
 /// Step in which a coherence is stored: that of its decimals, or of single precision; 0 in double
 /// precision, and where it is 1 at every line.
-fn resolution(coherence: &[f64]) -> f64 {
+fn storage_step(coherence: &[f64]) -> f64 {
     let below = || coherence.iter().filter(|g| **g < 1.0);
     if below().next().is_none() {
         return 0.0;
     }
     let is_printed = |decimals: &i32| {
         let scale = 10f64.powi(*decimals);
-        below().all(|g| (g * scale - (g * scale).round()).abs() < MAX_FROM_STEP)
+        below().all(|g| (g * scale - (g * scale).round()).abs() < MAX_STEP_DEVIATION)
     };
-    if let Some(decimals) = DECIMALS.into_iter().find(is_printed) {
+    if let Some(decimals) = PRINTED_DECIMALS.into_iter().find(is_printed) {
         return 10f64.powi(-decimals);
     }
     let is_single = |g: &f64| (*g - f64::from(*g as f32)).abs() <= 0.0;
@@ -100,7 +100,7 @@ mod tests {
             (exact.map(|g| f64::from(g as f32)), f64::from(f32::EPSILON)),
             ([1.0; 3], 0.0),
         ] {
-            assert!((resolution(&stored) - step).abs() < 1e-12, "{stored:?}");
+            assert!((storage_step(&stored) - step).abs() < 1e-12, "{stored:?}");
         }
         let h = [Complex64::new(3.0, 4.0); 3];
         let variance = variance_from_coherence(&h, &printed(6), 3);

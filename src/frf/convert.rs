@@ -27,7 +27,7 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
     let difference = |from: FrfKind| kind.derivative_order() - from.derivative_order();
     let integrates = set.functions().iter().any(|f| difference(f.kind) < 0);
     let first = usize::from(integrates && laplace(set, 0).norm() <= 0.0);
-    let mut out = FrfSet::new(without_first(set.axis(), first));
+    let mut out = FrfSet::new(axis_from_line(set.axis(), first));
     out.added_damping_rad_s = set.added_damping_rad_s;
     out.window = set.window;
     out.mixed_windows.clone_from(&set.mixed_windows);
@@ -70,7 +70,7 @@ fn laplace(set: &FrfSet, k: usize) -> Complex64 {
     Complex64::new(set.added_damping_rad_s, set.axis().rad_s(k))
 }
 
-fn without_first(axis: &FrequencyAxis, first: usize) -> FrequencyAxis {
+fn axis_from_line(axis: &FrequencyAxis, first: usize) -> FrequencyAxis {
     FrequencyAxis {
         start_hz: axis.hz(first),
         step_hz: axis.step_hz,

@@ -1,4 +1,5 @@
-//! An FRF set is estimated from hits: each (response, hit point) pair is averaged over its hits.
+//! An FRF set is estimated from hits: each (response, excitation point) pair is averaged over its
+//! hits.
 //!
 //! Roving hammer and roving accelerometer are the same thing here. Degrees of freedom keep the
 //! signs of their sensors and the samples are taken as they are. It does not choose hits: what
@@ -21,9 +22,10 @@ use crate::record::{Hit, HitInfo, InMemory, Recording, Samples};
 
 use crate::signal::lane_count;
 
-use super::force::{Extent, ForceHit, read_force};
+use super::force::{ForceHit, TransformRange, read_force};
 use super::frf_estimation::{
-    Estimation, Finished, Group, RecordIndex, SharedRecording, Task, Work, force_power,
+    EstimatedFrf, Estimation, PointHits, RecordIndex, ResponseRecords, SharedRecording, Workspace,
+    force_power,
 };
 use super::preconditions::check;
 use super::selection::Selection;
@@ -41,8 +43,8 @@ pub struct Estimated {
     pub truncation: BTreeMap<(Dof, Dof), Truncation>,
 }
 
-/// Estimates the FRF of every (response, hit point) pair of hits in memory: [`estimate_recording`]
-/// of all of them.
+/// Estimates the FRF of every (response, excitation point) pair of hits in memory:
+/// [`estimate_recording`] of all of them.
 ///
 /// # Errors
 /// As [`estimate_recording`].
@@ -75,8 +77,8 @@ pub fn truncation_bounds(
     Ok(estimate_recording(&mut InMemory::new(hits), &all, options)?.truncation)
 }
 
-/// Estimates the FRF of every (response, hit point) pair of the selected hits, ordered by response
-/// and reference.
+/// Estimates the FRF of every (response, excitation point) pair of the selected hits, ordered by
+/// response and reference.
 ///
 /// Over the hits of a pair, with unscaled one-sided spectra F and X: `Gff = Σ|F|²`, `Gxx = Σ|X|²`,
 /// `Gfx = ΣF* X`;
@@ -113,7 +115,7 @@ pub fn estimate_recording(
     let infos: Vec<HitInfo> = recording.hits().to_vec();
     let hits: Vec<&HitInfo> = chosen.iter().map(|hit| &infos[*hit]).collect();
     check(&hits, options)?;
-    let extent = Extent::of(recording, chosen, options)?;
+    let extent = TransformRange::new(recording, chosen, options)?;
     let plan = ForwardPlan::new(extent.len);
     let axis = TimeAxis {
         len: extent.len,
@@ -122,17 +124,17 @@ pub fn estimate_recording(
     let mut power = ForcePower::new(axis);
     let mut cuts: Vec<(usize, f64)> = Vec::new();
     let mut finished = Vec::new();
-    let groups = by_reference(&infos, chosen);
-    let mut explained = (groups.len() > 1).then(Explained::default);
+    let groups = hits_by_reference(&infos, chosen);
+    let mut explained = (groups.len() > 1).then(ExplainedPower::default);
     for (reference, members) in groups {
-        let forces = forces(recording, &infos, &members, &extent, &plan, options)?;
+        let forces = read_forces(recording, &infos, &members, &extent, &plan, options)?;
         for (force, hit) in forces.iter().zip(&members) {
             power.add(&force.spectrum, force.noise);
             cuts.extend(force.cut.map(|cut| (*hit, cut)));
         }
         let weights = forces[0].frame.response_weights.clone();
         let estimation = Estimation {
-            group: Group {
+            group: PointHits {
                 reference,
                 numbers: &members,
                 hits: members.iter().map(|hit| &infos[*hit]).collect(),
@@ -145,31 +147,31 @@ pub fn estimate_recording(
             several_references: explained.is_some(),
             options,
         };
-        let group_frfs = functions(recording, &estimation, &mut explained)?;
+        let group_frfs = estimate_functions(recording, &estimation, &mut explained)?;
         finished.extend(group_frfs);
     }
-    let mut estimated = collect(finished, &power, &cuts, options)?;
-    estimated.set.multiple_coherence = explained.map(Explained::coherence).unwrap_or_default();
+    let mut estimated = collect_set(finished, &power, &cuts, options)?;
+    estimated.set.multiple_coherence = explained.map(ExplainedPower::coherence).unwrap_or_default();
     Ok(estimated)
 }
 
 /// Power of each response over all references, and the part of it that they explain.
 #[derive(Default)]
-struct Explained {
-    responses: BTreeMap<Dof, Powers>,
+struct ExplainedPower {
+    responses: BTreeMap<Dof, ResponsePowers>,
 }
 
 #[derive(Default)]
-struct Powers {
+struct ResponsePowers {
     all: Vec<f64>,
     explained: Vec<f64>,
     references: usize,
 }
 
-impl Explained {
+impl ExplainedPower {
     /// Adds a function; one without coherence explains all of itself and says nothing, so it is
     /// left out.
-    fn add(&mut self, frf: &Finished) {
+    fn add(&mut self, frf: &EstimatedFrf) {
         let Some(coherence) = &frf.data.coherence else {
             return;
         };
@@ -190,7 +192,7 @@ impl Explained {
     fn coherence(self) -> BTreeMap<Dof, Vec<f64>> {
         let several = self.responses.into_iter();
         let several = several.filter(|(_, powers)| powers.references > 1);
-        let of = |powers: Powers| {
+        let of = |powers: ResponsePowers| {
             let lines = powers.explained.iter().zip(&powers.all);
             lines
                 .map(|(explained, all)| if *all > 0.0 { explained / all } else { 0.0 })
@@ -200,8 +202,8 @@ impl Explained {
     }
 }
 
-/// The chosen hits of each hit point, in order.
-fn by_reference<'a>(infos: &'a [HitInfo], chosen: &[usize]) -> BTreeMap<&'a Dof, Vec<usize>> {
+/// The chosen hits of each excitation point, in order.
+fn hits_by_reference<'a>(infos: &'a [HitInfo], chosen: &[usize]) -> BTreeMap<&'a Dof, Vec<usize>> {
     let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
     for hit in chosen {
         groups.entry(&infos[*hit].force.dof).or_default().push(*hit);
@@ -210,11 +212,11 @@ fn by_reference<'a>(infos: &'a [HitInfo], chosen: &[usize]) -> BTreeMap<&'a Dof,
 }
 
 /// The forces of these hits; the first bad hit in order is the error.
-fn forces(
+fn read_forces(
     recording: &mut dyn Recording,
     infos: &[HitInfo],
     hits: &[usize],
-    extent: &Extent,
+    extent: &TransformRange,
     plan: &ForwardPlan,
     options: &EstimateOptions,
 ) -> Result<Vec<ForceHit>, FrfError> {
@@ -237,29 +239,29 @@ fn forces(
 }
 
 /// Functions that are finished before what their references explain is added up.
-const AT_A_TIME: usize = 64;
+const FRFS_PER_BLOCK: usize = 64;
 
-/// Every function of a hit point.
-fn functions(
+/// Every function of an excitation point.
+fn estimate_functions(
     recording: &mut dyn Recording,
     estimation: &Estimation,
-    explained: &mut Option<Explained>,
-) -> Result<Vec<Finished>, FrfError> {
-    let tasks = tasks(&estimation.group);
+    explained: &mut Option<ExplainedPower>,
+) -> Result<Vec<EstimatedFrf>, FrfError> {
+    let by_response = records_by_response(&estimation.group);
     let recording = SharedRecording::new(recording);
-    let spare: Mutex<Vec<Work>> = Mutex::default();
+    let spare: Mutex<Vec<Workspace>> = Mutex::default();
     let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
-    let finish = |task: &Task| {
+    let estimate = |records: &ResponseRecords| {
         let used_work = spare().pop();
-        let mut work = used_work.unwrap_or_else(|| Work::new(estimation.plan));
-        let done = estimation.finish(task, &recording, &mut work);
+        let mut work = used_work.unwrap_or_else(|| Workspace::new(estimation.plan));
+        let done = estimation.estimate_from_records(records, &recording, &mut work);
         spare().push(work);
         done
     };
-    let mut finished = Vec::with_capacity(tasks.len());
-    for tasks in tasks.chunks(AT_A_TIME) {
+    let mut finished = Vec::with_capacity(by_response.len());
+    for block in by_response.chunks(FRFS_PER_BLOCK) {
         // Each takes long: no thread takes several at once.
-        let done: Vec<_> = tasks.par_iter().with_max_len(1).map(finish).collect();
+        let done: Vec<_> = block.par_iter().with_max_len(1).map(estimate).collect();
         for frf in done {
             let mut frf = frf?;
             if let Some(explained) = explained {
@@ -272,37 +274,37 @@ fn functions(
     Ok(finished)
 }
 
-/// One task for each response of a group, in order.
-fn tasks(group: &Group) -> Vec<Task> {
-    let mut tasks: Vec<Task> = Vec::new();
+/// The records of each response at one excitation point, in order of the responses.
+fn records_by_response(group: &PointHits) -> Vec<ResponseRecords> {
+    let mut by_response: Vec<ResponseRecords> = Vec::new();
     let mut numbers: HashMap<&Dof, usize> = HashMap::new();
     for (hit_number, hit) in group.hits.iter().enumerate() {
         for (response_number, response) in hit.responses.iter().enumerate() {
             let number = *numbers.entry(&response.dof).or_insert_with(|| {
-                tasks.push(Task {
+                by_response.push(ResponseRecords {
                     response: response.dof.clone(),
-                    records: Vec::new(),
+                    indices: Vec::new(),
                 });
-                tasks.len() - 1
+                by_response.len() - 1
             });
-            tasks[number].records.push(RecordIndex {
+            by_response[number].indices.push(RecordIndex {
                 hit: hit_number,
                 response: response_number,
             });
         }
     }
-    tasks.sort_unstable_by(|a, b| a.response.cmp(&b.response));
-    tasks
+    by_response.sort_unstable_by(|a, b| a.response.cmp(&b.response));
+    by_response
 }
 
 /// The set of all functions with its findings.
-fn collect(
-    mut finished: Vec<Finished>,
+fn collect_set(
+    mut finished: Vec<EstimatedFrf>,
     power: &ForcePower,
     cuts: &[(usize, f64)],
     options: &EstimateOptions,
 ) -> Result<Estimated, FrfError> {
-    let key = |frf: &Finished| {
+    let key = |frf: &EstimatedFrf| {
         (
             frf.function.response.clone(),
             frf.function.reference.clone(),
@@ -327,25 +329,25 @@ fn collect(
         set.findings.extend(frf.findings);
         set.push(frf.function, frf.data)?;
     }
-    set.findings.extend(coherence_absent(single));
-    set.findings.extend(force_window_cuts(cuts));
-    let low = low_coherence(&set);
+    set.findings.extend(coherence_absent_finding(single));
+    set.findings.extend(force_window_finding(cuts));
+    let low = low_coherence_finding(&set);
     set.findings.extend(low);
     set.findings.push(truncation_finding(&truncation));
     Ok(Estimated { set, truncation })
 }
 
 /// Median coherence over the valid band below which a set says so.
-const LOW_COHERENCE: f64 = 0.9;
+const MIN_MEDIAN_COHERENCE: f64 = 0.9;
 
 /// One finding for the function of lowest median coherence over the valid band.
-fn low_coherence(set: &FrfSet) -> Option<Finding> {
+fn low_coherence_finding(set: &FrfSet) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let median = |index: usize| {
         let values = &set.coherence(index)?[lines.clone()];
         let middle = values.len() / 2;
         // Only what is too low is sought out.
-        let low = lane_count(values, |coherence| coherence < LOW_COHERENCE);
+        let low = lane_count(values, |coherence| coherence < MIN_MEDIAN_COHERENCE);
         (middle < low).then(|| {
             let mut values = values.to_vec();
             *values.select_nth_unstable_by(middle, f64::total_cmp).1
@@ -358,15 +360,15 @@ fn low_coherence(set: &FrfSet) -> Option<Finding> {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),
     };
-    let finding = Finding::new(Severity::Warning, Code::LowCoherence, location);
-    Some(finding.value(worst, "").limit(LOW_COHERENCE))
+    let finding = Finding::new(Severity::Warning, Code::LowCoherence, place);
+    Some(finding.value(worst, "").limit(MIN_MEDIAN_COHERENCE))
 }
 
 /// Largest part of the force that its window may cut off.
 const MAX_CUT_FORCE_FRACTION: f64 = 0.01;
 
 /// One finding for the hit of which the force window cuts off most.
-fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
+fn force_window_finding(cuts: &[(usize, f64)]) -> Option<Finding> {
     let (index, cut) = cuts.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let finding = Finding::new(
         Severity::Warning,
@@ -376,7 +378,7 @@ fn force_window_cuts(cuts: &[(usize, f64)]) -> Option<Finding> {
     (*cut > MAX_CUT_FORCE_FRACTION).then(|| finding.value(*cut, "").limit(MAX_CUT_FORCE_FRACTION))
 }
 
-fn coherence_absent(functions: usize) -> Option<Finding> {
+fn coherence_absent_finding(functions: usize) -> Option<Finding> {
     (functions > 0).then(|| {
         Finding::new(Severity::Warning, Code::CoherenceAbsent, Location::Whole)
             .value(functions as f64, "functions")

@@ -7,7 +7,9 @@ use num_complex::Complex64;
 
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
-use crate::signal::{Conditioning, Frame, force_cut, locate, offset_of, to_si};
+use crate::signal::{
+    Conditioning, Frame, cut_force_fraction, locate_pulse, pretrigger_offset, to_si,
+};
 
 use super::{EstimateOptions, FrfError};
 
@@ -34,13 +36,14 @@ impl ForceHit {
     ) -> Result<Self, FrfError> {
         let mut force = Vec::new();
         to_si(hit, &hit.force, samples, &mut force)?;
-        let pulse = locate(hit, &force)?;
-        let (quiet, offset) = offset_of(hit, &hit.force, &force, &pulse, conditioning.offset)?;
+        let pulse = locate_pulse(hit, &force)?;
+        let (quiet, offset) =
+            pretrigger_offset(hit, &hit.force, &force, &pulse, conditioning.offset)?;
         let window = conditioning
             .force_window
             .map(|window| window.weights(&hit.axis, &pulse));
         let cut = window.zip(quiet);
-        let cut = cut.map(|(window, quiet)| force_cut(&force, &window, &quiet));
+        let cut = cut.map(|(window, quiet)| cut_force_fraction(&force, &window, &quiet));
         let range = range.unwrap_or(0..hit.axis.len);
         let frame = Frame::new(&hit.axis, pulse, range, conditioning);
         let weights = frame.force_weights.as_deref();
@@ -62,17 +65,17 @@ impl ForceHit {
 const MIN_RESPONSE_SAMPLES: usize = 32;
 
 /// Which samples of each hit are transformed.
-pub(super) struct Extent {
+pub(super) struct TransformRange {
     /// Number of samples.
     pub len: usize,
     /// Where they begin in each hit; `None` where all are taken.
     starts: Option<Vec<usize>>,
 }
 
-impl Extent {
+impl TransformRange {
     /// All samples; or those from the pulse on, as many as every chosen hit has (and a transform
     /// takes without effort).
-    pub fn of(
+    pub fn new(
         recording: &mut dyn Recording,
         chosen: &[usize],
         options: &EstimateOptions,
@@ -92,11 +95,11 @@ impl Extent {
             read_force(recording, hit, &mut samples)?;
             let info = &recording.hits()[hit];
             to_si(info, &info.force, &samples, &mut force)?;
-            let pulse = locate(info, &force)?;
+            let pulse = locate_pulse(info, &force)?;
             (starts[hit], ends[hit]) = (pulse.quiet().end, pulse.end);
             len = len.min(whole - starts[hit]);
         }
-        len = smooth(len);
+        len = fast_transform_length(len);
         // One pulse at the end of its record would leave no response of the others.
         if let Some(late) = chosen
             .iter()
@@ -122,7 +125,7 @@ impl Extent {
 }
 
 /// The largest even number of the form 2^a 3^b 5^c 7^d that is not larger; a small number as it is.
-fn smooth(len: usize) -> usize {
+fn fast_transform_length(len: usize) -> usize {
     let is_smooth = |len: usize| {
         let mut rest = len;
         for prime in [2, 3, 5, 7] {
@@ -156,11 +159,14 @@ mod tests {
 
     #[test]
     fn a_transform_of_a_smooth_length_is_not_much_shorter() {
-        assert_eq!(smooth(96_000), 96_000);
-        assert_eq!(smooth(65_535), 64_800); // 2^5 3^4 5^2
-        assert_eq!((smooth(2), smooth(1)), (2, 1));
+        assert_eq!(fast_transform_length(96_000), 96_000);
+        assert_eq!(fast_transform_length(65_535), 64_800); // 2^5 3^4 5^2
+        assert_eq!((fast_transform_length(2), fast_transform_length(1)), (2, 1));
         for len in 200..20_000 {
-            assert!(smooth(len) as f64 > 0.93 * len as f64, "{len}");
+            assert!(
+                fast_transform_length(len) as f64 > 0.93 * len as f64,
+                "{len}"
+            );
         }
     }
 }

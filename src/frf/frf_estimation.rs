@@ -1,5 +1,5 @@
-//! One FRF is estimated: the records of a (response, hit point) pair are transformed and summed
-//! over hits.
+//! One FRF is estimated: the records of a (response, excitation point) pair are transformed and
+//! summed over hits.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,7 +9,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
 use crate::record::{ChannelPlace, HitInfo, ReadError, Recording, Samples, Stretch};
-use crate::signal::{Extent, offset_of, overloaded, to_si};
+use crate::signal::{Extent, overloaded, pretrigger_offset, to_si};
 
 use super::coherence::coherence;
 use super::force::ForceHit;
@@ -21,7 +21,7 @@ use super::variance::{Averaged, NoisePowers, variances};
 use super::{EstimateOptions, Estimator, FrfError, Function, FunctionData};
 
 /// The hits at one point, with their forces.
-pub(super) struct Group<'a> {
+pub(super) struct PointHits<'a> {
     pub reference: &'a Dof,
     /// Their numbers in the recording, from 0.
     pub numbers: &'a [usize],
@@ -46,9 +46,9 @@ pub(super) fn force_power<'a>(
 }
 
 /// One response and its records in the hits of a group.
-pub(super) struct Task {
+pub(super) struct ResponseRecords {
     pub response: Dof,
-    pub records: Vec<RecordIndex>,
+    pub indices: Vec<RecordIndex>,
 }
 
 /// A record of a response.
@@ -75,7 +75,7 @@ impl<'a> SharedRecording<'a> {
 }
 
 /// A finished function.
-pub(super) struct Finished {
+pub(super) struct EstimatedFrf {
     pub function: Function,
     pub data: FunctionData,
     /// Power of the response at each line, summed over its hits, where there are several
@@ -87,11 +87,11 @@ pub(super) struct Finished {
 }
 
 /// Working memory of one thread.
-pub(super) struct Work {
+pub(super) struct Workspace {
     scratch: Scratch,
     samples: Samples,
     record: Vec<f64>,
-    spectra: [Vec<Complex64>; ADDED_TOGETHER],
+    spectra: [Vec<Complex64>; SPECTRA_PER_PASS],
     /// Hits, by their numbers within the group, whose spectra are there and not yet summed.
     waiting: Vec<usize>,
     sums: Sums,
@@ -99,9 +99,9 @@ pub(super) struct Work {
 
 /// Hits whose spectra are summed in one pass: the sums are read and written once for all of them,
 /// while more spectra than that would have left the cache before.
-const ADDED_TOGETHER: usize = 2;
+const SPECTRA_PER_PASS: usize = 2;
 
-impl Work {
+impl Workspace {
     pub fn new(plan: &ForwardPlan) -> Self {
         Self {
             scratch: plan.scratch(),
@@ -130,7 +130,7 @@ impl Work {
 
 /// Properties of a function's records other than their sums.
 #[derive(Default)]
-struct Totals {
+struct RecordStatistics {
     /// Numbers of the hits within the group.
     hits: Vec<usize>,
     energies: Vec<Option<QuarterEnergies>>,
@@ -140,7 +140,7 @@ struct Totals {
     quiet_samples: usize,
 }
 
-impl Totals {
+impl RecordStatistics {
     fn noise_powers(&self) -> NoisePowers {
         let mean = |values: &[f64]| {
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
@@ -155,10 +155,10 @@ impl Totals {
 
 /// Data common to all functions of a group.
 pub(super) struct Estimation<'a> {
-    pub group: Group<'a>,
+    pub group: PointHits<'a>,
     pub plan: &'a ForwardPlan,
     pub selection: &'a Selection,
-    /// Whether there are other hit points.
+    /// Whether there are other excitation points.
     pub several_references: bool,
     /// Neighbouring lines that count as one each under the window.
     pub pooled_lines: f64,
@@ -166,27 +166,27 @@ pub(super) struct Estimation<'a> {
 }
 
 impl Estimation<'_> {
-    /// Reads, transforms and sums the records of a task in their order. Records that
-    /// ran into the rail or hold nothing are left out, unless none would be left.
-    pub fn finish(
+    /// Estimates one FRF: its records are read, transformed and summed in their order. Overloaded
+    /// and empty records are left out, unless none would be left.
+    pub fn estimate_from_records(
         &self,
-        task: &Task,
+        records: &ResponseRecords,
         recording: &SharedRecording,
-        work: &mut Work,
-    ) -> Result<Finished, FrfError> {
-        let mut totals = Totals::default();
+        work: &mut Workspace,
+    ) -> Result<EstimatedFrf, FrfError> {
+        let mut totals = RecordStatistics::default();
         let mut findings = Vec::new();
         work.clear(self.plan.lines());
-        for index in &task.records {
+        for index in &records.indices {
             let extent = self.read(*index, recording, work)?;
-            match self.unusable(*index, &work.record, &extent) {
+            match self.rejection(*index, &work.record, &extent) {
                 Some(finding) => findings.push(finding),
                 None => self.add(*index, work, &mut totals)?,
             }
         }
         if totals.hits.is_empty() {
-            findings = vec![self.none_left(task)];
-            for index in &task.records {
+            findings = vec![self.no_record_passed(records)];
+            for index in &records.indices {
                 self.read(*index, recording, work)?;
                 self.add(*index, work, &mut totals)?;
             }
@@ -199,22 +199,22 @@ impl Estimation<'_> {
             let used_forces = totals.hits.iter().map(|hit| &forces[*hit]);
             work.sums.gff = force_power(used_forces, self.plan.lines());
         }
-        let finished = self.estimate(task, &work.sums, totals)?;
+        let finished = self.estimate(records, &work.sums, totals)?;
         findings.extend(finished.findings);
-        Ok(Finished {
+        Ok(EstimatedFrf {
             findings,
             ..finished
         })
     }
 
     /// All records of a function are bad: they are used all the same.
-    fn none_left(&self, task: &Task) -> Finding {
-        let location = Location::Function {
-            response: Some(task.response.clone()),
+    fn no_record_passed(&self, records: &ResponseRecords) -> Finding {
+        let place = Location::Function {
+            response: Some(records.response.clone()),
             reference: Some(self.group.reference.clone()),
         };
         let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, place);
-        finding.value(task.records.len() as f64, "hits")
+        finding.value(records.indices.len() as f64, "hits")
     }
 
     /// Reads a record in SI units.
@@ -222,7 +222,7 @@ impl Estimation<'_> {
         &self,
         index: RecordIndex,
         recording: &SharedRecording,
-        work: &mut Work,
+        work: &mut Workspace,
     ) -> Result<Extent, FrfError> {
         let hit = self.group.hits[index.hit];
         let stretch = Stretch {
@@ -236,7 +236,7 @@ impl Estimation<'_> {
     }
 
     /// The finding of a response of this extent that holds nothing, or ran into the rail.
-    fn unusable(&self, index: RecordIndex, record: &[f64], extent: &Extent) -> Option<Finding> {
+    fn rejection(&self, index: RecordIndex, record: &[f64], extent: &Extent) -> Option<Finding> {
         let number = self.group.numbers[index.hit];
         let limits = self.selection.overloads.as_ref()?;
         if self.selection.accepted.contains(&number) {
@@ -263,13 +263,13 @@ impl Estimation<'_> {
     fn add(
         &self,
         index: RecordIndex,
-        work: &mut Work,
-        totals: &mut Totals,
+        work: &mut Workspace,
+        totals: &mut RecordStatistics,
     ) -> Result<(), FrfError> {
         let (hit, force) = (self.group.hits[index.hit], &self.group.forces[index.hit]);
         let (channel, frame) = (&hit.responses[index.response], &force.frame);
         let policy = self.options.offset;
-        let (quiet, offset) = offset_of(hit, channel, &work.record, &frame.pulse, policy)?;
+        let (quiet, offset) = pretrigger_offset(hit, channel, &work.record, &frame.pulse, policy)?;
         let weights = frame.response_weights.as_deref();
         frame.apply(&mut work.record, offset, weights);
         let onset = frame.pulse.onset.saturating_sub(frame.range.start);
@@ -279,7 +279,7 @@ impl Estimation<'_> {
         let scratch = &mut work.scratch;
         self.plan.run(&mut work.record, spectrum, scratch);
         work.waiting.push(index.hit);
-        if work.waiting.len() == ADDED_TOGETHER {
+        if work.waiting.len() == SPECTRA_PER_PASS {
             work.sum(&self.group.forces);
         }
         totals.hits.push(index.hit);
@@ -294,14 +294,19 @@ impl Estimation<'_> {
         Ok(())
     }
 
-    fn estimate(&self, task: &Task, sums: &Sums, totals: Totals) -> Result<Finished, FrfError> {
+    fn estimate(
+        &self,
+        records: &ResponseRecords,
+        sums: &Sums,
+        totals: RecordStatistics,
+    ) -> Result<EstimatedFrf, FrfError> {
         let estimator = self.options.estimator;
         let powers = &totals.noise_powers();
-        let (kappa, finding) = self.noise_ratio(task, powers)?;
+        let (kappa, finding) = self.noise_ratio(records, powers)?;
         let values = sums.estimates(estimator, kappa);
-        let values = values.map_err(|(line, error)| self.line_error(error, task, line))?;
+        let values = values.map_err(|(line, error)| self.line_error(error, records, line))?;
         let n = totals.hits.len();
-        let first = task.records[0];
+        let first = records.indices[0];
         let first_hit = self.group.hits[first.hit];
         let coherence = (n > 1).then(|| sums.each(coherence));
         let averaged = Averaged {
@@ -313,7 +318,7 @@ impl Estimation<'_> {
         };
         let variances = variances(&averaged, self.pooled_lines, powers);
         let function = Function {
-            response: task.response.clone(),
+            response: records.response.clone(),
             reference: self.group.reference.clone(),
             kind: kind_of(first_hit, &first_hit.responses[first.response])?,
             averages: u32::try_from(n).ok(),
@@ -327,7 +332,7 @@ impl Estimation<'_> {
             variance: variances.map(|estimated| estimated.values),
             values,
         };
-        Ok(Finished {
+        Ok(EstimatedFrf {
             function,
             data,
             response_power: if self.several_references {
@@ -344,7 +349,7 @@ impl Estimation<'_> {
     /// which do not use it.
     fn noise_ratio(
         &self,
-        task: &Task,
+        records: &ResponseRecords,
         powers: &NoisePowers,
     ) -> Result<(f64, Option<Finding>), FrfError> {
         match (self.options.estimator, self.options.noise_ratio) {
@@ -352,7 +357,7 @@ impl Estimation<'_> {
             (Estimator::Hv, Some(stated)) => return Ok((stated, None)),
             (Estimator::Hv, None) => {}
         }
-        let (response, reference) = (task.response.clone(), self.group.reference.clone());
+        let (response, reference) = (records.response.clone(), self.group.reference.clone());
         let ratio = powers.response.zip(powers.force).map(|(x, f)| x / f);
         match ratio.filter(|kappa| *kappa > 0.0 && kappa.is_finite()) {
             Some(kappa) => {
@@ -372,8 +377,8 @@ impl Estimation<'_> {
         }
     }
 
-    fn line_error(&self, error: LineError, task: &Task, line: usize) -> FrfError {
-        let (response, reference) = (task.response.clone(), self.group.reference.clone());
+    fn line_error(&self, error: LineError, records: &ResponseRecords, line: usize) -> FrfError {
+        let (response, reference) = (records.response.clone(), self.group.reference.clone());
         let step_s = self.group.hits[0].axis.step_s;
         let frequency_hz = line as f64 / (self.plan.len() as f64 * step_s);
         match error {

@@ -11,7 +11,7 @@ use crate::signal::{ExponentialWindow, Outcome, Rule};
 use super::consistency::check_set;
 use super::estimate::{Estimated, estimate_recording};
 use super::hammer_options::{HammerOptions, ResponseWindow};
-use super::hit_report::{HitReport, judge};
+use super::hit_report::{HitReport, assess_hits};
 use super::selection::Selection;
 use super::{EstimateOptions, FrfError};
 
@@ -40,7 +40,7 @@ pub struct HammerTestResult {
 ///
 /// One exponential window serves the whole test, so that every pole gets the same added damping.
 /// With it the records begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the
-/// rules would leave a hit point without a hit, its hits stay, with a finding.
+/// rules would leave an excitation point without a hit, its hits stay, with a finding.
 ///
 /// # Errors
 /// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there;
@@ -50,15 +50,15 @@ pub fn hammer(
     options: &HammerOptions,
 ) -> Result<HammerTestResult, FrfError> {
     options.limits.validate()?;
-    check_numbers(recording.hits().len(), options)?;
-    let mut hits = judge(recording, options)?;
-    let mut findings = decide(&mut hits, options);
+    check_hit_numbers(recording.hits().len(), options)?;
+    let mut hits = assess_hits(recording, options)?;
+    let mut findings = decide_hits(&mut hits, options);
     let selection = Selection {
         hits: (0..hits.len()).filter(|hit| hits[*hit].used).collect(),
         overloads: (!options.keep_all).then_some(options.limits),
         accepted: options.accept.iter().map(|number| number - 1).collect(),
     };
-    let (estimate, finding) = windowed(recording, &hits, options)?;
+    let (estimate, finding) = decide_window(recording, &hits, options)?;
     findings.extend(finding);
     let mut estimated = estimate_recording(recording, &selection, &estimate)?;
     let usable = estimated.set.valid_band.ok_or(FrfError::BandEmpty {
@@ -87,7 +87,7 @@ pub fn hammer(
 }
 
 /// The hits that the user names must be there, and some must be left.
-fn check_numbers(expected: usize, options: &HammerOptions) -> Result<(), FrfError> {
+fn check_hit_numbers(expected: usize, options: &HammerOptions) -> Result<(), FrfError> {
     let stated = options.accept.iter().chain(&options.reject);
     let mut absent = stated.filter(|number| !(1..=expected).contains(*number));
     if let Some(got) = absent.next() {
@@ -106,7 +106,7 @@ fn check_numbers(expected: usize, options: &HammerOptions) -> Result<(), FrfErro
 }
 
 /// Says of every hit whether it is used; the findings of those that the rules do not pass.
-fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
+fn decide_hits(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
     for (index, hit) in hits.iter_mut().enumerate() {
         let number = index + 1;
         let rejected = hit.checks.iter().any(|check| hit.rejects(check));
@@ -137,12 +137,12 @@ fn decide(hits: &mut [HitReport], options: &HammerOptions) -> Vec<Finding> {
         }
     }
     findings.extend(hits.iter().flat_map(HitReport::findings));
-    findings.extend(roll_off(hits));
+    findings.extend(roll_off_finding(hits));
     findings
 }
 
 /// One finding for the hit of which the force spectrum falls off first.
-fn roll_off(hits: &[HitReport]) -> Option<Finding> {
+fn roll_off_finding(hits: &[HitReport]) -> Option<Finding> {
     let noted = hits.iter().filter(|hit| hit.used).flat_map(|hit| {
         let checks = hit.checks.iter();
         let checks =
@@ -155,15 +155,15 @@ fn roll_off(hits: &[HitReport]) -> Option<Finding> {
 }
 
 /// The options with the window that the responses need, and the finding that says so.
-fn windowed(
+fn decide_window(
     recording: &dyn Recording,
     hits: &[HitReport],
     options: &HammerOptions,
 ) -> Result<(EstimateOptions, Option<Finding>), FrfError> {
     let (end, finding) = match options.response_window {
-        ResponseWindow::Off => (None, largest_left(hits).map(not_decayed)),
+        ResponseWindow::Off => (None, largest_end_amplitude(hits).map(not_decayed_finding)),
         ResponseWindow::End(end) => (Some(end), None),
-        ResponseWindow::Auto => match largest_left(hits) {
+        ResponseWindow::Auto => match largest_end_amplitude(hits) {
             None => (None, None),
             Some(left) => {
                 let finding = Finding::new(Severity::Info, Code::WindowAdded, Location::Whole);
@@ -175,7 +175,7 @@ fn windowed(
         },
     };
     let cut = options.cut_pretrigger.unwrap_or(end.is_some());
-    let stretch_s = stretch_s(recording, hits);
+    let stretch_s = shortest_response_s(recording, hits);
     let window = |end| ExponentialWindow::from_end_value(end, stretch_s);
     let estimate = EstimateOptions {
         exponential: end.map(window).transpose()?,
@@ -186,14 +186,14 @@ fn windowed(
 }
 
 /// A response still rings at the end of its record and no window is wanted.
-fn not_decayed(left: f64) -> Finding {
+fn not_decayed_finding(left: f64) -> Finding {
     Finding::new(Severity::Warning, Code::NotDecayed, Location::Whole)
         .value(left, "")
         .limit(WINDOW_END)
 }
 
 /// The largest amplitude that is left at the end of a used record, where it is above its limit.
-fn largest_left(hits: &[HitReport]) -> Option<f64> {
+fn largest_end_amplitude(hits: &[HitReport]) -> Option<f64> {
     hits.iter()
         .filter(|hit| hit.used)
         .flat_map(|hit| &hit.checks)
@@ -204,7 +204,7 @@ fn largest_left(hits: &[HitReport]) -> Option<f64> {
 }
 
 /// From the hit to the end of the record, s: the shortest of the used hits.
-fn stretch_s(recording: &dyn Recording, hits: &[HitReport]) -> f64 {
+fn shortest_response_s(recording: &dyn Recording, hits: &[HitReport]) -> f64 {
     let of = |hit: &HitReport| {
         let axis = recording.hits()[hit.number - 1].axis;
         (axis.len - hit.onset) as f64 * axis.step_s

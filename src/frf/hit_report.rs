@@ -25,11 +25,11 @@ use super::preconditions::check;
 const JUDGED_RESPONSES: usize = 4;
 
 /// Hits that are read and judged at a time.
-const AT_A_TIME: usize = 8;
+const HITS_PER_BLOCK: usize = 8;
 
 /// End of the band in which the force spectrum is judged, as a fraction of the sampling rate;
 /// anti-alias filters are flat up to about there.
-const BAND_END: f64 = 0.4;
+const MAX_BAND_OVER_SAMPLING_RATE: f64 = 0.4;
 
 /// One hit with what the rules say of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct HitReport {
     pub number: usize,
     /// Where it came from.
     pub origin: String,
-    /// The hit point.
+    /// The excitation point.
     pub reference: Dof,
     /// Height of the pulse with its sign, N.
     pub peak_n: f64,
@@ -114,7 +114,7 @@ fn code(rule: Rule) -> Code {
 }
 
 /// The stored data of a hit until the series is checked.
-struct Judged {
+struct AssessedHit {
     report: HitReport,
     /// Force, and the response of which FRFs are compared, at the judged lines.
     spectra: (Vec<Complex64>, Vec<Complex64>),
@@ -126,7 +126,7 @@ struct Judged {
 ///
 /// # Errors
 /// [`FrfError`] for hits that cannot be averaged, and for samples that cannot be read or used.
-pub(super) fn judge(
+pub(super) fn assess_hits(
     recording: &mut dyn Recording,
     options: &HammerOptions,
 ) -> Result<Vec<HitReport>, FrfError> {
@@ -139,23 +139,23 @@ pub(super) fn judge(
     check(&of_wanted, &options.estimate)?;
     let plan = ForwardPlan::new(of_wanted[0].axis.len);
     let mut judged = Vec::with_capacity(wanted.len());
-    for hits in wanted.chunks(AT_A_TIME) {
-        let read: Vec<Read> = hits
+    for hits in wanted.chunks(HITS_PER_BLOCK) {
+        let read: Vec<HitSamples> = hits
             .iter()
-            .map(|hit| Read::of(recording, *hit, &infos[*hit]))
+            .map(|hit| HitSamples::read(recording, *hit, &infos[*hit]))
             .collect::<Result<_, FrfError>>()?;
-        let block: Vec<Result<Judged, FrfError>> = read
+        let block: Vec<Result<AssessedHit, FrfError>> = read
             .par_iter()
             .map_init(
                 || plan.scratch(),
-                |scratch, read| read.judge(&infos[read.hit], &options.limits, &plan, scratch),
+                |scratch, read| read.assess(&infos[read.hit], &options.limits, &plan, scratch),
             )
             .collect();
         for hit in block {
             judged.push(hit?);
         }
     }
-    series(&mut judged, &options.limits);
+    compare_hits(&mut judged, &options.limits);
     let mut reports: Vec<HitReport> = judged.into_iter().map(|hit| hit.report).collect();
     for hit in (0..infos.len()).filter(|hit| !wanted.contains(hit)) {
         reports.push(report(hit, &infos[hit], None, Vec::new()));
@@ -165,14 +165,14 @@ pub(super) fn judge(
 }
 
 /// The samples of a hit that are judged.
-struct Read {
+struct HitSamples {
     hit: usize,
     force: Samples,
     responses: Vec<(usize, Samples)>,
 }
 
-impl Read {
-    fn of(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Result<Self, FrfError> {
+impl HitSamples {
+    fn read(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Result<Self, FrfError> {
         let mut read = |channel: ChannelPlace| {
             let mut samples = Samples::F32(Vec::new());
             let stretch = Stretch {
@@ -196,20 +196,20 @@ impl Read {
         })
     }
 
-    fn judge(
+    fn assess(
         &self,
         info: &HitInfo,
         limits: &JudgeLimits,
         plan: &ForwardPlan,
         scratch: &mut Scratch,
-    ) -> Result<Judged, FrfError> {
+    ) -> Result<AssessedHit, FrfError> {
         let step_s = info.axis.step_s;
         let (mut force, mut response) = (Vec::new(), Vec::new());
         to_si(info, &info.force, &self.force, &mut force)?;
         let Some(pulse) = Pulse::locate(&force, ONSET_FRACTION) else {
             return Ok(self.without_pulse(info));
         };
-        let band_end_hz = BAND_END / step_s;
+        let band_end_hz = MAX_BAND_OVER_SAMPLING_RATE / step_s;
         let full_scale = info.force.full_scale;
         let mut checks = judge_force(&force, step_s, &pulse, full_scale, band_end_hz, limits);
         let mut compared: Option<(Dof, Vec<Complex64>)> = None;
@@ -225,15 +225,15 @@ impl Read {
             checks.extend(judge_response(&record, &pulse, limits));
             // FRFs are compared at the first response: the same one in every hit of a point.
             if compared.is_none() {
-                let lines = spectrum(&response, plan, scratch);
+                let lines = thinned_spectrum(&response, plan, scratch);
                 compared = Some((channel.dof.clone(), lines));
             }
         }
         let (compared, response) = compared.ok_or_else(|| FrfError::NoResponse {
             origin: info.origin.clone(),
         })?;
-        let force = spectrum(&force, plan, scratch);
-        Ok(Judged {
+        let force = thinned_spectrum(&force, plan, scratch);
+        Ok(AssessedHit {
             report: report(self.hit, info, Some(&pulse), checks),
             spectra: (force, response),
             compared,
@@ -241,11 +241,11 @@ impl Read {
     }
 }
 
-impl Read {
+impl HitSamples {
     /// A constant force: no impact.
-    fn without_pulse(&self, info: &HitInfo) -> Judged {
+    fn without_pulse(&self, info: &HitInfo) -> AssessedHit {
         let check = Check::new(Rule::Dead, Outcome::Rejected);
-        Judged {
+        AssessedHit {
             report: report(self.hit, info, None, vec![check]),
             spectra: (Vec::new(), Vec::new()),
             compared: info.responses[0].dof.clone(),
@@ -268,23 +268,23 @@ fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>)
 
 /// Lines of a hit that are kept until all of its point are there: enough to tell another point, few
 /// enough for thousands of hits.
-const KEPT_LINES: usize = 2048;
+const MAX_KEPT_LINES: usize = 2048;
 
 /// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many
 /// lines an even choice.
-fn spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -> Vec<Complex64> {
+fn thinned_spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; plan.lines()];
     plan.forward(record.iter().copied(), &mut lines, scratch);
-    let end = (BAND_END * plan.len() as f64) as usize;
+    let end = (MAX_BAND_OVER_SAMPLING_RATE * plan.len() as f64) as usize;
     let end = end.max(2).min(lines.len());
-    let step = (end - 1).div_ceil(KEPT_LINES).max(1);
+    let step = (end - 1).div_ceil(MAX_KEPT_LINES).max(1);
     lines[1..end].iter().step_by(step).copied().collect()
 }
 
 /// Holds the hits of each point that stand by themselves against each other.
-fn series(judged: &mut [Judged], limits: &JudgeLimits) {
+fn compare_hits(judged: &mut [AssessedHit], limits: &JudgeLimits) {
     let mut points: BTreeMap<(Dof, Dof), Vec<usize>> = BTreeMap::new();
-    let stands = |hit: &Judged| {
+    let stands = |hit: &AssessedHit| {
         !hit.report
             .checks
             .iter()

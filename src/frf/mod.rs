@@ -49,7 +49,7 @@ mod recording_tests;
 pub(crate) use coherence::variance_from_coherence;
 pub(crate) use consistency::check_functions;
 pub use consistency::check_set;
-pub(crate) use consistency::runs;
+pub(crate) use consistency::measurement_runs;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, estimate, estimate_recording, truncation_bounds, usable_band};

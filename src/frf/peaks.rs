@@ -25,13 +25,13 @@ impl Peak {
 }
 
 /// Lines at least `floor` high that are the highest between the points on both sides where the
-/// power falls to half, and those points at least `fewest` lines apart.
-pub(super) fn clear_peaks(power: &[f64], floor: &[f64], fewest: f64) -> Vec<Peak> {
+/// power falls to half, and those points at least `min_width` lines apart.
+pub(super) fn clear_peaks(power: &[f64], floor: &[f64], min_width: f64) -> Vec<Peak> {
     let peak = |k: usize| {
-        let lower = half_point(power, k, (0..k).rev())?;
-        let upper = half_point(power, k, k + 1..power.len())?;
+        let lower = half_power_point(power, k, (0..k).rev())?;
+        let upper = half_power_point(power, k, k + 1..power.len())?;
         let line = k;
-        Some(Peak { line, lower, upper }).filter(|peak| peak.width() >= fewest)
+        Some(Peak { line, lower, upper }).filter(|peak| peak.width() >= min_width)
     };
     let lines = 1..power.len().saturating_sub(1);
     let high = lines.filter(|k| power[*k] > power[k - 1] && power[*k] >= power[k + 1]);
@@ -42,7 +42,7 @@ pub(super) fn clear_peaks(power: &[f64], floor: &[f64], fewest: f64) -> Vec<Peak
 
 /// Where the power falls to half of that of line `top`; `None` when it first rises above it or the
 /// lines end.
-fn half_point(power: &[f64], top: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
+fn half_power_point(power: &[f64], top: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
     let half = 0.5 * power[top];
     let mut inside = top;
     for k in lines.take_while(|k| power[*k] <= power[top]) {

@@ -31,10 +31,10 @@ pub const TRUNCATION_LIMIT: f64 = 0.002_478_752_176_666_358_5;
 ///
 /// Noise alone would then have to be measured wrong by a factor of three to be taken for a
 /// response.
-const OVER_NOISE: f64 = 3.0;
+const MIN_ENERGY_OVER_NOISE: f64 = 3.0;
 
 /// Shortest quarter, in samples, that has an energy to speak of.
-const SHORTEST_QUARTER: usize = 8;
+const MIN_QUARTER_SAMPLES: usize = 8;
 
 /// Limits of the truncation error of one function, from its record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl QuarterEnergies {
     ) -> Option<Self> {
         let len = samples.len();
         let quarter = len.checked_sub(onset)? / 4;
-        if quarter < SHORTEST_QUARTER {
+        if quarter < MIN_QUARTER_SAMPLES {
             return None;
         }
         let mut signal = [0.0; 4];
@@ -115,7 +115,7 @@ impl QuarterEnergies {
     /// bound still holds.
     pub fn truncation(&self) -> Truncation {
         let noise = self.noise.unwrap_or([0.0; 4]);
-        let decided = self.signal[3] > 0.0 && self.signal[3] >= OVER_NOISE * noise[3];
+        let decided = self.signal[3] > 0.0 && self.signal[3] >= MIN_ENERGY_OVER_NOISE * noise[3];
         let net: [f64; 4] = std::array::from_fn(|q| self.signal[q] - noise[q]);
         if !decided || net.iter().any(|e| *e <= 0.0) {
             return Truncation::NOT_DECIDABLE;

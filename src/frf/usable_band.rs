@@ -8,13 +8,13 @@ use super::FrfError;
 
 /// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in
 /// most analysers).
-const FILTER_FRACTION: f64 = 0.4;
+const MAX_BAND_OVER_SAMPLING_RATE: f64 = 0.4;
 
 /// The force spectrum may fall this far below its maximum as a power ratio: 20 dB.
-const LOWEST_POWER: f64 = 1e-2;
+const MIN_POWER_OVER_MAXIMUM: f64 = 1e-2;
 
 /// Lines of a running median: hum and drift fill less than half of them.
-const SMOOTHED: usize = 9;
+const MEDIAN_LINES: usize = 9;
 
 /// Power of the force at every line, summed over hits.
 pub(super) struct ForcePower {
@@ -60,8 +60,8 @@ impl ForcePower {
     /// [`FrfError::BandEmpty`] when less than two lines are left.
     pub fn valid_band(&self) -> Result<Band, FrfError> {
         let step_hz = self.record.spectrum_axis().step_hz;
-        let end = FILTER_FRACTION * self.record.sampling_rate_hz() / step_hz;
-        self.excited((end + 1e-6).floor() as usize + 1)
+        let end = MAX_BAND_OVER_SAMPLING_RATE * self.record.sampling_rate_hz() / step_hz;
+        self.excited_below((end + 1e-6).floor() as usize + 1)
     }
 
     /// The same up to half the sampling rate: how far the force itself excites, whatever the filter
@@ -70,16 +70,16 @@ impl ForcePower {
     /// # Errors
     /// As [`ForcePower::valid_band`].
     pub fn excited_band(&self) -> Result<Band, FrfError> {
-        self.excited(self.lines.len())
+        self.excited_below(self.lines.len())
     }
 
     /// Median over the neighbours of each line up to `end`, 0 Hz left out, less the noise.
-    fn smoothed(&self, end: usize) -> Vec<f64> {
+    fn median_power(&self, end: usize) -> Vec<f64> {
         let median = |line: usize| {
-            let reach = (SMOOTHED / 2)
+            let reach = (MEDIAN_LINES / 2)
                 .min(line.saturating_sub(1))
                 .min(end - 1 - line);
-            let mut near = [0.0; SMOOTHED];
+            let mut near = [0.0; MEDIAN_LINES];
             let near = &mut near[..2 * reach + 1];
             near.copy_from_slice(&self.lines[line - reach..=line + reach]);
             near.sort_unstable_by(f64::total_cmp);
@@ -91,15 +91,15 @@ impl ForcePower {
     }
 
     /// The lines below `end` that the force excites.
-    fn excited(&self, end: usize) -> Result<Band, FrfError> {
+    fn excited_below(&self, end: usize) -> Result<Band, FrfError> {
         let axis = self.record.spectrum_axis();
-        let power = self.smoothed(end.min(self.lines.len()));
+        let power = self.median_power(end.min(self.lines.len()));
         let maximum = (1..power.len())
             .rev()
             .max_by(|a, b| power[*a].total_cmp(&power[*b]))
             .unwrap_or(0);
         let excited = (maximum..power.len())
-            .take_while(|k| power[*k] > 0.0 && power[*k] >= LOWEST_POWER * power[maximum])
+            .take_while(|k| power[*k] > 0.0 && power[*k] >= MIN_POWER_OVER_MAXIMUM * power[maximum])
             .last()
             .unwrap_or(0);
         let (lo_hz, hi_hz) = (axis.hz(1), axis.hz(excited));

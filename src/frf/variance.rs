@@ -10,10 +10,10 @@ use super::spectra_sums::{LineSums, Sums};
 
 /// Up to so many hits the scatter of one line says little, and neighbouring lines are pooled: with
 /// three hits a line has four degrees of freedom, and its stated deviation is off by a third.
-const FEW_HITS: usize = 3;
+const MAX_HITS_POOLED: usize = 3;
 
 /// Lines that are pooled: the noise of a sensor, unlike a resonance, does not change within so few.
-const POOLED: usize = 5;
+const POOLED_LINES: usize = 5;
 
 /// Mean expected energies of the noise under the windows of a function's hits; per line of the
 /// spectrum, that is the noise's power too.
@@ -75,12 +75,12 @@ pub(super) fn variances(
                 degrees_of_freedom: noise.samples as f64 - 1.0,
             })
         }
-        averages if averages <= FEW_HITS && averaged.values.len() > POOLED + 2 => {
+        averages if averages <= MAX_HITS_POOLED && averaged.values.len() > POOLED_LINES + 2 => {
             let lines = averaged.sums.iter().zip(averaged.coherence);
             let powers: Vec<f64> = lines
                 .map(|(sums, coherence)| residual_power(sums, *coherence))
                 .collect();
-            let lines = averaged.sums.iter().zip(pooled(&powers));
+            let lines = averaged.sums.iter().zip(pooled_powers(&powers));
             let mut values: Vec<f64> = lines
                 .map(|(sums, power)| power / (sums.gff * freedom))
                 .collect();
@@ -119,7 +119,7 @@ impl Averaged<'_> {
         if !self.is_h1 {
             let lines = self.sums.iter().zip(self.values);
             for (variance, (sums, value)) in variances.iter_mut().zip(lines) {
-                *variance *= over_h1(sums, *value);
+                *variance *= power_over_h1(sums, *value);
             }
         }
     }
@@ -151,7 +151,7 @@ fn residual_power(sums: LineSums, coherence: f64) -> f64 {
 }
 
 /// `|H|² / |H1|²`; 1 where H1 is 0.
-fn over_h1(sums: LineSums, value: Complex64) -> f64 {
+fn power_over_h1(sums: LineSums, value: Complex64) -> f64 {
     let h1 = sums.gfx.norm_sqr() / (sums.gff * sums.gff);
     if h1 > 0.0 { value.norm_sqr() / h1 } else { 1.0 }
 }
@@ -159,11 +159,11 @@ fn over_h1(sums: LineSums, value: Complex64) -> f64 {
 /// Mean over the neighbours of each line, as many at the ends, where they lie on one side. The
 /// first and the last line are real, with half the degrees of freedom, and the first holds the
 /// offsets: they are in no mean.
-fn pooled(powers: &[f64]) -> impl Iterator<Item = f64> {
-    let last = powers.len() - POOLED - 1;
+fn pooled_powers(powers: &[f64]) -> impl Iterator<Item = f64> {
+    let last = powers.len() - POOLED_LINES - 1;
     (0..powers.len()).map(move |line| {
-        let first = line.saturating_sub(POOLED / 2).clamp(1, last);
-        powers[first..first + POOLED].iter().sum::<f64>() / POOLED as f64
+        let first = line.saturating_sub(POOLED_LINES / 2).clamp(1, last);
+        powers[first..first + POOLED_LINES].iter().sum::<f64>() / POOLED_LINES as f64
     })
 }
 
@@ -171,7 +171,7 @@ fn pooled(powers: &[f64]) -> impl Iterator<Item = f64> {
 /// noise under the window between lines that far apart, `|Σ w² e^{−2πimn/N}|² / (Σ w²)²`.
 pub(super) fn independent_lines(weights: Option<&[f64]>) -> f64 {
     let Some(weights) = weights else {
-        return POOLED as f64;
+        return POOLED_LINES as f64;
     };
     let correlation = |apart: usize| {
         let turn = -TAU * apart as f64 / weights.len() as f64;
@@ -184,15 +184,15 @@ pub(super) fn independent_lines(weights: Option<&[f64]>) -> f64 {
     let alone = correlation(0);
     let pairs = |apart: usize| {
         if apart == 0 {
-            POOLED
+            POOLED_LINES
         } else {
-            2 * (POOLED - apart)
+            2 * (POOLED_LINES - apart)
         }
     };
-    let alike: f64 = (0..POOLED)
+    let alike: f64 = (0..POOLED_LINES)
         .map(|apart| pairs(apart) as f64 * correlation(apart) / alone)
         .sum();
-    (POOLED * POOLED) as f64 / alike
+    (POOLED_LINES * POOLED_LINES) as f64 / alike
 }
 
 #[cfg(test)]

@@ -114,7 +114,7 @@ impl Frame {
 ///
 /// # Errors
 /// [`SignalError::NoPulse`] for a constant force.
-pub fn locate(hit: &HitInfo, force_n: &[f64]) -> Result<Pulse, SignalError> {
+pub fn locate_pulse(hit: &HitInfo, force_n: &[f64]) -> Result<Pulse, SignalError> {
     Pulse::locate(force_n, ONSET_FRACTION).ok_or_else(|| SignalError::NoPulse {
         origin: hit.origin.clone(),
         dof: hit.force.dof.clone(),
@@ -175,7 +175,7 @@ pub fn to_si(
 ///
 /// # Errors
 /// [`SignalError::NoPreTrigger`] when the offset must be removed and cannot be measured.
-pub fn offset_of(
+pub fn pretrigger_offset(
     hit: &HitInfo,
     channel: &ChannelInfo,
     record: &[f64],
@@ -200,7 +200,7 @@ pub fn offset_of(
 
 /// The fraction of the force that its window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over
 /// `sqrt(Σx²)`, after the mean before the hit is subtracted; 0 where noise explains it.
-pub fn force_cut(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
+pub fn cut_force_fraction(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (x, w) in force_n.iter().zip(window) {
         let (x, lost) = (x - quiet.mean, (1.0 - w) * (1.0 - w));
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn without_options_the_samples_are_the_si_samples() {
         let (info, force, response) = hit();
-        let pulse = locate(&info, &si(&info, &info.force, force)).unwrap();
+        let pulse = locate_pulse(&info, &si(&info, &info.force, force)).unwrap();
         assert_eq!(pulse.quiet(), 0..12);
         let response = si(&info, &info.responses[0], response);
         let frame = Frame::new(&info.axis, pulse, 0..24, &Conditioning::default());
@@ -294,9 +294,10 @@ mod tests {
         };
         let (info, force, response) = hit();
         let force = si(&info, &info.force, force);
-        let pulse = locate(&info, &force).unwrap();
+        let pulse = locate_pulse(&info, &force).unwrap();
         let frame = Frame::new(&info.axis, pulse, 4..24, &conditioning);
-        let (_, offset) = offset_of(&info, &info.force, &force, &pulse, Offset::Remove).unwrap();
+        let (_, offset) =
+            pretrigger_offset(&info, &info.force, &force, &pulse, Offset::Remove).unwrap();
         let mut out = force.clone();
         frame.apply(&mut out, offset, frame.force_weights.as_deref());
         assert!((out[10] - 20.0).abs() < 1e-12);
@@ -305,7 +306,8 @@ mod tests {
         // The mean of 0, 10, ..., 110 is 55; sample 19 lies 0.5 s after the hit.
         let response = si(&info, &info.responses[0], response);
         let channel = &info.responses[0];
-        let (_, offset) = offset_of(&info, channel, &response, &pulse, Offset::Remove).unwrap();
+        let (_, offset) =
+            pretrigger_offset(&info, channel, &response, &pulse, Offset::Remove).unwrap();
         let mut out = response.clone();
         frame.apply(&mut out, offset, frame.response_weights.as_deref());
         let expected = (190.0 - 55.0) * (-1f64).exp();
@@ -321,7 +323,7 @@ mod tests {
             let mut out = Vec::new();
             check_axis(&info)?;
             to_si(&info, &info.force, &Samples::F64(samples), &mut out)?;
-            locate(&info, &out)
+            locate_pulse(&info, &out)
         };
         let run = |change: fn(&mut HitInfo)| with(change, force.clone()).unwrap_err();
         assert!(matches!(
@@ -363,8 +365,8 @@ mod tests {
         let (info, _, _) = hit();
         let mut force = vec![0.0; 24];
         force[9] = 1.0;
-        let pulse = locate(&info, &force).unwrap();
-        let of = |offset| offset_of(&info, &info.force, &force, &pulse, offset);
+        let pulse = locate_pulse(&info, &force).unwrap();
+        let of = |offset| pretrigger_offset(&info, &info.force, &force, &pulse, offset);
         let error = of(Offset::Remove).unwrap_err();
         assert!(
             matches!(error, SignalError::NoPreTrigger { got: 7, .. }),

@@ -12,25 +12,24 @@ use super::pulse::{ONSET_FRACTION, median};
 /// (200 samples), so that a pulse moves the median by less than a tenth of the noise.
 const LEVEL_SAMPLES: usize = 4096;
 /// Standard deviation of Gaussian noise over its median absolute deviation, `1/Φ⁻¹(3/4)`.
-const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
+const STD_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 /// Expected crossings of the trigger level by Gaussian noise alone, over the whole record.
-const FALSE_CROSSINGS: f64 = 1e-3;
+const EXPECTED_FALSE_CROSSINGS: f64 = 1e-3;
 /// Noise deviations above which a sample still belongs to a pulse while walking back to its onset:
 /// one sample of noise in 740 is as far up, and the walk takes no more than a few.
-const ONSET_DEVIATIONS: f64 = 3.0;
+const MIN_ONSET_STDS: f64 = 3.0;
 /// Contacts closer than this are one hit: a hammer is not swung ten times a second, and it bounces
 /// within that time.
-const CLOSEST_HITS_S: f64 = 0.1;
+const MIN_HIT_DISTANCE_S: f64 = 0.1;
 /// Contacts closer than this share of the median distance are one hit: a hundred times less than
 /// between steady hits.
-const BOUNCE_SHARE: f64 = 0.05;
+const BOUNCE_OVER_MEDIAN_DISTANCE: f64 = 0.05;
 /// Share of a record that comes before its pulse.
-const PRETRIGGER_SHARE: f64 = 0.02;
+const PRETRIGGER_OVER_LENGTH: f64 = 0.02;
 /// Fewest samples before the pulse: twice what a mean and a variance need, less the guard of a rise
 /// time.
 const MIN_PRETRIGGER_SAMPLES: usize = 16;
 
-/// The required kind of a number, and the two limits that it then lies between.
 const POSITIVE: Accepted = Accepted {
     expected: "a positive finite number",
     above: 0.0,
@@ -141,17 +140,17 @@ pub fn segments(
     step_s: f64,
     options: &TriggerOptions,
 ) -> Result<Segments, SignalError> {
-    check(force_n, step_s, options)?;
+    check_arguments(force_n, step_s, options)?;
     let trigger = Trigger::new(force_n, options.level_n)?;
     let contacts = trigger.contacts();
     let samples = |s: f64| (s / step_s).round() as usize;
     let length = options.length_s.map(samples);
     let hits = match length {
-        Some(length) => groups(&contacts, |hit, contact, _| contact - hit < length),
-        None => apart(&contacts, samples(CLOSEST_HITS_S)),
+        Some(length) => group_contacts(&contacts, |hit, contact, _| contact - hit < length),
+        None => group_by_distance(&contacts, samples(MIN_HIT_DISTANCE_S)),
     };
-    let plan = Plan {
-        quiet: quiet_before(&contacts, &hits),
+    let plan = HitPositions {
+        quiet: min_quiet_samples(&contacts, &hits),
         hits: hits.iter().map(|hit| contacts[hit.start].start).collect(),
         end: force_n.len(),
     };
@@ -162,7 +161,11 @@ pub fn segments(
 }
 
 /// All argument checks.
-fn check(force_n: &[f64], step_s: f64, options: &TriggerOptions) -> Result<(), SignalError> {
+fn check_arguments(
+    force_n: &[f64],
+    step_s: f64,
+    options: &TriggerOptions,
+) -> Result<(), SignalError> {
     options.validate()?;
     check_parameter("step_s", Some(step_s), "s", POSITIVE)?;
     let longest = (force_n.len() as f64 + 0.5) * step_s;
@@ -199,8 +202,8 @@ impl Trigger {
         let largest_n = extreme.unwrap_or(0.0);
         let sign = 1f64.copysign(largest_n);
         let distances: Vec<f64> = force.iter().map(|f| f.abs()).collect();
-        let noise_n = DEVIATION_OVER_MEDIAN * median(&distances).unwrap_or(0.0);
-        let crossings = (force.len().max(1) as f64 / FALSE_CROSSINGS).ln();
+        let noise_n = STD_OVER_MEDIAN * median(&distances).unwrap_or(0.0);
+        let crossings = (force.len().max(1) as f64 / EXPECTED_FALSE_CROSSINGS).ln();
         let of_noise = noise_n * (2.0 * crossings).sqrt();
         let level = level_n.unwrap_or((ONSET_FRACTION * largest_n.abs()).max(of_noise));
         if largest_n.abs() <= level {
@@ -244,7 +247,7 @@ impl Trigger {
             .iter()
             .copied()
             .fold(0.0, f64::max);
-        let least = (ONSET_FRACTION * peak).max(ONSET_DEVIATIONS * self.noise_n);
+        let least = (ONSET_FRACTION * peak).max(MIN_ONSET_STDS * self.noise_n);
         let rise = self.force[before..above.start].iter().rev();
         above.start - rise.take_while(|f| **f > least).count()
     }
@@ -269,7 +272,7 @@ fn without_level(force_n: &[f64]) -> Vec<f64> {
 
 /// Hits as ranges of contacts: a contact belongs to the hit before when `same(onset of the hit,
 /// onset of the contact, onset of the contact before)`.
-fn groups(
+fn group_contacts(
     contacts: &[Range<usize>],
     same: impl Fn(usize, usize, usize) -> bool,
 ) -> Vec<Range<usize>> {
@@ -293,39 +296,40 @@ fn groups(
 
 /// Hits without a stated length: contacts `closest` apart are one, then those much closer than the
 /// median distance.
-fn apart(contacts: &[Range<usize>], closest: usize) -> Vec<Range<usize>> {
-    let near = |limit: usize| groups(contacts, move |_, contact, before| contact - before < limit);
+fn group_by_distance(contacts: &[Range<usize>], closest: usize) -> Vec<Range<usize>> {
+    let near =
+        |limit: usize| group_contacts(contacts, move |_, contact, before| contact - before < limit);
     let hits = near(closest);
     let onset = |hit: &Range<usize>| contacts[hit.start].start as f64;
     let distances: Vec<f64> = hits
         .windows(2)
         .map(|w| onset(&w[1]) - onset(&w[0]))
         .collect();
-    let limit = BOUNCE_SHARE * median(&distances).unwrap_or(0.0);
+    let limit = BOUNCE_OVER_MEDIAN_DISTANCE * median(&distances).unwrap_or(0.0);
     near(closest.max(limit as usize))
 }
 
 /// Fewest samples between a hit and the contact before it; `None` for a single hit.
-fn quiet_before(contacts: &[Range<usize>], hits: &[Range<usize>]) -> Option<usize> {
+fn min_quiet_samples(contacts: &[Range<usize>], hits: &[Range<usize>]) -> Option<usize> {
     let first = hits.iter().skip(1).map(|hit| hit.start);
     first.map(|c| contacts[c].start - contacts[c - 1].end).min()
 }
 
 /// Positions of the hits, from which length and pre-trigger follow.
-struct Plan {
+struct HitPositions {
     /// Onsets of the hits.
     hits: Vec<usize>,
     quiet: Option<usize>,
     end: usize,
 }
 
-impl Plan {
+impl HitPositions {
     /// The smallest distance of two hits, or the samples after the last hit, where all hits of that
     /// length are more samples than all but the last of the other.
     fn common_length(&self, pretrigger: Option<usize>) -> usize {
         let left = self.end - self.hits.last().copied().unwrap_or(self.end);
         let pretrigger = pretrigger.unwrap_or_else(|| {
-            let share = PRETRIGGER_SHARE / (1.0 - PRETRIGGER_SHARE);
+            let share = PRETRIGGER_OVER_LENGTH / (1.0 - PRETRIGGER_OVER_LENGTH);
             self.limited_pretrigger((share * left as f64) as usize)
         });
         let rest = left + pretrigger;
@@ -350,7 +354,7 @@ impl Plan {
         stated: Option<usize>,
         step_s: f64,
     ) -> Result<usize, SignalError> {
-        let share = (PRETRIGGER_SHARE * length as f64).round() as usize;
+        let share = (PRETRIGGER_OVER_LENGTH * length as f64).round() as usize;
         let pretrigger = stated.unwrap_or_else(|| self.limited_pretrigger(share).min(length - 1));
         if pretrigger >= length || self.quiet.is_some_and(|quiet| pretrigger > quiet) {
             return Err(SignalError::WindowParameter {

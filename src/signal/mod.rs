@@ -13,7 +13,8 @@ mod simd_sums;
 mod window;
 
 pub use conditioning::{
-    Conditioning, Frame, Offset, check_axis, force_cut, locate, offset_of, to_si,
+    Conditioning, Frame, Offset, check_axis, cut_force_fraction, locate_pulse, pretrigger_offset,
+    to_si,
 };
 pub use error::SignalError;
 pub use hit_quality::{

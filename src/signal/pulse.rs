@@ -43,7 +43,7 @@ impl Pulse {
     /// the stages. `None` for a constant force.
     pub fn locate(force_n: &[f64], fraction: f64) -> Option<Self> {
         let middle = median(force_n)?;
-        let peak = largest(force_n, middle)?;
+        let peak = furthest_from(force_n, middle)?;
         let level_n = if peak >= MIN_PRETRIGGER_SAMPLES {
             median(&force_n[..peak])?
         } else {
@@ -90,7 +90,7 @@ pub(super) fn median(values: &[f64]) -> Option<f64> {
 }
 
 /// The first sample furthest from a level.
-fn largest(values: &[f64], level: f64) -> Option<usize> {
+fn furthest_from(values: &[f64], level: f64) -> Option<usize> {
     let distance = |i: &usize| (values[*i] - level).abs();
     (0..values.len())
         .rev()

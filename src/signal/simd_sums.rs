@@ -47,12 +47,14 @@ pub fn lane_sum_of_pairs(x: &[f64], y: &[f64], f: impl Fn(f64, f64) -> f64) -> f
 /// `Σ(x − c)` and `Σ(x − c)²`.
 pub fn lane_moments(values: &[f64], about: f64) -> (f64, f64) {
     // Both of one piece while it is in the nearest cache.
-    values.chunks(PIECE).fold((0.0, 0.0), |(sum, squares), x| {
-        (
-            sum + lane_sum(x, |x| x - about),
-            squares + lane_sum(x, |x| (x - about) * (x - about)),
-        )
-    })
+    values
+        .chunks(VALUES_PER_BLOCK)
+        .fold((0.0, 0.0), |(sum, squares), x| {
+            (
+                sum + lane_sum(x, |x| x - about),
+                squares + lane_sum(x, |x| (x - about) * (x - about)),
+            )
+        })
 }
 
 /// The value that none of the others comes before.
@@ -79,7 +81,7 @@ fn lane_first<T: Copy>(values: &[T], start: T, before: impl Fn(T, T) -> bool) ->
 
 /// Sum, smallest and largest of the values of a piece, which are put in `out`, times a factor. With
 /// a value that is no number the sum is none either, and the ends may be any.
-fn scaled<T: Copy + PartialOrd + Into<f64>>(
+fn scale_block<T: Copy + PartialOrd + Into<f64>>(
     piece: &[T],
     factor: f64,
     out: &mut [f64],
@@ -106,7 +108,7 @@ pub fn lane_count(values: &[f64], is: impl Fn(f64) -> bool) -> usize {
 }
 
 /// Values of which the ends are known together.
-const PIECE: usize = 64 * LANES;
+const VALUES_PER_BLOCK: usize = 64 * LANES;
 
 /// The extent of some values and of each piece of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,7 +134,7 @@ impl Extent {
                 lane_first(piece, piece[0], |a, b| a > b),
             )
         };
-        Self::of_pieces(values.chunks(PIECE).map(ends))
+        Self::of_pieces(values.chunks(VALUES_PER_BLOCK).map(ends))
     }
 
     /// Of values times a factor, which are put in place of what `out` held.
@@ -142,8 +144,10 @@ impl Extent {
         out: &mut Vec<f64>,
     ) -> Self {
         out.resize(values.len(), 0.0);
-        let pieces = values.chunks(PIECE).zip(out.chunks_mut(PIECE));
-        Self::of_pieces(pieces.map(|(values, out)| scaled(values, factor, out)))
+        let pieces = values
+            .chunks(VALUES_PER_BLOCK)
+            .zip(out.chunks_mut(VALUES_PER_BLOCK));
+        Self::of_pieces(pieces.map(|(values, out)| scale_block(values, factor, out)))
     }
 
     fn of_pieces(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
@@ -170,7 +174,7 @@ impl Extent {
     /// How many of the values, which are those that this is the extent of, are not between two
     /// limits.
     pub fn count_beyond(&self, values: &[f64], low: f64, high: f64) -> usize {
-        let pieces = values.chunks(PIECE).zip(&self.pieces);
+        let pieces = values.chunks(VALUES_PER_BLOCK).zip(&self.pieces);
         let reaching = pieces.filter(|(_, (lo, hi))| *lo <= low || *hi >= high);
         let count = |values| lane_count(values, |x| x >= high || x <= low);
         reaching.map(|(values, _)| count(values)).sum()
@@ -193,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_extent_of_scaled_values_holds_for_both_signs() {
-        for len in [1, LANES + 3, PIECE, 2 * PIECE + 5] {
+        for len in [1, LANES + 3, VALUES_PER_BLOCK, 2 * VALUES_PER_BLOCK + 5] {
             let x: Vec<f32> = (0..len).map(|n| ((n * 37) % 101) as f32 - 7.0).collect();
             for factor in [0.3, -2.5] {
                 let mut out = vec![f64::NAN; 3];
@@ -212,8 +216,8 @@ mod tests {
             }
         }
         let mut out = Vec::new();
-        for bad in [0, 5, PIECE] {
-            let mut x = vec![1.0_f32; PIECE + 9];
+        for bad in [0, 5, VALUES_PER_BLOCK] {
+            let mut x = vec![1.0_f32; VALUES_PER_BLOCK + 9];
             x[bad] = f32::NAN;
             assert!(Extent::of_scaled(&x, 1.0, &mut out).sum.is_nan(), "{bad}");
         }
@@ -221,7 +225,12 @@ mod tests {
 
     #[test]
     fn values_beyond_limits_are_counted_in_every_piece() {
-        for len in [10, PIECE - 1, PIECE, 3 * PIECE + 17] {
+        for len in [
+            10,
+            VALUES_PER_BLOCK - 1,
+            VALUES_PER_BLOCK,
+            3 * VALUES_PER_BLOCK + 17,
+        ] {
             let x: Vec<f64> = (0..len).map(|n| ((n * 37) % 101) as f64).collect();
             let mut out = Vec::new();
             for extent in [Extent::of(&x), Extent::of_scaled(&x, 1.0, &mut out)] {

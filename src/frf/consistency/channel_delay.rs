@@ -9,7 +9,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 
-use super::driving_point::CLEAR;
+use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::Mobilities;
 use crate::frf::local_pole::{LocalPole, Window};
 use crate::frf::peaks::{Peak, clear_peaks};
@@ -30,15 +30,15 @@ const MAX_DELAY_SAMPLES: f64 = 4.0;
 const STEPS_PER_SAMPLE: f64 = 16.0;
 /// Mean `1 − cos 2r` of the residual phases by which two delays are as good as each other: what
 /// 0.16 rad make.
-const AS_GOOD: f64 = 0.05;
+const MAX_EQUIVALENT_COST_RISE: f64 = 0.05;
 /// Probability of a scatter that looks like a delay, one side.
-const CHANCE: f64 = 5e-4;
+const FALSE_ALARM_PROBABILITY: f64 = 5e-4;
 /// Limit in sampling intervals: converters out of step are late by half an interval or a whole one;
 /// half of the lesser.
-const LIMIT_SAMPLES: f64 = 0.25;
+const MIN_DELAY_LIMIT_SAMPLES: f64 = 0.25;
 
 /// Angular frequency and phase of one residue.
-struct Phase {
+struct ResiduePhase {
     omega: f64,
     phase: f64,
     variance: f64,
@@ -69,8 +69,11 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let delays: Vec<(&Dof, Delay)> = responses
         .iter()
         .filter_map(|(response, functions)| {
-            let phases: Vec<Phase> = functions.iter().flat_map(|i| phases(data, *i)).collect();
-            Some((response, delay(&phases, 0.5 / data.last_hz())?))
+            let phases: Vec<ResiduePhase> = functions
+                .iter()
+                .flat_map(|i| residue_phases(data, *i))
+                .collect();
+            Some((response, estimate_delay(&phases, 0.5 / data.last_hz())?))
         })
         .collect();
     let beyond = |d: &Delay| d.tau_s.abs() > d.limit_s;
@@ -82,7 +85,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
             .iter()
             .max_by(|a, b| a.1.tau_s.abs().total_cmp(&b.1.tau_s.abs()));
         return worst
-            .map(|(_, d)| finding(Location::Whole, d))
+            .map(|(_, d)| delay_finding(Location::Whole, d))
             .into_iter()
             .collect();
     }
@@ -91,28 +94,32 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
             response: Some((*response).clone()),
             reference: None,
         };
-        beyond(d).then(|| finding(location, d))
+        beyond(d).then(|| delay_finding(place, d))
     };
     delays.iter().filter_map(one).collect()
 }
 
-fn finding(location: Location, delay: &Delay) -> Finding {
-    Finding::new(Severity::Warning, Code::ChannelDelay, location)
+fn delay_finding(place: Location, delay: &Delay) -> Finding {
+    Finding::new(Severity::Warning, Code::ChannelDelay, place)
         .value(delay.tau_s, "s")
         .limit(delay.limit_s)
 }
 
 /// Residue phases of the clear resonances of one function.
-fn phases(data: &Mobilities, i: usize) -> Vec<Phase> {
+fn residue_phases(data: &Mobilities, i: usize) -> Vec<ResiduePhase> {
     let (values, variance) = (data.values(i), data.variance(i));
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
-    let floor: Vec<f64> = data.noise(i).iter().map(|noise| CLEAR * noise).collect();
+    let floor: Vec<f64> = data
+        .noise(i)
+        .iter()
+        .map(|noise| CLEAR_PEAK_OVER_NOISE * noise)
+        .collect();
     let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
     let fit = |peak: &Peak| {
         let lines = fit_lines(peak, power.len())?;
         Window::of(lines, &data.omega, &values, &variance).fit()
     };
-    let phase = |pole: LocalPole| Phase {
+    let phase = |pole: LocalPole| ResiduePhase {
         omega: pole.lambda.im,
         phase: pole.residue.arg(),
         variance: pole.phase_variance,
@@ -132,7 +139,7 @@ pub(super) fn fit_lines(peak: &Peak, lines: usize) -> Option<std::ops::Range<usi
 }
 
 /// The smallest delay that explains the phases as well as any does.
-fn delay(phases: &[Phase], interval_s: f64) -> Option<Delay> {
+fn estimate_delay(phases: &[ResiduePhase], interval_s: f64) -> Option<Delay> {
     if phases.len() < MIN_PEAKS {
         return None;
     }
@@ -147,15 +154,19 @@ fn delay(phases: &[Phase], interval_s: f64) -> Option<Delay> {
     };
     let best = (-steps..=steps).map(cost).min_by(f64::total_cmp)?;
     let nearest = (-steps..=steps)
-        .filter(|step| cost(*step) <= best + AS_GOOD)
+        .filter(|step| cost(*step) <= best + MAX_EQUIVALENT_COST_RISE)
         .min_by_key(|step| step.abs())?;
-    Some(refined(phases, f64::from(nearest) * step_s, interval_s))
+    Some(refine_delay(
+        phases,
+        f64::from(nearest) * step_s,
+        interval_s,
+    ))
 }
 
 /// Least squares of the phases about a first delay, turn by turn: `τ = −Σωφ/Σω²`.
-fn refined(phases: &[Phase], first_s: f64, interval_s: f64) -> Delay {
+fn refine_delay(phases: &[ResiduePhase], first_s: f64, interval_s: f64) -> Delay {
     let squares: f64 = phases.iter().map(|p| p.omega * p.omega).sum();
-    let residual = |p: &Phase, tau: f64| {
+    let residual = |p: &ResiduePhase, tau: f64| {
         let turned = p.phase + p.omega * tau;
         turned - PI * (turned / PI).round()
     };
@@ -169,11 +180,12 @@ fn refined(phases: &[Phase], first_s: f64, interval_s: f64) -> Delay {
     let scatter: f64 = phases.iter().map(|p| residual(p, tau_s).powi(2)).sum();
     let noise: f64 = phases.iter().map(|p| p.variance).sum();
     let variance = (scatter / freedom).max(noise / phases.len() as f64) / squares;
-    let quantile =
-        StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - CHANCE));
+    let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| {
+        t.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY)
+    });
     Delay {
         tau_s,
-        limit_s: (LIMIT_SAMPLES * interval_s).max(quantile * variance.sqrt()),
+        limit_s: (MIN_DELAY_LIMIT_SAMPLES * interval_s).max(quantile * variance.sqrt()),
     }
 }
 
@@ -226,7 +238,7 @@ mod tests {
     fn a_wrong_sign_is_no_delay_and_scattered_phases_decide_nothing() {
         let set = Beam::default().relabelled(("1:+Z", "1:+Z"), ("1:-Z", "1:+Z"));
         assert!(found(&set).is_empty());
-        let phase = |omega: f64, phase: f64| Phase {
+        let phase = |omega: f64, phase: f64| ResiduePhase {
             omega,
             phase,
             variance: 1e-6,
@@ -237,8 +249,8 @@ mod tests {
             phase(1500.0, 0.5),
             phase(2500.0, -0.6),
         ];
-        let delay = delay(&scattered, INTERVAL_S).unwrap();
+        let delay = estimate_delay(&scattered, INTERVAL_S).unwrap();
         assert!(delay.tau_s.abs() < delay.limit_s);
-        assert!(super::delay(&scattered[..2], INTERVAL_S).is_none());
+        assert!(super::estimate_delay(&scattered[..2], INTERVAL_S).is_none());
     }
 }

@@ -5,13 +5,13 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::finding::{Code, Finding, Severity};
 
-use super::driving_point::CLEAR;
+use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::Mobilities;
 use crate::frf::peaks::clear_peaks;
 
 /// Probability that noise alone is taken for a difference: a set of a hundred pairs is then wrong
 /// once in a hundred.
-const CHANCE: f64 = 1e-4;
+const FALSE_ALARM_PROBABILITY: f64 = 1e-4;
 
 /// The relative difference of two functions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub(super) fn difference(data: &Mobilities, a: usize, b: usize) -> Difference {
         }
     };
     let averages = data.averages(a).min(data.averages(b));
-    let beyond = mean * (largest_ratio(mean * mean / square, averages) - 1.0);
+    let beyond = mean * (noise_quantile(mean * mean / square, averages) - 1.0);
     Difference {
         relative: relative(apart - mean),
         of_noise: if mean > 0.0 { relative(beyond) } else { 0.0 },
@@ -59,23 +59,34 @@ pub(super) fn difference(data: &Mobilities, a: usize, b: usize) -> Difference {
 }
 
 /// The quantile of F that noise passes by chance.
-fn largest_ratio(lines: f64, averages: f64) -> f64 {
+fn noise_quantile(lines: f64, averages: f64) -> f64 {
     let freedom = 2.0 * lines;
     let ratio = FisherSnedecor::new(freedom, freedom * (averages - 1.0));
-    ratio.map_or(f64::INFINITY, |f| f.inverse_cdf(1.0 - CHANCE))
+    ratio.map_or(f64::INFINITY, |f| {
+        f.inverse_cdf(1.0 - FALSE_ALARM_PROBABILITY)
+    })
 }
 
 /// Relative difference at clear resonances that no calibration makes.
-const GROSS: f64 = 0.3;
+const MAX_CALIBRATION_DIFFERENCE: f64 = 0.3;
 /// Lines between the half-power points of a resonance at which functions are compared.
 const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 
 /// A finding about function `b` when it differs from `a` grossly at the clear peaks of `a`'s
 /// mobility.
-pub(super) fn gross_finding(data: &Mobilities, a: usize, b: usize, code: Code) -> Option<Finding> {
+pub(super) fn gross_difference_finding(
+    data: &Mobilities,
+    a: usize,
+    b: usize,
+    code: Code,
+) -> Option<Finding> {
     let (of_a, of_b) = (data.values(a), data.values(b));
     let power: Vec<f64> = of_a.iter().map(Complex64::norm_sqr).collect();
-    let floor: Vec<f64> = data.noise(a).iter().map(|noise| CLEAR * noise).collect();
+    let floor: Vec<f64> = data
+        .noise(a)
+        .iter()
+        .map(|noise| CLEAR_PEAK_OVER_NOISE * noise)
+        .collect();
     let (mut apart, mut energy) = (0.0, 0.0);
     for peak in clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH) {
         for k in peak.inside() {
@@ -84,10 +95,10 @@ pub(super) fn gross_finding(data: &Mobilities, a: usize, b: usize, code: Code) -
         }
     }
     let relative = (apart / energy).sqrt();
-    (relative > GROSS).then(|| {
-        Finding::new(Severity::Warning, code, data.location(b))
+    (relative > MAX_CALIBRATION_DIFFERENCE).then(|| {
+        Finding::new(Severity::Warning, code, data.place(b))
             .value(relative, "")
-            .limit(GROSS)
+            .limit(MAX_CALIBRATION_DIFFERENCE)
     })
 }
 

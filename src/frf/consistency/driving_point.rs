@@ -12,7 +12,7 @@ use crate::frf::peaks::{Peak, clear_peaks};
 /// half-power point are `0.29 |Y|` apart, and their difference has the standard deviation `√v`: at
 /// 300 v noise cuts such a gap into a flank once in 3 million lines (5 deviations), and makes no
 /// additional peak.
-pub(super) const CLEAR: f64 = 300.0;
+pub(super) const CLEAR_PEAK_OVER_NOISE: f64 = 300.0;
 /// Lines between the half-power points of a peak that shows the sign of its real part.
 const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 
@@ -27,16 +27,23 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let functions = data.functions().iter().enumerate();
     functions
         .filter(|(_, f)| site(&f.response) == site(&f.reference))
-        .filter_map(|(i, _)| finding(data, i))
+        .filter_map(|(i, _)| sign_finding(data, i))
         .collect()
 }
 
-fn finding(data: &Mobilities, i: usize) -> Option<Finding> {
+fn sign_finding(data: &Mobilities, i: usize) -> Option<Finding> {
     let values = data.values(i);
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
-    let floor: Vec<f64> = data.noise(i).iter().map(|noise| CLEAR * noise).collect();
+    let floor: Vec<f64> = data
+        .noise(i)
+        .iter()
+        .map(|noise| CLEAR_PEAK_OVER_NOISE * noise)
+        .collect();
     let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
-    let wrong: f64 = peaks.iter().map(|peak| wrong_share(&values, peak)).sum();
+    let wrong: f64 = peaks
+        .iter()
+        .map(|peak| wrong_sign_fraction(&values, peak))
+        .sum();
     let value = wrong / peaks.len() as f64;
     let limit = 0.5 / peaks.len() as f64;
     (value > limit).then(|| {
@@ -47,7 +54,7 @@ fn finding(data: &Mobilities, i: usize) -> Option<Finding> {
 }
 
 /// Energy with a negative real part between the half-power points over all of it.
-fn wrong_share(values: &[Complex64], peak: &Peak) -> f64 {
+fn wrong_sign_fraction(values: &[Complex64], peak: &Peak) -> f64 {
     let lines = &values[peak.inside()];
     let wrong = lines.iter().filter(|y| y.re < 0.0);
     let energy: f64 = lines.iter().map(Complex64::norm_sqr).sum();

@@ -10,28 +10,28 @@ use crate::finding::{Code, Finding, Severity};
 use crate::frf::Function;
 
 use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, fit_lines};
-use super::driving_point::CLEAR;
+use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::{Mobilities, site};
 use crate::frf::local_pole::{LocalPole, Window};
 use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Half-power widths between an isolated resonance and the next; the slope of its fit then holds
 /// the other to 1 %.
-const APART_WIDTHS: f64 = 5.0;
+const MIN_SEPARATION_BANDWIDTHS: f64 = 5.0;
 /// Power of a clear peak per function, over its noise: 13 dB above the sum of all noise, whose
 /// scatter is then negligible.
-const NOISE_SUM: f64 = 20.0;
+const CLEAR_SUM_OVER_NOISE: f64 = 20.0;
 /// Largest response of other modes over the peak of this mode in a function that estimates its
 /// pole.
 const MAX_BACKGROUND_OVER_PEAK: f64 = 0.5;
 /// Shift in half-power widths: at a half-power point it changes the function by `2 · 0.15/√2`, 21
 /// %; what the flanks of other modes leave in a local fit stays below.
-const LIMIT_WIDTHS: f64 = 0.15;
+const MAX_SHIFT_BANDWIDTHS: f64 = 0.15;
 /// Standard deviations of a run's frequency: with variances of 20 degrees of freedom one of 14,000
 /// by chance.
-const DEVIATIONS: f64 = 5.0;
+const MAX_SHIFT_STDS: f64 = 5.0;
 /// Fraction of the scatter between runs that the sensor's mass must explain to be reported.
-const EXPLAINED: f64 = 0.5;
+const MIN_EXPLAINED_FRACTION: f64 = 0.5;
 /// Fewest runs that test a proportion: two runs always lie on a line.
 const MIN_RUNS: usize = 3;
 
@@ -67,11 +67,11 @@ struct Resonance {
 /// Ewins (2000), Modal Testing, 2nd ed., section 3.6 (mass loading); Stetson and Palma (1976),
 /// first-order perturbation.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
-    let (runs, roving_sensor) = runs(data.functions());
+    let (runs, roving_sensor) = measurement_runs(data.functions());
     if runs.len() < 2 {
         return Vec::new();
     }
-    let summed = Summed::new(data);
+    let summed = SummedFrfs::new(data);
     let peaks = summed.isolated_peaks();
     let resonances: Vec<Resonance> = peaks
         .iter()
@@ -80,8 +80,11 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let worst = resonances
         .iter()
         .flat_map(|resonance| resonance.runs.iter().map(move |run| (resonance, run)))
-        .filter(|(resonance, run)| resonance.shift(run).abs() > resonance.limit(run))
-        .max_by(|a, b| a.0.in_widths(a.1).total_cmp(&b.0.in_widths(b.1)));
+        .filter(|(resonance, run)| resonance.shift(run).abs() > resonance.shift_limit(run))
+        .max_by(|a, b| {
+            a.0.shift_in_bandwidths(a.1)
+                .total_cmp(&b.0.shift_in_bandwidths(b.1))
+        });
     let code = match roving_sensor && is_mass_loading(&resonances) {
         true => Code::MassLoading,
         false => Code::RunsDisagree,
@@ -91,7 +94,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
         let location = data.location(run.function);
         Finding::new(Severity::Warning, code, location)
             .value(percent * resonance.shift(run), "%")
-            .limit(percent * resonance.limit(run))
+            .limit(percent * resonance.shift_limit(run))
     };
     worst.map(finding).into_iter().collect()
 }
@@ -100,7 +103,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 ///
 /// A run is the functions of one response point where the responses outnumber the references (a
 /// roving sensor), else those of one reference (a roving hammer).
-pub(crate) fn runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
+pub(crate) fn measurement_runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
     let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
     let mut references = BTreeMap::<Dof, Vec<usize>>::new();
     for (i, function) in functions.iter().enumerate() {
@@ -115,14 +118,14 @@ pub(crate) fn runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
 }
 
 /// All functions with their summed power in units of their noise.
-struct Summed<'a> {
+struct SummedFrfs<'a> {
     omega: &'a [f64],
     values: Vec<Vec<Complex64>>,
     variance: Vec<Vec<f64>>,
     power: Vec<f64>,
 }
 
-impl<'a> Summed<'a> {
+impl<'a> SummedFrfs<'a> {
     fn new(data: &'a Mobilities) -> Self {
         let functions = 0..data.functions().len();
         let values: Vec<_> = functions.clone().map(|i| data.values(i)).collect();
@@ -144,10 +147,13 @@ impl<'a> Summed<'a> {
 
     /// Clear peaks with five lines, far from each other.
     fn isolated_peaks(&self) -> Vec<Peak> {
-        let floor = vec![CLEAR + NOISE_SUM * self.values.len() as f64; self.power.len()];
+        let floor = vec![
+            CLEAR_PEAK_OVER_NOISE + CLEAR_SUM_OVER_NOISE * self.values.len() as f64;
+            self.power.len()
+        ];
         let all = clear_peaks(&self.power, &floor, 0.0);
         let alone = |peak: &&Peak| {
-            let near = APART_WIDTHS * peak.width();
+            let near = MIN_SEPARATION_BANDWIDTHS * peak.width();
             let others = all.iter().filter(|other| other.line != peak.line);
             peak.width() >= MIN_LINES_PER_BANDWIDTH
                 && others
@@ -165,8 +171,9 @@ impl<'a> Summed<'a> {
             let pole = Window::of(lines.clone(), self.omega, values, variance).fit()?;
             (pole.background < MAX_BACKGROUND_OVER_PEAK).then_some((*i, pole))
         };
-        let run =
-            |functions: &Vec<usize>| run(&functions.iter().filter_map(fit).collect::<Vec<_>>());
+        let run = |functions: &Vec<usize>| {
+            average_run(&functions.iter().filter_map(fit).collect::<Vec<_>>())
+        };
         let runs: Vec<Run> = runs.iter().filter_map(run).collect();
         let step = self.omega[1] - self.omega[0];
         let omega = weighted_mean(runs.iter().map(|run| (run.omega, run.variance)));
@@ -176,8 +183,8 @@ impl<'a> Summed<'a> {
     }
 }
 
-/// The functions of one run together.
-fn run(poles: &[(usize, LocalPole)]) -> Option<Run> {
+/// Weighted mean over the functions of one run.
+fn average_run(poles: &[(usize, LocalPole)]) -> Option<Run> {
     let variance = |pole: &LocalPole| pole.frequency_variance.max(f64::MIN_POSITIVE);
     let best = poles
         .iter()
@@ -207,11 +214,11 @@ impl Resonance {
         run.omega - self.omega
     }
 
-    fn limit(&self, run: &Run) -> f64 {
-        (LIMIT_WIDTHS * self.width).max(DEVIATIONS * run.variance.sqrt())
+    fn shift_limit(&self, run: &Run) -> f64 {
+        (MAX_SHIFT_BANDWIDTHS * self.width).max(MAX_SHIFT_STDS * run.variance.sqrt())
     }
 
-    fn in_widths(&self, run: &Run) -> f64 {
+    fn shift_in_bandwidths(&self, run: &Run) -> f64 {
         self.shift(run).abs() / self.width
     }
 
@@ -242,7 +249,7 @@ fn is_mass_loading(resonances: &[Resonance]) -> bool {
         let one = resonance.scatter();
         (all + one.0, explained + one.1)
     });
-    explained > EXPLAINED * all
+    explained > MIN_EXPLAINED_FRACTION * all
 }
 
 #[cfg(test)]

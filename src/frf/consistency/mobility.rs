@@ -26,7 +26,7 @@ pub(super) struct Mobilities<'a> {
 }
 
 impl<'a> Mobilities<'a> {
-    /// The lines above 0 Hz in the valid band; `None` when they are too few.
+    /// The mobilities at the lines above 0 Hz in the valid band; `None` when these are too few.
     pub fn new(set: &'a FrfSet) -> Option<Self> {
         let axis = set.axis();
         let band = set.valid_band.or_else(|| axis.band())?;
@@ -82,7 +82,7 @@ impl<'a> Mobilities<'a> {
                 .factors(i, kind)
                 .map(|(k, factor)| variance[k] * factor.norm_sqr())
                 .collect(),
-            None => roughness(&self.values_as(i, kind)),
+            None => variance_from_roughness(&self.values_as(i, kind)),
         }
     }
 
@@ -90,7 +90,7 @@ impl<'a> Mobilities<'a> {
     pub fn noise(&self, i: usize) -> Vec<f64> {
         let variance = self.variance(i);
         let mean = |k: usize| {
-            let near = &variance[around(k, variance.len())];
+            let near = &variance[noise_lines(k, variance.len())];
             near.iter().sum::<f64>() / near.len() as f64
         };
         (0..variance.len()).map(mean).collect()
@@ -128,21 +128,21 @@ pub(super) fn site(dof: &Dof) -> Dof {
     dof.positive().with_repeat(1)
 }
 
-fn around(k: usize, len: usize) -> Range<usize> {
+fn noise_lines(k: usize, len: usize) -> Range<usize> {
     k.saturating_sub(NOISE_HALF_WIDTH_LINES)..(k + NOISE_HALF_WIDTH_LINES + 1).min(len)
 }
 
 /// Noise of smooth values: the median power of their third differences over neighbouring lines (of
 /// an exponential distribution, mean times ln 2) over that of white noise. A resonance of few lines
 /// counts as noise in part, so that what is judged against it is judged mildly.
-fn roughness(values: &[Complex64]) -> Vec<f64> {
+fn variance_from_roughness(values: &[Complex64]) -> Vec<f64> {
     let differences: Vec<f64> = values
         .windows(4)
         .map(|y| (y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0]).norm_sqr())
         .collect();
     let of = |k: usize| {
         let centre = k.saturating_sub(1).min(differences.len() - 1);
-        let mut near = differences[around(centre, differences.len())].to_vec();
+        let mut near = differences[noise_lines(centre, differences.len())].to_vec();
         let middle = near.len() / 2;
         let median = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
         median / (THIRD_DIFFERENCE * std::f64::consts::LN_2)
@@ -161,7 +161,7 @@ mod tests {
         add_noise(&mut set, 30.0, 7);
         let data = Mobilities::new(&set).unwrap();
         let stated = data.variance(0);
-        let rough = roughness(&data.values(0));
+        let rough = variance_from_roughness(&data.values(0));
         // Away from the resonances, where the third difference of the mode itself is small.
         let ratio: f64 = (500..1000).map(|k| rough[k] / stated[k]).sum::<f64>() / 500.0;
         assert!((0.8..1.3).contains(&ratio), "{ratio}");

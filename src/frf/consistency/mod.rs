@@ -27,14 +27,14 @@ mod false_alarm_tests;
 #[cfg(test)]
 mod synthetic;
 
-pub(crate) use mass_loading::runs;
+pub(crate) use mass_loading::measurement_runs;
 
 use num_complex::Complex64;
 
 use crate::finding::{Code, Finding, Location, Severity};
 
 use super::FrfSet;
-use discrepancy::gross_finding;
+use discrepancy::gross_difference_finding;
 use mobility::Mobilities;
 
 /// Consistency of FRFs of unknown origin: signs at driving points, reciprocity, repeated
@@ -60,7 +60,7 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
             (repeatability::repeats(&data), Code::RepeatsDiffer),
         ] {
             let pairs = pairs.into_iter();
-            findings.extend(pairs.filter_map(|(a, b)| gross_finding(&data, a, b, code)));
+            findings.extend(pairs.filter_map(|(a, b)| gross_difference_finding(&data, a, b, code)));
         }
     }
     let dead = dead.into_iter();

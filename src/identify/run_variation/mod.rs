@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::frf::{Function, runs};
+use crate::frf::{Function, measurement_runs};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
@@ -94,7 +94,7 @@ pub(in crate::identify) struct OutlyingRun {
 impl RunShifts {
     /// Runs of the FRFs, without shifted modes.
     pub fn none(functions: &[Function]) -> Self {
-        let (runs, roving_sensor) = runs(functions);
+        let (runs, roving_sensor) = measurement_runs(functions);
         let sides = FrfMatrix::new(functions);
         Self {
             runs,

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use num_complex::Complex64;
 
-use crate::frf::{Function, runs};
+use crate::frf::{Function, measurement_runs};
 
 use crate::identify::data::model_pole::ModelPole;
 
@@ -21,7 +21,7 @@ const MIN_RUNS_PER_MODE: usize = 2;
 
 /// The FRFs of each point of the roving sensor or hammer, all directions together.
 pub(in crate::identify) fn by_point(functions: &[Function]) -> Vec<Vec<usize>> {
-    let (runs, roving_sensor) = runs(functions);
+    let (runs, roving_sensor) = measurement_runs(functions);
     let mut points: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for f in runs.into_iter().flatten() {
         let dof = match roving_sensor {

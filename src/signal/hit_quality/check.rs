@@ -114,8 +114,8 @@ impl Check {
     }
 }
 
-/// Passed up to the limit, else what was asked for.
-pub(super) fn beyond(value: f64, limit: f64, otherwise: Outcome) -> Outcome {
+/// Passed up to the limit, else the stated outcome.
+pub(super) fn compare_with_limit(value: f64, limit: f64, otherwise: Outcome) -> Outcome {
     if value <= limit {
         Outcome::Passed
     } else {

@@ -3,14 +3,14 @@
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
 use super::JudgeLimits;
-use super::check::{Check, Outcome, Rule, beyond};
-use super::pretrigger::{VARIANCE_DEVIATIONS, rms_about};
+use super::check::{Check, Outcome, Rule, compare_with_limit};
+use super::pretrigger::{MAX_VARIANCE_RATIO_STDS, rms_about};
 
 /// The last part of the record by which its end is judged, and the first and last by which its
 /// drift is: an eighth.
-const END_PART: usize = 8;
+const RECORD_END_DIVISOR: usize = 8;
 /// Standard deviations of a drift that count: one in 10^6 by chance.
-const DRIFT_DEVIATIONS: f64 = 5.0;
+const MIN_DRIFT_STDS: f64 = 5.0;
 
 /// Amplitude at the end over the maximum: `sqrt(2 (s_end² - σ²)) / max|x|`, s_end the rms of the
 /// last eighth.
@@ -21,7 +21,7 @@ const DRIFT_DEVIATIONS: f64 = 5.0;
 pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
     let limit = limits.decay;
     let after = &response[pulse.onset..];
-    let last = &after[after.len() - after.len() / END_PART..];
+    let last = &after[after.len() - after.len() / RECORD_END_DIVISOR..];
     let quiet = PreTrigger::of(&response[pulse.quiet()]);
     let (Some(quiet), true) = (quiet, last.len() >= MIN_PRETRIGGER_SAMPLES) else {
         return Check::new(Rule::Decay, Outcome::NotDecidable);
@@ -31,7 +31,7 @@ pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Ch
     let mean = last.iter().sum::<f64>() / last.len() as f64;
     let power = rms_about(last, mean).powi(2);
     let scatter = (2.0 / quiet.samples as f64 + 2.0 / last.len() as f64).sqrt();
-    let hidden = VARIANCE_DEVIATIONS * scatter * quiet.variance;
+    let hidden = MAX_VARIANCE_RATIO_STDS * scatter * quiet.variance;
     let left = |power: f64| (2.0 * power).sqrt() / largest;
     let above_noise = power - quiet.variance > hidden;
     let value = left(if above_noise {
@@ -44,7 +44,7 @@ pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Ch
     } else {
         Outcome::NotDecidable
     };
-    Check::new(Rule::Decay, beyond(value, limit, otherwise)).value(value, limit, "")
+    Check::new(Rule::Decay, compare_with_limit(value, limit, otherwise)).value(value, limit, "")
 }
 
 /// A straight line under a channel.
@@ -67,7 +67,7 @@ pub struct Drift {
 /// T/8)` in the mean.
 pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
     let quiet = PreTrigger::of(samples.get(pulse.quiet())?)?;
-    let part = samples.len().saturating_sub(pulse.end) / END_PART;
+    let part = samples.len().saturating_sub(pulse.end) / RECORD_END_DIVISOR;
     let last = PreTrigger::of(&samples[samples.len() - part..])?;
     let middle = |start: usize, count: usize| start as f64 + 0.5 * (count as f64 - 1.0);
     let from = middle(0, quiet.samples);
@@ -91,13 +91,13 @@ fn judge_drift(samples: &[f64], step_s: f64, pulse: &Pulse, peak: f64, limit: f6
         |sample: f64| drift.offset + drift.slope_per_s * step_s * (sample - pulse.onset as f64);
     let excursion = at(0.0).abs().max(at(samples.len() as f64).abs());
     let value = excursion / peak.max(f64::MIN_POSITIVE);
-    let sure = excursion > DRIFT_DEVIATIONS * drift.error;
+    let sure = excursion > MIN_DRIFT_STDS * drift.error;
     let otherwise = if sure {
         Outcome::Noted
     } else {
         Outcome::NotDecidable
     };
-    Check::new(Rule::Drift, beyond(value, limit, otherwise)).value(value, limit, "")
+    Check::new(Rule::Drift, compare_with_limit(value, limit, otherwise)).value(value, limit, "")
 }
 
 /// Offset and drift of the force over its peak.

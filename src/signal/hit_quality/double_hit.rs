@@ -36,38 +36,38 @@ use super::check::{Check, Outcome, Rule};
 use super::pretrigger::{converter_step, trimmed_deviation};
 
 /// Samples on both sides of the pulse that belong to it: the foot below the onset threshold.
-const FOOT: usize = 2;
+const PULSE_FOOT_SAMPLES: usize = 2;
 /// Fewest samples after the pulse in which a steep filter rings above 0.002 of it, see the head.
 const MIN_GUARD_SAMPLES: usize = 8;
 /// A pulse of less area over height, samples, is hardly more than the response of the filter
 /// itself: a half sine of three samples has 1.9, an impulse behind a filter with its edge at 0.4 of
-/// the sampling rate 1.25,
-const SHORTEST: f64 = 1.6;
-/// which rings for so long above 0.002 of it,
-const RINGING: usize = 64;
-/// and nowhere beyond its guard above this.
-const RINGS_TO: f64 = 0.05;
+/// the sampling rate 1.25.
+const MIN_AREA_OVER_HEIGHT_SAMPLES: f64 = 1.6;
+/// The filter rings for so many samples above 0.002 of such a short pulse.
+const RINGING_SAMPLES: usize = 64;
+/// Beyond the guard samples, the filter rings nowhere above this fraction of a short pulse.
+const MAX_RINGING_RATIO: f64 = 0.05;
 /// Samples of the pulse after decimation: a half sine keeps all but 0.1 % of its d'.
 const TEMPLATE_SAMPLES: usize = 32;
 /// The drift is a mean over this many pulse lengths: a contact inside loses 2 % of its d'.
 const BASELINE_LENGTHS: usize = 40;
 /// Relative deviation of a scale from the median of n magnitudes, times sqrt(n), for Gaussian
 /// values.
-const MAD_SPREAD: f64 = 1.17;
+const MEDIAN_SCALE_SPREAD: f64 = 1.17;
 /// Shortest pulse, between its half heights, that does not ring as high as a tenth of it: 9 samples
 /// of a half sine.
 const MIN_RISE_WIDTH_SAMPLES: usize = 6;
 /// Standard deviations of a single difference that no pair of samples of a pulse reaches by chance.
-const RISE_DEVIATIONS: f64 = 6.0;
+const MIN_RISE_STDS: f64 = 6.0;
 
 /// The least delay, onset to onset in samples, from which the matched filter sees a second contact:
 /// the length of the pulse, half of it again (at least 8 samples) for its ringing, and the foot of
 /// the second.
 pub fn least_delay_samples(pulse: &Pulse) -> usize {
-    pulse.end - pulse.onset + guard(pulse) + FOOT
+    pulse.end - pulse.onset + guard_samples(pulse) + PULSE_FOOT_SAMPLES
 }
 
-fn guard(pulse: &Pulse) -> usize {
+fn guard_samples(pulse: &Pulse) -> usize {
     ((pulse.end - pulse.onset) / 2).max(MIN_GUARD_SAMPLES)
 }
 
@@ -87,17 +87,17 @@ pub(super) fn double_hit(
     pulse: &Pulse,
     limits: &JudgeLimits,
 ) -> Check {
-    let Some((rest, search)) = look(force_n, pulse) else {
+    let Some((rest, search)) = search_twice(force_n, pulse) else {
         return Check::new(Rule::DoubleHit, Outcome::NotDecidable);
     };
     let least = search.threshold(limits.double_hit_false_alarms);
-    let rings = rings(force_n, pulse);
+    let rings = ringing_delays(force_n, pulse);
     let clear = |c: &Contact| {
         c.detectability >= least
             && c.ratio * pulse.height_n.abs() >= rest.converter_step
-            && !(c.ratio < RINGS_TO && rings.contains(&c.delay))
+            && !(c.ratio < MAX_RINGING_RATIO && rings.contains(&c.delay))
     };
-    let separate = search.largest();
+    let separate = search.clearest_contact();
     let near = rest
         .second_rise(pulse, limits.double_hit_ratio)
         .map(|near| Contact {
@@ -113,12 +113,12 @@ pub(super) fn double_hit(
         Some(contact) => Check {
             at: Some(contact.delay * step_s),
             detectability: Some(contact.detectability),
-            ..check(outcome_of(contact.ratio, limits), contact.ratio)
+            ..check(outcome_of_contact(contact.ratio, limits), contact.ratio)
         },
         None => Check {
             detectability: Some(limits.double_hit_ratio / search.scale),
             ..check(
-                undetected(&search, &rest, pulse, limits),
+                outcome_without_contact(&search, &rest, pulse, limits),
                 separate.map_or(0.0, |c| c.ratio),
             )
         },
@@ -127,11 +127,11 @@ pub(super) fn double_hit(
 
 /// Delays at which what follows a pulse may be the ringing of the filter; none for a pulse that is
 /// longer than its response.
-fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
+fn ringing_delays(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
     let samples = &force_n[pulse.onset..pulse.end];
     let area: f64 = samples.iter().map(|f| f - pulse.level_n).sum();
-    let end = if area / pulse.height_n < SHORTEST {
-        (samples.len() + RINGING) as f64
+    let end = if area / pulse.height_n < MIN_AREA_OVER_HEIGHT_SAMPLES {
+        (samples.len() + RINGING_SAMPLES) as f64
     } else {
         0.0
     };
@@ -140,17 +140,18 @@ fn rings(force_n: &[f64], pulse: &Pulse) -> Range<f64> {
 
 /// Looks twice: a high contact pulls the level of the whole record, so that the second look leaves
 /// the place of the first out of it.
-fn look(force_n: &[f64], pulse: &Pulse) -> Option<(ForceAfterImpact, Search)> {
+fn search_twice(force_n: &[f64], pulse: &Pulse) -> Option<(ForceAfterImpact, ContactSearch)> {
     let first = MatchedFilter::new(&LevelFree::new(force_n, pulse, 0..0), pulse)?;
     let delay = first.places[first.clearest()?].delay;
     let onset = (pulse.onset as f64 + delay).max(0.0) as usize;
-    let place = onset.saturating_sub(FOOT)..onset + pulse.end - pulse.onset + guard(pulse);
+    let place = onset.saturating_sub(PULSE_FOOT_SAMPLES)
+        ..onset + pulse.end - pulse.onset + guard_samples(pulse);
     let rest = ForceAfterImpact::new(force_n, LevelFree::new(force_n, pulse, place));
-    let search = Search::new(&rest, pulse)?;
+    let search = ContactSearch::new(&rest, pulse)?;
     Some((rest, search))
 }
 
-fn outcome_of(ratio: f64, limits: &JudgeLimits) -> Outcome {
+fn outcome_of_contact(ratio: f64, limits: &JudgeLimits) -> Outcome {
     if ratio >= limits.double_hit_ratio {
         Outcome::Rejected
     } else if ratio >= limits.double_hit_noted {
@@ -161,8 +162,8 @@ fn outcome_of(ratio: f64, limits: &JudgeLimits) -> Outcome {
 }
 
 /// Passed when a contact of the limit's ratio would have been seen.
-fn undetected(
-    search: &Search,
+fn outcome_without_contact(
+    search: &ContactSearch,
     rest: &ForceAfterImpact,
     pulse: &Pulse,
     limits: &JudgeLimits,
@@ -188,8 +189,8 @@ impl LevelFree {
     /// The samples of `place` are left out of the level.
     fn new(force_n: &[f64], pulse: &Pulse, place: Range<usize>) -> Self {
         let first_contact = (
-            pulse.onset.saturating_sub(guard(pulse)),
-            (pulse.end + guard(pulse)).min(force_n.len()),
+            pulse.onset.saturating_sub(guard_samples(pulse)),
+            (pulse.end + guard_samples(pulse)).min(force_n.len()),
         );
         let sign = pulse.height_n.signum();
         let half = BASELINE_LENGTHS / 2 * (pulse.end - pulse.onset);
@@ -246,9 +247,9 @@ impl ForceAfterImpact {
         if before + after < MIN_RISE_WIDTH_SAMPLES {
             return None;
         }
-        let least = ratio * height + RISE_DEVIATIONS * self.noise_n;
-        let later = rise(pulse.peak..first_contact.1, force_n, least);
-        let earlier = rise((first_contact.0..pulse.peak).rev(), force_n, least);
+        let least = ratio * height + MIN_RISE_STDS * self.noise_n;
+        let later = highest_rise(pulse.peak..first_contact.1, force_n, least);
+        let earlier = highest_rise((first_contact.0..pulse.peak).rev(), force_n, least);
         let found = later.into_iter().chain(earlier);
         let place = found.max_by(|a, b| force_n[*a].total_cmp(&force_n[*b]))?;
         Some(Contact {
@@ -261,7 +262,7 @@ impl ForceAfterImpact {
 
 /// The highest place that stands `least` above the lowest before it on the way, and above zero by
 /// as much.
-fn rise(way: impl Iterator<Item = usize>, samples: &[f64], least: f64) -> Option<usize> {
+fn highest_rise(way: impl Iterator<Item = usize>, samples: &[f64], least: f64) -> Option<usize> {
     let (mut lowest, mut best): (f64, Option<usize>) = (f64::INFINITY, None);
     for k in way {
         lowest = lowest.min(samples[k]);
@@ -281,11 +282,11 @@ struct RecordSides {
 }
 
 impl RecordSides {
-    fn both(&self) -> [Range<usize>; 2] {
+    fn sides(&self) -> [Range<usize>; 2] {
         [0..self.first_contact.0, self.first_contact.1..self.len]
     }
 
-    fn counts(&self, k: usize) -> bool {
+    fn is_level(&self, k: usize) -> bool {
         !self.place.contains(&k)
     }
 
@@ -293,8 +294,8 @@ impl RecordSides {
     /// coupled amplifier makes it.
     fn take_slope_off(&self, samples: &mut [f64]) {
         let (mut cross, mut square) = (0.0, 0.0);
-        for side in self.both() {
-            let level: Vec<usize> = side.filter(|k| self.counts(*k)).collect();
+        for side in self.sides() {
+            let level: Vec<usize> = side.filter(|k| self.is_level(*k)).collect();
             let count = level.len().max(1) as f64;
             let middle = level.iter().map(|k| *k as f64).sum::<f64>() / count;
             let mean = level.iter().map(|k| samples[*k]).sum::<f64>() / count;
@@ -315,7 +316,7 @@ impl RecordSides {
     /// there the mean of its two ends.
     fn take_level_off(&self, samples: &mut [f64], half: usize) {
         let mut level = vec![0.0; samples.len()];
-        for side in self.both() {
+        for side in self.sides() {
             let means = self.running_means(samples, side.clone(), half);
             level[side].copy_from_slice(&means);
         }
@@ -333,7 +334,7 @@ impl RecordSides {
         let mut sums = vec![(0.0, 0usize)];
         let (mut sum, mut count) = (0.0, 0);
         for k in side.clone() {
-            if self.counts(k) {
+            if self.is_level(k) {
                 (sum, count) = (sum + samples[k], count + 1);
             }
             sums.push((sum, count));
@@ -349,9 +350,9 @@ impl RecordSides {
     }
 }
 
-/// The filter's answer where the template would begin.
+/// Output of the matched filter where the template would begin.
 #[derive(Clone, Copy)]
-struct Place {
+struct FilterOutput {
     ratio: f64,
     /// Samples after the first contact.
     delay: f64,
@@ -362,7 +363,7 @@ struct Place {
 
 /// The matched filter over the record after the first contact.
 struct MatchedFilter {
-    places: Vec<Place>,
+    places: Vec<FilterOutput>,
     /// `Σp²` of the template.
     energy: f64,
     decimation: f64,
@@ -375,20 +376,20 @@ impl MatchedFilter {
             force_n,
             first_contact,
         } = level_free;
-        let first = pulse.onset.saturating_sub(FOOT);
-        let template = thinned(
-            &force_n[first..(pulse.end + FOOT).min(force_n.len())],
+        let first = pulse.onset.saturating_sub(PULSE_FOOT_SAMPLES);
+        let template = decimate(
+            &force_n[first..(pulse.end + PULSE_FOOT_SAMPLES).min(force_n.len())],
             decimation,
         );
         let energy: f64 = template.iter().map(|p| p * p).sum();
         let sum: f64 = template.iter().sum();
         let mut places = Vec::new();
         for (start, end) in [(0, first_contact.0), (first_contact.1, force_n.len())] {
-            let stretch = thinned(&force_n[start..end], decimation);
+            let stretch = decimate(&force_n[start..end], decimation);
             let beside = stretch.len().saturating_sub(template.len()).max(1) as f64;
             let spread = (1.0 + sum * sum / (energy * beside)).sqrt();
-            let products = products(&stretch, &template).into_iter();
-            places.extend(products.enumerate().map(|(k, product)| Place {
+            let products = template_products(&stretch, &template).into_iter();
+            places.extend(products.enumerate().map(|(k, product)| FilterOutput {
                 ratio: product / energy,
                 delay: (start + k * decimation) as f64 - first as f64,
                 spread,
@@ -409,7 +410,7 @@ impl MatchedFilter {
 
     /// Top of the parabola through a place and its neighbours; the place itself at the end of a
     /// stretch.
-    fn vertex(&self, best: usize) -> f64 {
+    fn interpolated_ratio(&self, best: usize) -> f64 {
         let here = self.places[best];
         let neighbours = self.places.get(best.wrapping_sub(1));
         let Some((before, after)) = neighbours.zip(self.places.get(best + 1)) else {
@@ -424,35 +425,35 @@ impl MatchedFilter {
     }
 }
 
-/// The filter's answer with its scatter.
-struct Search {
-    answer: MatchedFilter,
+/// The matched filter with the scatter of its output.
+struct ContactSearch {
+    filter: MatchedFilter,
     /// Standard deviation of the ratio.
     scale: f64,
 }
 
-impl Search {
+impl ContactSearch {
     fn new(rest: &ForceAfterImpact, pulse: &Pulse) -> Option<Self> {
-        let answer = MatchedFilter::new(&rest.level_free, pulse)?;
-        let white = rest.noise_n / (answer.decimation * answer.energy).sqrt();
+        let filter = MatchedFilter::new(&rest.level_free, pulse)?;
+        let white = rest.noise_n / (filter.decimation * filter.energy).sqrt();
         let length = (pulse.end - pulse.onset) as f64;
-        let independent = answer.places.len() as f64 * answer.decimation / length;
-        let scatter =
-            median_deviation(&answer.places) / (1.0 + 2.0 * MAD_SPREAD / independent.sqrt());
+        let independent = filter.places.len() as f64 * filter.decimation / length;
+        let scatter = median_deviation(&filter.places)
+            / (1.0 + 2.0 * MEDIAN_SCALE_SPREAD / independent.sqrt());
         let scale = white.max(scatter).max(f64::MIN_POSITIVE);
-        Some(Self { answer, scale })
+        Some(Self { filter, scale })
     }
 
     /// Standard deviations that white noise exceeds anywhere with this probability.
     fn threshold(&self, false_alarms: f64) -> f64 {
-        -Normal::standard().inverse_cdf(false_alarms / self.answer.places.len() as f64)
+        -Normal::standard().inverse_cdf(false_alarms / self.filter.places.len() as f64)
     }
 
     /// The clearest ratio, between places by a parabola.
-    fn largest(&self) -> Option<Contact> {
-        let best = self.answer.clearest()?;
-        let Place { delay, spread, .. } = self.answer.places[best];
-        let ratio = self.answer.vertex(best);
+    fn clearest_contact(&self) -> Option<Contact> {
+        let best = self.filter.clearest()?;
+        let FilterOutput { delay, spread, .. } = self.filter.places[best];
+        let ratio = self.filter.interpolated_ratio(best);
         Some(Contact {
             ratio,
             delay,
@@ -462,20 +463,20 @@ impl Search {
 }
 
 /// Means of `by` neighbouring samples; a rest is left out.
-fn thinned(samples: &[f64], by: usize) -> Vec<f64> {
+fn decimate(samples: &[f64], by: usize) -> Vec<f64> {
     let blocks = samples.chunks_exact(by);
     blocks.map(|b| b.iter().sum::<f64>() / by as f64).collect()
 }
 
 /// Places whose products are summed together, in the nearest cache.
-const AT_A_TIME: usize = 512;
+const PRODUCTS_PER_BLOCK: usize = 512;
 
 /// `Σ x_(k+i) p_i` at every place k where the whole template fits.
-fn products(samples: &[f64], template: &[f64]) -> Vec<f64> {
+fn template_products(samples: &[f64], template: &[f64]) -> Vec<f64> {
     let places = (samples.len() + 1).saturating_sub(template.len());
     let mut sums = vec![0.0; places];
-    for (piece, sums) in sums.chunks_mut(AT_A_TIME).enumerate() {
-        let samples = &samples[piece * AT_A_TIME..];
+    for (piece, sums) in sums.chunks_mut(PRODUCTS_PER_BLOCK).enumerate() {
+        let samples = &samples[piece * PRODUCTS_PER_BLOCK..];
         vectorised(
             #[inline(always)]
             || {
@@ -491,7 +492,7 @@ fn products(samples: &[f64], template: &[f64]) -> Vec<f64> {
 }
 
 /// 1.4826 times the median magnitude: the deviation of Gaussian values about 0.
-fn median_deviation(places: &[Place]) -> f64 {
+fn median_deviation(places: &[FilterOutput]) -> f64 {
     let mut sizes: Vec<f64> = places.iter().map(|place| place.ratio.abs()).collect();
     let half = sizes.len() / 2;
     1.4826 * *sizes.select_nth_unstable_by(half, f64::total_cmp).1

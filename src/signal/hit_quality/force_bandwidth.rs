@@ -4,7 +4,7 @@ use crate::fourier::ForwardPlan;
 
 use super::super::Pulse;
 use super::JudgeLimits;
-use super::check::{Check, Outcome, Rule, beyond};
+use super::check::{Check, Outcome, Rule, compare_with_limit};
 
 /// Frequency lines per 1/length of the pulse: the frequency where the spectrum crosses a level is
 /// found to 1/16 of 1/length.
@@ -47,7 +47,10 @@ pub(super) fn roll_off(
     let passes = (0..power.len()).find(|k| fall_db(*k) > limit);
     Check {
         at: passes.map(hz),
-        ..Check::new(Rule::RollOff, beyond(deepest, limit, Outcome::Noted))
-            .value(deepest, limit, "dB")
+        ..Check::new(
+            Rule::RollOff,
+            compare_with_limit(deepest, limit, Outcome::Noted),
+        )
+        .value(deepest, limit, "dB")
     }
 }

@@ -92,7 +92,7 @@ pub fn judge_force(
         pretrigger::force_pre_trigger(force_n, pulse, limits),
         force_bandwidth::roll_off(force_n, step_s, pulse, band_end_hz, limits),
         pretrigger::dead_force(force_n, pulse),
-        pretrigger::sign(pulse),
+        pretrigger::force_sign(pulse),
         decay::force_drift(force_n, step_s, pulse, limits),
     ]
 }

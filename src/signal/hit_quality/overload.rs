@@ -15,7 +15,7 @@ use super::check::{Check, Outcome, Rule};
 use super::pretrigger::converter_step;
 
 /// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.
-const RAIL_STEPS: f64 = 4.5;
+const RAIL_DEPTH_STEPS: f64 = 4.5;
 /// The rail is at least so deep, relative to the range: samples that went through single precision
 /// are on no clean raster.
 const MIN_RAIL_DEPTH_OVER_RANGE: f64 = 1e-6;
@@ -23,23 +23,23 @@ const MIN_RAIL_DEPTH_OVER_RANGE: f64 = 1e-6;
 /// of the upper half of each side.
 const STEP_SAMPLES: usize = 1024;
 /// Samples from the start of the record by which the step is bounded at a glance.
-const GLANCED: usize = 64;
+const STEP_BOUND_SAMPLES: usize = 64;
 /// Gap of two samples, relative to the range, that holds a step: above the rounding (see
 /// [`converter_step`]) between as many samples as show the step.
-const SURE_GAP: f64 = 4e-6;
+const MIN_STEP_OVER_RANGE: f64 = 4e-6;
 /// The smallest K: samples within five depths.
-const FIRST_DEPTHS: f64 = 5.0;
+const MIN_COUNTED_DEPTHS: f64 = 5.0;
 /// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail
 /// of a 12-bit converter with one in the upper half of the height beside them are at 0.0018 (K =
 /// 160); smooth tops are more even than random ones and stay far above.
-const RAIL_CHANCE: f64 = 2e-3;
+const FALSE_ALARM_PROBABILITY: f64 = 2e-3;
 
 /// Samples that are passed over together when none of them is in the upper half.
-const PIECE: usize = 64;
+const SAMPLES_PER_BLOCK: usize = 64;
 
 /// Part of the range below its end in which a clipped record has its samples: the jitter of a
 /// converter of 12 bits.
-const NEAR_THE_END: f64 = 2.5e-3;
+const RAIL_SEARCH_OVER_RANGE: f64 = 2.5e-3;
 
 /// The rule; the value is the number of samples on the rail. A record with too few samples near its
 /// ends has passed at a glance. `extent` is that of the samples.
@@ -51,8 +51,8 @@ pub(super) fn overload(
 ) -> Check {
     let fewest = limits.overload_samples;
     let count = match full_scale {
-        Some(rail) => on_a_known_rail(samples, extent, rail.abs(), fewest),
-        None => on_the_extremes(samples, extent, fewest),
+        Some(rail) => count_at_full_scale(samples, extent, rail.abs(), fewest),
+        None => count_at_extremes(samples, extent, fewest),
     };
     let outcome = if count >= limits.overload_samples {
         Outcome::Rejected
@@ -68,24 +68,24 @@ pub(super) fn overload(
     )
 }
 
-fn on_a_known_rail(samples: &[f64], extent: &Extent, rail: f64, fewest: usize) -> usize {
-    let near = rail - NEAR_THE_END * extent.range();
+fn count_at_full_scale(samples: &[f64], extent: &Extent, rail: f64, fewest: usize) -> usize {
+    let near = rail - RAIL_SEARCH_OVER_RANGE * extent.range();
     if extent.hi.max(-extent.lo) < near || extent.count_beyond(samples, -near, near) < fewest {
         return 0;
     }
-    let rail = rail - depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
+    let rail = rail - rail_depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
     extent.count_beyond(samples, -rail, rail)
 }
 
-fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
-    let depth_of_search = NEAR_THE_END * extent.range();
+fn count_at_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
+    let depth_of_search = RAIL_SEARCH_OVER_RANGE * extent.range();
     let few_within =
         |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
     // Most records have few samples even where a rail is sought, and counting them is faster than
     // the depth.
     if extent.range() <= 0.0
         || few_within(depth_of_search)
-        || few_within(most_depth(samples, extent).min(depth_of_search))
+        || few_within(max_rail_depth(samples, extent).min(depth_of_search))
     {
         return 0;
     }
@@ -95,8 +95,8 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
         (-1.0, extent.count_beyond(samples, low, f64::INFINITY)),
     ];
     let crowded = crowded.iter().filter(|(_, count)| *count >= fewest);
-    let sides: Vec<Upper> = crowded
-        .filter_map(|(sign, _)| Upper::of(samples, *sign, extent))
+    let sides: Vec<UpperHalf> = crowded
+        .filter_map(|(sign, _)| UpperHalf::of(samples, *sign, extent))
         .collect();
     if sides.is_empty() {
         return 0;
@@ -105,8 +105,8 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     for side in &sides {
         few.extend(side.samples().take(STEP_SAMPLES));
     }
-    let depth = depth(&few, extent);
-    let counts = sides.iter().map(|side| side.piled_up(depth));
+    let depth = rail_depth(&few, extent);
+    let counts = sides.iter().map(|side| side.count_at_rail(depth));
     counts.max().unwrap_or(0)
 }
 
@@ -114,25 +114,25 @@ fn on_the_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
 /// where the first samples know none.
 ///
 /// Two samples a step or more apart bound the step. Others may lie between them in steps that count
-/// as rounding, in all less than [`SURE_GAP`].
-fn most_depth(samples: &[f64], extent: &Extent) -> f64 {
-    let mut first = [0.0; GLANCED];
-    let first = &mut first[..samples.len().min(GLANCED)];
+/// as rounding, in all less than [`MIN_STEP_OVER_RANGE`].
+fn max_rail_depth(samples: &[f64], extent: &Extent) -> f64 {
+    let mut first = [0.0; STEP_BOUND_SAMPLES];
+    let first = &mut first[..samples.len().min(STEP_BOUND_SAMPLES)];
     first.copy_from_slice(&samples[..first.len()]);
     first.sort_unstable_by(f64::total_cmp);
     let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
-    let sure = gaps.filter(|gap| *gap > SURE_GAP * extent.range());
+    let sure = gaps.filter(|gap| *gap > MIN_STEP_OVER_RANGE * extent.range());
     let step = sure.fold(f64::INFINITY, f64::min);
-    (RAIL_STEPS * step).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
+    (RAIL_DEPTH_STEPS * step).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
 }
 
 /// Depth of the rail, from a few samples.
-fn depth(few: &[f64], extent: &Extent) -> f64 {
-    (RAIL_STEPS * converter_step(few)).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
+fn rail_depth(few: &[f64], extent: &Extent) -> f64 {
+    (RAIL_DEPTH_STEPS * converter_step(few)).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
 }
 
 /// The upper half of one side of a record.
-struct Upper {
+struct UpperHalf {
     /// 1 or -1.
     sign: f64,
     /// The extreme times the sign.
@@ -143,7 +143,7 @@ struct Upper {
     height: f64,
 }
 
-impl Upper {
+impl UpperHalf {
     /// Of the positive or the negative side; `None` where that is but the level of a pulse of the
     /// other.
     fn of(samples: &[f64], sign: f64, extent: &Extent) -> Option<Self> {
@@ -155,7 +155,11 @@ impl Upper {
         }
         let near = |x: &&f64| highest - sign * **x <= 0.5 * height;
         let any = |piece: &&[f64]| piece.iter().fold(false, |any, x| any | near(&x));
-        let below = samples.chunks(PIECE).filter(any).flatten().filter(near);
+        let below = samples
+            .chunks(SAMPLES_PER_BLOCK)
+            .filter(any)
+            .flatten()
+            .filter(near);
         let below = below.map(|x| highest - sign * x).collect();
         Some(Self {
             sign,
@@ -172,15 +176,20 @@ impl Upper {
     }
 
     /// Samples within `depth` of the extreme, 0 where they do not pile up.
-    fn piled_up(&self, depth: f64) -> usize {
-        if self.height <= 2.0 * FIRST_DEPTHS * depth {
+    fn count_at_rail(&self, depth: f64) -> usize {
+        if self.height <= 2.0 * MIN_COUNTED_DEPTHS * depth {
             return 0;
         }
-        let octaves = (0.5 * self.height / (FIRST_DEPTHS * depth)).log2().floor();
+        let octaves = (0.5 * self.height / (MIN_COUNTED_DEPTHS * depth))
+            .log2()
+            .floor();
         // By octaves of the depth beyond K = 5.
         let mut by_octave = vec![0usize; octaves as usize + 1];
         for below in &self.below {
-            let octave = (below / (FIRST_DEPTHS * depth)).max(1.0).log2().ceil();
+            let octave = (below / (MIN_COUNTED_DEPTHS * depth))
+                .max(1.0)
+                .log2()
+                .ceil();
             if let Some(count) = by_octave.get_mut(octave as usize) {
                 *count += 1;
             }
@@ -190,14 +199,15 @@ impl Upper {
         let mut octaves = by_octave.iter().zip(0..);
         let rail = octaves.any(|(count, octave)| {
             within += count;
-            chance(on, within, FIRST_DEPTHS * 2f64.powi(octave)) < RAIL_CHANCE
+            pile_up_probability(on, within, MIN_COUNTED_DEPTHS * 2f64.powi(octave))
+                < FALSE_ALARM_PROBABILITY
         });
         if rail { on } else { 0 }
     }
 }
 
 /// Probability that `on` or more of `all` samples are within one depth when each is with `1/√K`.
-fn chance(on: usize, all: usize, depths: f64) -> f64 {
+fn pile_up_probability(on: usize, all: usize, depths: f64) -> f64 {
     let share = Binomial::new(depths.sqrt().recip(), all as u64);
     // A share between 0 and 1 is always a distribution; without one nothing is proved.
     share.map_or(1.0, |binomial| binomial.sf(on.saturating_sub(1) as u64))
@@ -229,10 +239,10 @@ mod tests {
             for noise in [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1] {
                 let samples = record(step, noise, 10.0);
                 let extent = Extent::of(&samples);
-                let bound = most_depth(&samples, &extent);
+                let bound = max_rail_depth(&samples, &extent);
                 bounds += usize::from(bound.is_finite());
                 for few in [STEP_SAMPLES, 3 * STEP_SAMPLES] {
-                    let depth = depth(&samples[..few], &extent);
+                    let depth = rail_depth(&samples[..few], &extent);
                     assert!(bound >= depth, "{step} {noise}: {bound} {depth}");
                 }
             }

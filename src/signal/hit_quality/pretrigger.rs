@@ -6,19 +6,19 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
 use super::JudgeLimits;
-use super::check::{Check, Outcome, Rule, beyond};
+use super::check::{Check, Outcome, Rule, compare_with_limit};
 
 /// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in
 /// it.
 const MAX_LAG_SAMPLES: usize = 50;
 /// Linear-phase filters answer a pulse before it comes; so many samples before the onset are not
 /// judged.
-const PRECURSOR: usize = 32;
+const PRECURSOR_SAMPLES: usize = 32;
 /// Probability with which white noise passes for ringing: one in 10,000 channels.
-const FALSE_RINGING: f64 = 1e-4;
+const RINGING_FALSE_ALARM_PROBABILITY: f64 = 1e-4;
 /// Standard deviations of a variance ratio that count as above the noise: below one in 10,000 for 8
 /// samples and more.
-pub(super) const VARIANCE_DEVIATIONS: f64 = 5.0;
+pub(super) const MAX_VARIANCE_RATIO_STDS: f64 = 5.0;
 
 /// Deviation of noise in which up to a tenth of the samples are something else.
 ///
@@ -58,7 +58,7 @@ pub(super) fn force_pre_trigger(force_n: &[f64], pulse: &Pulse, limits: &JudgeLi
     match PreTrigger::of(&force_n[pulse.quiet()]) {
         Some(quiet) => {
             let value = quiet.variance.sqrt() / pulse.height_n.abs();
-            let outcome = beyond(value, limit, Outcome::Noted);
+            let outcome = compare_with_limit(value, limit, Outcome::Noted);
             Check::new(Rule::PreTrigger, outcome).value(value, limit, "")
         }
         None => Check::new(Rule::PreTrigger, Outcome::NotDecidable),
@@ -71,13 +71,13 @@ pub(super) fn force_pre_trigger(force_n: &[f64], pulse: &Pulse, limits: &JudgeLi
 /// The power of what is autocorrelated before the hit is `sqrt(2 (mean r_k² - s⁴/n))` over lags k
 /// up to n/4: a sine of power P has `r_k = P cos(ωk)`, white noise `E r_k² = s⁴/n`. Its root over
 /// the rms of as many samples after the onset is the value; both decay alike. What white noise
-/// explains ([`FALSE_RINGING`]) has passed, where the limit could have been seen.
+/// explains ([`RINGING_FALSE_ALARM_PROBABILITY`]) has passed, where the limit could have been seen.
 ///
 /// # Reference
 /// Box and Pierce (1970), J. Amer. Statist. Assoc. 65, eq. 1.3 (`n Σ r_k²/r_0²` is chi squared).
 pub(super) fn response_pre_trigger(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
     let quiet = pulse.quiet().end;
-    let quiet = &response[..quiet - PRECURSOR.min(quiet / 4)];
+    let quiet = &response[..quiet - PRECURSOR_SAMPLES.min(quiet / 4)];
     let after = &response[pulse.onset..(pulse.onset + quiet.len()).min(response.len())];
     if quiet.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
         return Check::new(Rule::PreTrigger, Outcome::NotDecidable);
@@ -118,7 +118,7 @@ impl Ringing {
         let square = (1..=lags).map(|k| covariance(k).powi(2)).sum::<f64>() / lags as f64;
         // Infallible for one lag and more; without a distribution nothing is detected.
         let quantile = ChiSquared::new(lags as f64).map_or(f64::INFINITY, |chi| {
-            chi.inverse_cdf(1.0 - FALSE_RINGING) / lags as f64
+            chi.inverse_cdf(1.0 - RINGING_FALSE_ALARM_PROBABILITY) / lags as f64
         });
         Self {
             mean,
@@ -177,7 +177,7 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
     let levels = after.chunks_exact(part).map(|x| rms_about(x, quiet.mean));
     let value = levels.fold(0.0, f64::max) / quiet.variance.sqrt();
     let scatter = (2.0 / quiet.samples as f64 + 2.0 / part as f64).sqrt();
-    let limit = (1.0 + VARIANCE_DEVIATIONS * scatter).sqrt();
+    let limit = (1.0 + MAX_VARIANCE_RATIO_STDS * scatter).sqrt();
     let outcome = if value > limit {
         Outcome::Passed
     } else {
@@ -187,7 +187,7 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
 }
 
 /// A pulse of negative height, noted: a sensor or a direction is turned.
-pub(super) fn sign(pulse: &Pulse) -> Check {
+pub(super) fn force_sign(pulse: &Pulse) -> Check {
     let outcome = if pulse.height_n < 0.0 {
         Outcome::Noted
     } else {
