@@ -110,7 +110,7 @@ pub enum IoError {
     NotStated {
         /// Path as given.
         path: String,
-        /// The missing property (unit, sampling rate, hit point, ...).
+        /// The missing property (unit, sampling rate, excitation point, ...).
         what: String,
         /// Where it could be stated.
         expected: String,

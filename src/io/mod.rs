@@ -27,13 +27,13 @@ mod write;
 
 pub use crate::frf::Window;
 pub use catalog::{
-    ArrayInfo, Catalog, Damage, Domain, Entry, EntryAxis, FunctionNote, FunctionType, GeneralAxis,
-    Identification, ModeEntry, Part, SampleFormat,
+    ArrayInfo, Catalog, Damage, Domain, Entry, EntryAxis, FunctionMetadata, FunctionType,
+    GeneralAxis, Identification, ModeEntry, Part, SampleFormat,
 };
 pub use columns::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 pub use convert::{
     ChannelOverride, FileRecording, HitFile, HitGrouping, HitSet, Need, check_damage, frf_sets,
-    group_hits, modes_of,
+    group_hits, modal_model_of,
 };
 pub use error::IoError;
 pub use format::{

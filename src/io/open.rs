@@ -10,7 +10,7 @@ use super::error::system;
 use super::{Confidence, FORMATS, Format, Hints, IoError, ReadSeek, Source};
 
 /// How many bytes a format sees when it judges a file.
-const HEAD: usize = 4096;
+const DETECTION_BYTES: usize = 4096;
 
 /// The format that claims these first bytes with the highest confidence.
 ///
@@ -31,7 +31,7 @@ pub fn detect(head: &[u8], path: &str) -> Result<&'static dyn Format, IoError> {
         [] => Err(IoError::UnknownFormat {
             path: path.to_owned(),
             head: String::from_utf8_lossy(&head[..head.len().min(24)]).into_owned(),
-            known: names(),
+            known: format_names(),
         }),
         several => Err(IoError::Tie {
             path: path.to_owned(),
@@ -44,7 +44,7 @@ pub fn detect(head: &[u8], path: &str) -> Result<&'static dyn Format, IoError> {
     }
 }
 
-fn names() -> String {
+fn format_names() -> String {
     FORMATS
         .iter()
         .map(|format| format.name())
@@ -52,12 +52,12 @@ fn names() -> String {
         .join(", ")
 }
 
-fn named(name: &str, path: &str) -> Result<&'static dyn Format, IoError> {
+fn format_named(name: &str, path: &str) -> Result<&'static dyn Format, IoError> {
     let found = FORMATS.iter().copied().find(|format| format.name() == name);
     found.ok_or_else(|| IoError::UnknownFormat {
         path: path.to_owned(),
         head: format!("--format {name}"),
-        known: names(),
+        known: format_names(),
     })
 }
 
@@ -68,11 +68,11 @@ fn named(name: &str, path: &str) -> Result<&'static dyn Format, IoError> {
 pub fn format_of(path: &Path, format: Option<&str>) -> Result<&'static dyn Format, IoError> {
     let shown = path.display().to_string();
     if let Some(name) = format {
-        return named(name, &shown);
+        return format_named(name, &shown);
     }
-    let mut head = Vec::with_capacity(HEAD);
+    let mut head = Vec::with_capacity(DETECTION_BYTES);
     let file = File::open(path).map_err(system(&shown, "open"))?;
-    file.take(HEAD as u64)
+    file.take(DETECTION_BYTES as u64)
         .read_to_end(&mut head)
         .map_err(system(&shown, "read"))?;
     detect(&head, &shown)
@@ -113,10 +113,10 @@ fn open_stream(
     hints: &Hints,
     format: Option<&str>,
 ) -> Result<Box<dyn Source>, IoError> {
-    let mut head = Vec::with_capacity(HEAD);
+    let mut head = Vec::with_capacity(DETECTION_BYTES);
     input
         .by_ref()
-        .take(HEAD as u64)
+        .take(DETECTION_BYTES as u64)
         .read_to_end(&mut head)
         .map_err(system(&hints.path, "read"))?;
     input
@@ -124,7 +124,7 @@ fn open_stream(
         .map_err(system(&hints.path, "read"))?;
     let format = format.map_or_else(
         || detect(&head, &hints.path),
-        |name| named(name, &hints.path),
+        |name| format_named(name, &hints.path),
     )?;
     format.open(input, hints)
 }

@@ -18,14 +18,14 @@ pub fn write_atomically(
     path: &Path,
     content: impl FnOnce(&mut dyn WriteSeek) -> Result<(), IoError>,
 ) -> Result<(), IoError> {
-    persist(beside(path, content)?, path)
+    rename_into_place(write_temporary(path, content)?, path)
 }
 
 /// How the name of a file begins that is not whole yet.
 pub const TEMPORARY_PREFIX: &str = ".modalign-";
 
 /// A temporary file beside a path, written whole; it goes when it is dropped.
-fn beside(
+fn write_temporary(
     path: &Path,
     content: impl FnOnce(&mut dyn WriteSeek) -> Result<(), IoError>,
 ) -> Result<tempfile::NamedTempFile, IoError> {
@@ -40,7 +40,7 @@ fn beside(
         .unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(system(&name, "create the folder for it"))?;
     let mut builder = tempfile::Builder::new();
-    let mut temporary = readable(&mut builder)
+    let mut temporary = with_default_permissions(&mut builder)
         .prefix(TEMPORARY_PREFIX)
         .tempfile_in(folder)
         .map_err(system(&name, "write"))?;
@@ -51,7 +51,7 @@ fn beside(
     Ok(temporary)
 }
 
-fn persist(temporary: tempfile::NamedTempFile, path: &Path) -> Result<(), IoError> {
+fn rename_into_place(temporary: tempfile::NamedTempFile, path: &Path) -> Result<(), IoError> {
     let renamed = temporary.persist(path);
     renamed.map_err(|error| system(&path.display().to_string(), "rename")(error.error))?;
     Ok(())
@@ -129,7 +129,7 @@ fn format_for(
 
 /// A temporary file is private; a result is as readable as any other new file.
 #[cfg(unix)]
-fn readable<'a, 'b, 'c>(
+fn with_default_permissions<'a, 'b, 'c>(
     builder: &'a mut tempfile::Builder<'b, 'c>,
 ) -> &'a mut tempfile::Builder<'b, 'c> {
     use std::os::unix::fs::PermissionsExt;
@@ -137,7 +137,7 @@ fn readable<'a, 'b, 'c>(
 }
 
 #[cfg(not(unix))]
-fn readable<'a, 'b, 'c>(
+fn with_default_permissions<'a, 'b, 'c>(
     builder: &'a mut tempfile::Builder<'b, 'c>,
 ) -> &'a mut tempfile::Builder<'b, 'c> {
     builder
@@ -164,7 +164,7 @@ pub fn write_all_new(files: &[(PathBuf, NewFile)]) -> Result<(), IoError> {
         .map(Path::to_path_buf)
         .collect();
     let mut placed = Vec::new();
-    let result = place_new(files, &mut placed);
+    let result = place_new_files(files, &mut placed);
     if result.is_err() {
         // The failure is reported. A path that cannot be removed, or that holds other files by
         // now, stays.
@@ -179,14 +179,14 @@ pub fn write_all_new(files: &[(PathBuf, NewFile)]) -> Result<(), IoError> {
     result
 }
 
-fn place_new<'a>(
+fn place_new_files<'a>(
     files: &'a [(PathBuf, NewFile)],
     placed: &mut Vec<&'a Path>,
 ) -> Result<(), IoError> {
     let mut written = Vec::with_capacity(files.len());
     for (path, content) in files {
         let shown = path.display().to_string();
-        let temporary = beside(path, |out| match content {
+        let temporary = write_temporary(path, |out| match content {
             NewFile::Text(text) => out
                 .write_all(text.as_bytes())
                 .map_err(system(&shown, "write")),
@@ -218,13 +218,13 @@ pub fn write_all_whole(files: &[(PathBuf, Vec<u8>)]) -> Result<(), IoError> {
     let mut written = Vec::with_capacity(files.len());
     for (path, bytes) in files {
         let shown = path.display().to_string();
-        let temporary = beside(path, |out| {
+        let temporary = write_temporary(path, |out| {
             out.write_all(bytes).map_err(system(&shown, "write"))
         })?;
         written.push((path, temporary));
     }
     for (path, temporary) in written {
-        persist(temporary, path)?;
+        rename_into_place(temporary, path)?;
     }
     Ok(())
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::geometry::Geometry;
 use crate::io::{
-    Hints, IoError, Need, check_damage, format_of, modes_from_json, modes_of, open_path, sha256_hex,
+    Hints, IoError, Need, check_damage, format_of, modal_model_of, modes_from_json, open_path,
+    sha256_hex,
 };
 use crate::modal::{InputFile, ModalModel};
 
@@ -103,7 +104,7 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
         dofs: Vec::new(),
     };
     Ok(LoadedModes {
-        modes: modes_of(catalog, vec![input]),
+        modes: modal_model_of(catalog, vec![input]),
         geometry: catalog.geometry.clone(),
         partly_bad,
     })

@@ -5,7 +5,7 @@ use crate::frf::{Estimator, Window};
 /// The statements of a file about how a function was made. Universal files of modalign hold them in
 /// their ID lines 4 and 5.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FunctionNote {
+pub struct FunctionMetadata {
     /// Number of averages.
     pub averages: Option<u32>,
     /// Estimator.
@@ -16,7 +16,7 @@ pub struct FunctionNote {
     pub record_s: Option<f64>,
     /// Where the function is valid, Hz.
     pub valid_hz: Option<(f64, f64)>,
-    /// Degrees of freedom of the variance that belongs to it; modalign's layout alone holds it, as
+    /// Degrees of freedom of the variance that belongs to it; modalign's schema alone holds it, as
     /// it does the variance.
     pub variance_dof: Option<f64>,
     /// Window of the records; `None` where there was none or none is stated.
@@ -28,7 +28,7 @@ const NOTE_MARK: &str = "modalign ";
 /// Columns of a line.
 const LINE_COLUMNS: usize = 80;
 
-impl FunctionNote {
+impl FunctionMetadata {
     /// ID lines 4 and 5, such as `modalign averages=5 estimator=h1 added_damping_rad_s=12.5
     /// record_s=1.28`, empty where nothing is known. A line of a universal file holds 80
     /// characters; what does not fit is left away.
@@ -116,26 +116,26 @@ mod tests {
 
     #[test]
     fn a_note_is_read_back_and_other_lines_are_no_note() {
-        let note = FunctionNote {
+        let note = FunctionMetadata {
             averages: Some(5),
             estimator: Some(Estimator::Hv),
             added_damping_rad_s: Some(12.5),
             record_s: Some(1.28),
             valid_hz: Some((0.25, 3276.5)),
-            ..FunctionNote::default()
+            ..FunctionMetadata::default()
         };
         let lines = note.to_lines();
-        assert_eq!(FunctionNote::from_lines(&lines), note);
+        assert_eq!(FunctionMetadata::from_lines(&lines), note);
         assert_eq!(
             lines[0],
             "modalign averages=5 estimator=hv added_damping_rad_s=12.5 record_s=1.28"
         );
         assert_eq!(lines[1], "modalign valid_hz=0.25:3276.5");
         assert_eq!(
-            FunctionNote::from_lines(&["averages=5".to_owned()]),
-            FunctionNote::default()
+            FunctionMetadata::from_lines(&["averages=5".to_owned()]),
+            FunctionMetadata::default()
         );
-        assert_eq!(FunctionNote::default().to_lines(), ["", ""]);
+        assert_eq!(FunctionMetadata::default().to_lines(), ["", ""]);
     }
 
     #[test]

@@ -21,7 +21,7 @@ use crate::quantity::Quantity;
 use crate::record::Role;
 
 pub use damage::{Damage, Part};
-pub use function_metadata::FunctionNote;
+pub use function_metadata::FunctionMetadata;
 pub use function_type::FunctionType;
 
 /// Abscissa of an entry.
@@ -138,7 +138,7 @@ pub struct Entry {
     /// The unit text of the abscissa as the header gives it; empty when it gives none.
     pub axis_label: String,
     /// The description in the file of how the function was made.
-    pub note: FunctionNote,
+    pub note: FunctionMetadata,
     /// How the values are stored.
     pub format: SampleFormat,
     /// Line (from 1) where the entry's header starts, for text.
@@ -162,7 +162,7 @@ impl Entry {
             role: None,
             axis,
             axis_label: String::new(),
-            note: FunctionNote::default(),
+            note: FunctionMetadata::default(),
             format,
             line: None,
             byte: None,

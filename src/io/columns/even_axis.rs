@@ -4,7 +4,7 @@ use super::{RowLines, row_error};
 use crate::io::IoError;
 
 /// Abscissae that were computed lie within this fraction of the spacing of their places.
-const COMPUTED: f64 = 1e-6;
+const MAX_COMPUTED_ERROR_STEPS: f64 = 1e-6;
 
 /// No rounding moves an abscissa by more than this fraction of the spacing.
 const MAX_ROUNDING_STEPS: f64 = 0.5;
@@ -46,7 +46,7 @@ pub(in crate::io) fn even_axis(
             format!("steps of {step}; is a row missing?"),
         ));
     }
-    match first_off(values, step, most) {
+    match first_uneven_row(values, step, most) {
         Some(row) => Err(error(
             row,
             values[row].to_string(),
@@ -57,38 +57,39 @@ pub(in crate::io) fn even_axis(
 }
 
 /// The first value farther from its place than its rounding explains, or than `most`.
-fn first_off(values: &[f64], step: f64, most: f64) -> Option<usize> {
+fn first_uneven_row(values: &[f64], step: f64, most: f64) -> Option<usize> {
     let distance = |row: usize| (values[row] - (values[0] + row as f64 * step)).abs();
     let largest = values
         .iter()
         .fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let precision = (COMPUTED * step.abs()).max(f64::from(f32::EPSILON) * largest);
+    let precision = (MAX_COMPUTED_ERROR_STEPS * step.abs()).max(f64::from(f32::EPSILON) * largest);
     let near = |distance: f64, tolerance: f64| distance <= tolerance.min(most);
     if (0..values.len()).all(|row| near(distance(row), precision)) {
         return None;
     }
-    let printed = Printed::of(values);
+    let printed = PrintedPrecision::of(values);
     let last = values.len() - 1;
     let ends = [values[0], values[last]].map(|value| printed.unit(value));
     (0..values.len()).find(|row| {
         let along = *row as f64 / last as f64;
         let of_ends = (1.0 - along) * ends[0] + along * ends[1];
         // The last digit of a decimal is itself rounded to a double.
-        let rounding = 0.5 * (printed.unit(values[*row]) + of_ends) * (1.0 + COMPUTED);
+        let rounding =
+            0.5 * (printed.unit(values[*row]) + of_ends) * (1.0 + MAX_COMPUTED_ERROR_STEPS);
         !near(distance(*row), precision.max(rounding))
     })
 }
 
 /// How finely a column of numbers is printed: with so many decimals, or with so many significant
 /// digits.
-struct Printed {
+struct PrintedPrecision {
     /// Power of ten of the last digit of the finest number.
     last_power: i32,
     /// Most significant digits of a number.
     digits: i32,
 }
 
-impl Printed {
+impl PrintedPrecision {
     fn of(values: &[f64]) -> Self {
         let (mut last_power, mut digits) = (i32::MAX, 1);
         for value in values.iter().filter(|value| value.abs() > 0.0) {

@@ -26,7 +26,7 @@ pub use table_spec::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, 
 use roles::check_roles;
 
 /// A stated sampling rate and a time column may differ by this fraction.
-const RATE_AGREEMENT: f64 = 1e-3;
+const MAX_RATE_DIFFERENCE: f64 = 1e-3;
 
 /// The wanted columns of one table, or of one hit of an array.
 #[derive(Debug)]
@@ -79,7 +79,7 @@ impl RowLines {
 /// # Errors
 /// [`IoError`] for an axis that is missing, uneven or contradicts the spec, for an FRF without
 /// imaginary part, and for columns that nothing uses or that could be taken for one another.
-pub(in crate::io) fn assign(
+pub(in crate::io) fn entries_from_columns(
     format: &'static str,
     spec: &TableSpec,
     sets: Vec<Columns>,
@@ -92,9 +92,9 @@ pub(in crate::io) fn assign(
     for (number, columns) in sets.into_iter().enumerate() {
         let first = source.catalog.entries.len();
         if is_frf(spec) {
-            frf_entries(spec, &columns, path, &mut source)?;
+            push_frf_entries(spec, &columns, path, &mut source)?;
         } else {
-            time_entries(spec, columns, path, &mut source)?;
+            push_time_entries(spec, columns, path, &mut source)?;
         }
         for entry in source.catalog.entries[first..]
             .iter_mut()
@@ -116,7 +116,7 @@ fn is_frf(spec: &TableSpec) -> bool {
     spec.columns.iter().any(|column| of_functions(&column.role))
 }
 
-fn time_entries(
+fn push_time_entries(
     spec: &TableSpec,
     columns: Columns,
     path: &str,
@@ -133,7 +133,7 @@ fn time_entries(
         let format = match &values {
             Block::F32(_) => SampleFormat::RealF32,
             Block::F64(_) => SampleFormat::RealF64,
-            Block::Complex(_) => return Err(not_real(path, "a time record")),
+            Block::Complex(_) => return Err(complex_values_error(path, "a time record")),
         };
         let base = Entry::new(FunctionType::Time, axis, format);
         let entry = time_entry(Entry { line, ..base }, role, dof, *unit, column.scale);
@@ -157,7 +157,7 @@ fn time_entry(base: Entry, role: Role, dof: Option<Dof>, unit: Unit, scale: f64)
     }
 }
 
-fn not_real(path: &str, what: &'static str) -> IoError {
+fn complex_values_error(path: &str, what: &'static str) -> IoError {
     IoError::Grouping {
         path: path.to_owned(),
         what,
@@ -171,7 +171,7 @@ type Scaled<'a> = (f64, Cow<'a, [f64]>);
 
 /// Scale and values of the first column in a role; complex values whose imaginary part is 0 are
 /// real.
-fn column_of<'a>(
+fn column_with_role<'a>(
     spec: &TableSpec,
     columns: &'a Columns,
     role: &ColumnRole,
@@ -180,14 +180,14 @@ fn column_of<'a>(
     let index = spec.columns.iter().position(|column| column.role == *role);
     index
         .map(|index| {
-            let values = real(&columns.values[index]);
-            let values = values.ok_or_else(|| not_real(path, "an axis"))?;
+            let values = real_values(&columns.values[index]);
+            let values = values.ok_or_else(|| complex_values_error(path, "an axis"))?;
             Ok((spec.columns[index].scale, values))
         })
         .transpose()
 }
 
-fn real(block: &Block) -> Option<Cow<'_, [f64]>> {
+fn real_values(block: &Block) -> Option<Cow<'_, [f64]>> {
     match block {
         Block::F32(values) => Some(values.iter().map(|v| f64::from(*v)).collect()),
         Block::F64(values) => Some(Cow::Borrowed(values)),
@@ -200,7 +200,7 @@ fn real(block: &Block) -> Option<Cow<'_, [f64]>> {
 
 fn time_axis(spec: &TableSpec, columns: &Columns, path: &str) -> Result<TimeAxis, IoError> {
     let stated = spec.sampling_rate_hz.map(|rate| 1.0 / rate);
-    let (start_s, step_s) = match column_of(spec, columns, &ColumnRole::Time, path)? {
+    let (start_s, step_s) = match column_with_role(spec, columns, &ColumnRole::Time, path)? {
         Some((scale, times)) => {
             let scale = scale * spec.axis_to_si.unwrap_or(1.0);
             even_axis(&times, scale, "time", &columns.lines, path)?
@@ -215,7 +215,7 @@ fn time_axis(spec: &TableSpec, columns: &Columns, path: &str) -> Result<TimeAxis
             (0.0, step)
         }
     };
-    match stated.filter(|step| (step - step_s).abs() > RATE_AGREEMENT * step) {
+    match stated.filter(|step| (step - step_s).abs() > MAX_RATE_DIFFERENCE * step) {
         Some(step) => Err(row_error(
             path,
             &columns.lines,
@@ -258,19 +258,20 @@ fn row_error(
     }
 }
 
-fn frf_entries(
+fn push_frf_entries(
     spec: &TableSpec,
     columns: &Columns,
     path: &str,
     source: &mut MemorySource,
 ) -> Result<(), IoError> {
-    let (scale, hz) = column_of(spec, columns, &ColumnRole::Frequency, path)?.ok_or_else(|| {
-        IoError::NotStated {
-            path: path.to_owned(),
-            what: "the frequency axis".to_owned(),
-            expected: "a column with role = \"frequency\"".to_owned(),
-        }
-    })?;
+    let (scale, hz) =
+        column_with_role(spec, columns, &ColumnRole::Frequency, path)?.ok_or_else(|| {
+            IoError::NotStated {
+                path: path.to_owned(),
+                what: "the frequency axis".to_owned(),
+                expected: "a column with role = \"frequency\"".to_owned(),
+            }
+        })?;
     let scale = scale * spec.axis_to_si.unwrap_or(1.0);
     let (start_hz, step_hz) = even_axis(&hz, scale, "frequency", &columns.lines, path)?;
     let axis = EntryAxis::Frequency(FrequencyAxis {
@@ -281,8 +282,8 @@ fn frf_entries(
     let line = columns.lines.line(0);
     for (index, column) in spec.columns.iter().enumerate() {
         if let ColumnRole::Coherence { dof } = &column.role {
-            let values =
-                real(&columns.values[index]).ok_or_else(|| not_real(path, "a coherence"))?;
+            let values = real_values(&columns.values[index])
+                .ok_or_else(|| complex_values_error(path, "a coherence"))?;
             let base = Entry::new(FunctionType::Coherence, axis, SampleFormat::RealF64);
             let entry = Entry {
                 response: dof.clone(),
@@ -322,8 +323,10 @@ fn frf_column(
     path: &str,
 ) -> Result<Option<FrfColumn>, IoError> {
     let column = &spec.columns[index];
-    let part_values =
-        || real(&columns.values[index]).ok_or_else(|| not_real(path, "part of an FRF"));
+    let part_values = || {
+        real_values(&columns.values[index])
+            .ok_or_else(|| complex_values_error(path, "part of an FRF"))
+    };
     let (dof, unit, values) = match &column.role {
         ColumnRole::Complex { dof, unit } => {
             let values = match &columns.values[index] {
@@ -344,7 +347,7 @@ fn frf_column(
                 dof: dof.clone(),
                 unit: *unit,
             };
-            let (factor, imaginary) = partner(spec, columns, &wanted, path)?;
+            let (factor, imaginary) = partner_column(spec, columns, &wanted, path)?;
             let real_values = part_values()?;
             let parts = real_values.iter().zip(imaginary.iter());
             let values = parts.map(|(re, im)| Complex64::new(column.scale * re, factor * im));
@@ -352,7 +355,7 @@ fn frf_column(
         }
         ColumnRole::Magnitude { dof, unit } => {
             let wanted = ColumnRole::PhaseDegrees { dof: dof.clone() };
-            let (factor, phase) = partner(spec, columns, &wanted, path)?;
+            let (factor, phase) = partner_column(spec, columns, &wanted, path)?;
             let magnitudes = part_values()?;
             let parts = magnitudes.iter().zip(phase.iter());
             let values = parts.map(|(magnitude, degrees)| {
@@ -365,13 +368,13 @@ fn frf_column(
     Ok(Some((dof.clone(), *unit, values)))
 }
 
-fn partner<'a>(
+fn partner_column<'a>(
     spec: &TableSpec,
     columns: &'a Columns,
     wanted: &ColumnRole,
     path: &str,
 ) -> Result<Scaled<'a>, IoError> {
-    column_of(spec, columns, wanted, path)?.ok_or_else(|| {
+    column_with_role(spec, columns, wanted, path)?.ok_or_else(|| {
         let (what, expected) = match wanted {
             ColumnRole::PhaseDegrees { .. } => (
                 "the phase of an FRF",

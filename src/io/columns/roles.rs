@@ -11,17 +11,17 @@ use crate::quantity::{FrfUnit, Unit};
 /// axis alone; [`IoError::NotStated`] for an imaginary part or a phase without the column that it
 /// belongs to.
 pub(super) fn check_roles(spec: &TableSpec, path: &str) -> Result<(), IoError> {
-    each_role_once(spec, path)?;
+    check_roles_differ(spec, path)?;
     let columns = || spec.columns.iter();
-    let of_frf = columns().find(|column| kind(&column.role) == Kind::Frf);
-    let of_time = columns().find(|column| kind(&column.role) == Kind::Time);
+    let of_frf = columns().find(|column| kind(&column.role) == RoleKind::Frf);
+    let of_time = columns().find(|column| kind(&column.role) == RoleKind::Time);
     if let (Some(frf), Some(time)) = (of_frf, of_time) {
         let columns = format!(
             "{} as {} beside {} as {}",
-            name_of(&time.column),
-            word(&time.role),
-            name_of(&frf.column),
-            word(&frf.role)
+            column_text(&time.column),
+            role_name(&time.role),
+            column_text(&frf.column),
+            role_name(&frf.role)
         );
         return Err(IoError::Grouping {
             path: path.to_owned(),
@@ -38,29 +38,29 @@ pub(super) fn check_roles(spec: &TableSpec, path: &str) -> Result<(), IoError> {
             expected: "a column of values beside the axis ([[test.channel]])".to_owned(),
         });
     }
-    match columns().find(|column| is_alone(spec, &column.role)) {
-        Some(alone) => Err(without_partner(alone, path)),
+    match columns().find(|column| lacks_partner(spec, &column.role)) {
+        Some(alone) => Err(missing_partner_error(alone, path)),
         None => Ok(()),
     }
 }
 
 /// Which records or functions a role is of.
 #[derive(PartialEq, Eq)]
-enum Kind {
+enum RoleKind {
     Time,
     Frf,
 }
 
-fn kind(role: &ColumnRole) -> Kind {
+fn kind(role: &ColumnRole) -> RoleKind {
     match role {
-        ColumnRole::Time | ColumnRole::Force { .. } | ColumnRole::Response { .. } => Kind::Time,
-        _ => Kind::Frf,
+        ColumnRole::Time | ColumnRole::Force { .. } | ColumnRole::Response { .. } => RoleKind::Time,
+        _ => RoleKind::Frf,
     }
 }
 
 /// Two axes, or two equal parts of an FRF, could each be meant. Records stand alone, whatever their
 /// points.
-fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
+fn check_roles_differ(spec: &TableSpec, path: &str) -> Result<(), IoError> {
     let alone =
         |role: &ColumnRole| matches!(role, ColumnRole::Force { .. } | ColumnRole::Response { .. });
     for (index, second) in spec.columns.iter().enumerate() {
@@ -73,9 +73,9 @@ fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
             what: "roles of the columns",
             got: format!(
                 "{} and {} both as {}",
-                name_of(&first.column),
-                name_of(&second.column),
-                word(&second.role)
+                column_text(&first.column),
+                column_text(&second.column),
+                role_name(&second.role)
             ),
             expected: if axis {
                 "one axis".to_owned()
@@ -89,7 +89,7 @@ fn each_role_once(spec: &TableSpec, path: &str) -> Result<(), IoError> {
 
 /// Whether a column is an imaginary part or phase of an FRF without a real part or magnitude; the
 /// converse is checked when the FRF is read.
-fn is_alone(spec: &TableSpec, role: &ColumnRole) -> bool {
+fn lacks_partner(spec: &TableSpec, role: &ColumnRole) -> bool {
     let mut others = spec.columns.iter().map(|column| &column.role);
     match role {
         ColumnRole::Imaginary { dof, unit } => {
@@ -103,7 +103,7 @@ fn is_alone(spec: &TableSpec, role: &ColumnRole) -> bool {
     }
 }
 
-fn without_partner(alone: &TableColumn, path: &str) -> IoError {
+fn missing_partner_error(alone: &TableColumn, path: &str) -> IoError {
     let (part, expected) = match alone.role {
         ColumnRole::PhaseDegrees { .. } => (
             "magnitude",
@@ -116,13 +116,13 @@ fn without_partner(alone: &TableColumn, path: &str) -> IoError {
     };
     IoError::NotStated {
         path: path.to_owned(),
-        what: format!("the {part} that belongs to {}", name_of(&alone.column)),
+        what: format!("the {part} that belongs to {}", column_text(&alone.column)),
         expected: expected.to_owned(),
     }
 }
 
 /// A column as an error names it.
-fn name_of(column: &ColumnName) -> String {
+fn column_text(column: &ColumnName) -> String {
     match column {
         ColumnName::Heading(heading) => format!("column {heading:?}"),
         ColumnName::Number(number) => format!("column {number}"),
@@ -130,7 +130,7 @@ fn name_of(column: &ColumnName) -> String {
 }
 
 /// A role as a scene writes it.
-fn word(role: &ColumnRole) -> &'static str {
+fn role_name(role: &ColumnRole) -> &'static str {
     match role {
         ColumnRole::Time => "time",
         ColumnRole::Frequency => "frequency",

@@ -32,7 +32,7 @@ pub enum ColumnRole {
     Time,
     /// Frequency, Hz.
     Frequency,
-    /// Force of the hammer at this hit point (`None`: the file's reference says).
+    /// Force of the hammer at this excitation point (`None`: the file's reference says).
     Force {
         /// Hit point.
         dof: Option<Dof>,

@@ -14,16 +14,16 @@ use super::coherence::{ValidCoherence, valid_coherence};
 use super::common_window::StatedWindows;
 use super::other_quantity::names_other_quantity;
 use crate::io::{
-    Block, Domain, Entry, EntryAxis, FunctionNote, FunctionType, HitFile, IoError, Source,
+    Block, Domain, Entry, EntryAxis, FunctionMetadata, FunctionType, HitFile, IoError, Source,
 };
 
 /// One function with its axis.
-struct Read {
+struct ReadFrf {
     path: String,
     axis: FrequencyAxis,
     function: Function,
     data: FunctionData,
-    note: FunctionNote,
+    note: FunctionMetadata,
     averages_assumed: bool,
     finding: Option<Finding>,
 }
@@ -48,29 +48,29 @@ const ASSUMED_AVERAGES: u32 = 3;
 /// # Reference
 /// Bendat and Piersol (2010), Random Data, 4th ed., table 9.6.
 pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
-    let mut collected = Collected::default();
-    let mut alone = Quality::default();
+    let mut collected = SetsByAxis::default();
+    let mut alone = NoiseByPair::default();
     for file in files.iter_mut() {
-        if of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
+        if entries_of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
             collected.findings.extend(alone.add_file(file)?);
         }
     }
     let mut over_all = Occurrences::default();
     for file in files {
-        let mut in_file = Quality::default();
-        if !of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
+        let mut in_file = NoiseByPair::default();
+        if !entries_of_type(file.source.as_ref(), FunctionType::Frf).is_empty() {
             collected.findings.extend(in_file.add_file(file)?);
         }
         let named = Occurrences::default().of(file);
         let named_over_all = over_all.of(file);
-        for index in of_type(file.source.as_ref(), FunctionType::Frf) {
+        for index in entries_of_type(file.source.as_ref(), FunctionType::Frf) {
             let beside = in_file.of(&named[index]);
             let quality = if beside.is_empty() {
                 alone.of(&named_over_all[index])
             } else {
                 beside
             };
-            match read_function(file, index, quality) {
+            match read_frf(file, index, quality) {
                 Ok(read) => collected.add(read)?,
                 Err(error) => collected.leave_out(file, index, error)?,
             }
@@ -81,14 +81,14 @@ pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
 
 /// Sets of one axis and window each, while functions are added.
 #[derive(Default)]
-struct Collected {
-    sets: Vec<Collecting>,
+struct SetsByAxis {
+    sets: Vec<SetOfAxis>,
     findings: Vec<Finding>,
     /// Why the first function was left out.
     left_out: Option<IoError>,
 }
 
-struct Collecting {
+struct SetOfAxis {
     set: FrfSet,
     /// Numbers of repeated measurements that each pair has.
     repeats: BTreeMap<(Dof, Dof), BTreeSet<u32>>,
@@ -97,20 +97,20 @@ struct Collecting {
     averages_assumed: bool,
 }
 
-impl Collected {
+impl SetsByAxis {
     /// Adds a function to the set of its axis and window, which begins with the first one. A
     /// repeated measurement of a pair gets the next free number.
-    fn add(&mut self, read: Read) -> Result<(), IoError> {
+    fn add(&mut self, read: ReadFrf) -> Result<(), IoError> {
         let (axis, note) = (read.axis, &read.note);
         let decay = note.added_damping_rad_s.unwrap_or(0.0);
-        let fits = |collecting: &Collecting| {
+        let fits = |collecting: &SetOfAxis| {
             let set = &collecting.set;
             set.axis().same_lines(&axis) && set.added_damping_rad_s.to_bits() == decay.to_bits()
         };
         let place = self.sets.iter().position(fits).unwrap_or_else(|| {
             let mut set = FrfSet::new(axis);
             (set.added_damping_rad_s, set.record_duration_s) = (decay, note.record_s);
-            self.sets.push(Collecting {
+            self.sets.push(SetOfAxis {
                 set,
                 repeats: BTreeMap::new(),
                 valid_bands: Vec::new(),
@@ -143,7 +143,7 @@ impl Collected {
 
     /// The sets; the error of the first function that was left out where there is no other.
     fn finish(self) -> Result<Vec<FrfSet>, IoError> {
-        let mut sets: Vec<FrfSet> = self.sets.into_iter().map(Collecting::finish).collect();
+        let mut sets: Vec<FrfSet> = self.sets.into_iter().map(SetOfAxis::finish).collect();
         match (sets.first_mut(), self.left_out) {
             (Some(first), _) => first.findings.extend(self.findings),
             (None, Some(error)) => return Err(error),
@@ -159,13 +159,14 @@ fn is_other_quantity(entry: &Entry) -> bool {
     let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
     let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
     let is_read = entry.to_si.is_some() || entry.quantity.is_some() && entry.denominator.is_some();
-    let is_stated = kind(entry).is_none() && (is_read || names_other_quantity(&entry.unit_label));
+    let is_stated =
+        frf_kind(entry).is_none() && (is_read || names_other_quantity(&entry.unit_label));
     let other_abscissa = matches!(entry.axis.domain(), Domain::Other(code) if code != 0);
     is_stated || (rotates && entry.to_si.is_none()) || other_abscissa
 }
 
-impl Collecting {
-    fn add(&mut self, read: Read) -> Result<(), IoError> {
+impl SetOfAxis {
+    fn add(&mut self, read: ReadFrf) -> Result<(), IoError> {
         let (note, mut function) = (read.note, read.function);
         let band = note.valid_hz.and_then(|(lo, hi)| Band::new(lo, hi).ok());
         self.valid_bands.extend(band);
@@ -209,7 +210,7 @@ impl Collecting {
     }
 }
 
-fn of_type(source: &dyn Source, wanted: FunctionType) -> Vec<usize> {
+fn entries_of_type(source: &dyn Source, wanted: FunctionType) -> Vec<usize> {
     let entries = source.catalog().entries.iter().enumerate();
     entries
         .filter(|(_, entry)| entry.function_type == wanted)
@@ -244,38 +245,38 @@ type OnAxis<T> = (FrequencyAxis, T);
 
 /// Coherences and variances by the pair that they belong to.
 #[derive(Default)]
-struct Quality {
+struct NoiseByPair {
     occurrences: Occurrences,
     coherence: BTreeMap<Occurrence, OnAxis<ValidCoherence>>,
     variance: BTreeMap<Occurrence, OnAxis<Vec<f64>>>,
 }
 
 /// Coherence and variance of one function.
-struct Beside<'a> {
+struct FrfNoise<'a> {
     coherence: Option<&'a OnAxis<ValidCoherence>>,
     variance: Option<&'a OnAxis<Vec<f64>>>,
 }
 
-impl Beside<'_> {
+impl FrfNoise<'_> {
     fn is_empty(&self) -> bool {
         self.coherence.is_none() && self.variance.is_none()
     }
 }
 
-impl Quality {
+impl NoiseByPair {
     /// Adds those of a file; one that cannot be read is a finding, for no FRF needs it.
     fn add_file(&mut self, file: &mut HitFile) -> Result<Vec<Finding>, IoError> {
         let named = self.occurrences.of(file);
         let mut findings = Vec::new();
-        for index in of_type(file.source.as_ref(), FunctionType::Coherence) {
-            if let Some((axis, values)) = auxiliary(file, index, &mut findings)? {
+        for index in entries_of_type(file.source.as_ref(), FunctionType::Coherence) {
+            if let Some((axis, values)) = read_auxiliary(file, index, &mut findings)? {
                 let valid = valid_coherence(&axis, values);
                 self.coherence.insert(named[index].clone(), (axis, valid));
             }
         }
-        for index in of_type(file.source.as_ref(), FunctionType::Variance) {
+        for index in entries_of_type(file.source.as_ref(), FunctionType::Variance) {
             let to_si = file.source.catalog().entries[index].to_si;
-            let read = auxiliary(file, index, &mut findings)?;
+            let read = read_auxiliary(file, index, &mut findings)?;
             let (Some((axis, values)), Some(to_si)) = (read, to_si) else {
                 continue;
             };
@@ -285,8 +286,8 @@ impl Quality {
         Ok(findings)
     }
 
-    fn of(&self, named: &Occurrence) -> Beside<'_> {
-        Beside {
+    fn of(&self, named: &Occurrence) -> FrfNoise<'_> {
+        FrfNoise {
             coherence: self.coherence.get(named),
             variance: self.variance.get(named),
         }
@@ -297,12 +298,12 @@ impl Quality {
 ///
 /// # Errors
 /// [`IoError::System`].
-fn auxiliary(
+fn read_auxiliary(
     file: &mut HitFile,
     index: usize,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
-    match real_values(file, index) {
+    match read_real_values(file, index) {
         Err(error) if !matches!(error, IoError::System { .. }) => {
             let entry = &file.source.catalog().entries[index];
             let location = Location::Function {
@@ -318,7 +319,7 @@ fn auxiliary(
 }
 
 /// The values of an entry on an even frequency axis.
-fn real_values(file: &mut HitFile, index: usize) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
+fn read_real_values(file: &mut HitFile, index: usize) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
     let entry = &file.source.catalog().entries[index];
     let (axis, len) = (entry.axis, entry.len());
     let EntryAxis::Frequency(axis) = axis else {
@@ -334,7 +335,7 @@ fn real_values(file: &mut HitFile, index: usize) -> Result<Option<OnAxis<Vec<f64
     Ok(Some((axis, values)))
 }
 
-fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Read, IoError> {
+fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFrf, IoError> {
     let entry = file.source.catalog().entries[index].clone();
     let path = file.source.catalog().path.clone();
     let place = entry
@@ -372,7 +373,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         )
     })?;
     let stated = file.frf_unit;
-    let kind = kind(&entry)
+    let kind = frf_kind(&entry)
         .or(stated.map(|unit| unit.kind))
         .ok_or_else(|| {
             not_stated(
@@ -398,7 +399,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
     let mut note = entry.note.clone();
     note.window = note.window.or(file.window);
-    let coherence = of_axis(beside.coherence, &axis);
+    let coherence = on_same_axis(beside.coherence, &axis);
     let finding = coherence.as_ref().and_then(|valid| valid.finding.clone());
     let location = Location::Function {
         response: Some(response.clone()),
@@ -410,7 +411,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     });
     let coherence = coherence.and_then(|valid| valid.values);
     let coherence = coherence.filter(|values| !is_one_everywhere(values));
-    let stated = of_axis(beside.variance, &axis);
+    let stated = on_same_axis(beside.variance, &axis);
     let averages = note.averages.or(file.averages);
     // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them
     // too.
@@ -421,7 +422,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
     let averages_assumed = stated.is_none() && coherence.is_some() && averages.is_none();
     let variance = stated.or_else(|| {
         let averages = averages.unwrap_or(ASSUMED_AVERAGES);
-        variance(&values, coherence.as_deref(), averages)
+        variance_of_values(&values, coherence.as_deref(), averages)
     });
     let function = Function {
         response,
@@ -431,7 +432,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
         estimator: note.estimator,
         variance_dof: variance_dof.filter(|_| variance.is_some()),
     };
-    Ok(Read {
+    Ok(ReadFrf {
         path,
         axis: FrequencyAxis {
             step_hz: exact_step(axis.step_hz, note.record_s),
@@ -450,7 +451,7 @@ fn read_function(file: &mut HitFile, index: usize, beside: Beside) -> Result<Rea
 }
 
 /// The values on this axis.
-fn of_axis<T: Clone>(found: Option<&OnAxis<T>>, axis: &FrequencyAxis) -> Option<T> {
+fn on_same_axis<T: Clone>(found: Option<&OnAxis<T>>, axis: &FrequencyAxis) -> Option<T> {
     let found = found.filter(|(on_axis, _)| on_axis.same_lines(axis));
     found.map(|(_, on_axis)| on_axis.clone())
 }
@@ -468,7 +469,7 @@ fn exact_step(printed_hz: f64, record_s: Option<f64>) -> f64 {
         .unwrap_or(printed_hz)
 }
 
-fn kind(entry: &Entry) -> Option<FrfKind> {
+fn frf_kind(entry: &Entry) -> Option<FrfKind> {
     let over_force = entry.denominator == Some(Quantity::Force);
     entry
         .quantity
@@ -476,7 +477,11 @@ fn kind(entry: &Entry) -> Option<FrfKind> {
         .and_then(FrfKind::from_response)
 }
 
-fn variance(values: &[Complex64], coherence: Option<&[f64]>, averages: u32) -> Option<Vec<f64>> {
+fn variance_of_values(
+    values: &[Complex64],
+    coherence: Option<&[f64]>,
+    averages: u32,
+) -> Option<Vec<f64>> {
     let coherence = coherence.filter(|_| averages >= 2)?;
     Some(variance_from_coherence(values, coherence, averages))
 }
@@ -488,8 +493,11 @@ mod tests {
     #[test]
     fn variance_follows_coherence_and_averages() {
         let h = [Complex64::new(3.0, 4.0)];
-        let value = variance(&h, Some(&[0.8]), 3).unwrap()[0];
+        let value = variance_of_values(&h, Some(&[0.8]), 3).unwrap()[0];
         assert!((value - 25.0 * 0.2 / (0.8 * 2.0)).abs() < 1e-12);
-        assert!(variance(&h, Some(&[0.8]), 1).is_none() && variance(&h, None, 3).is_none());
+        assert!(
+            variance_of_values(&h, Some(&[0.8]), 1).is_none()
+                && variance_of_values(&h, None, 3).is_none()
+        );
     }
 }

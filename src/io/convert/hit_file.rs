@@ -54,7 +54,7 @@ pub struct HitFile {
     pub source: Box<dyn Source>,
     /// The scene's word for its response.
     pub response: Option<Dof>,
-    /// The scene's word for its hit point.
+    /// The scene's word for its excitation point.
     pub reference: Option<Dof>,
     /// The scene's word for the unit of FRFs that do not state it.
     pub frf_unit: Option<FrfUnit>,

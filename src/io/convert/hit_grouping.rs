@@ -10,14 +10,14 @@ use crate::record::Role;
 use crate::io::{ChannelOverride, Entry, FunctionType, HitFile, IoError};
 
 /// Entries of one hit, by their index in the catalogue, in file order.
-pub(in crate::io) type Group = Vec<usize>;
+pub(in crate::io) type RecordGroup = Vec<usize>;
 
-pub(in crate::io) struct Roles<'a> {
+pub(in crate::io) struct RecordGrouper<'a> {
     pub overrides: &'a [ChannelOverride],
     pub file: &'a HitFile,
 }
 
-impl Roles<'_> {
+impl RecordGrouper<'_> {
     fn entries(&self) -> &[Entry] {
         &self.file.source.catalog().entries
     }
@@ -27,13 +27,13 @@ impl Roles<'_> {
     }
 
     /// The time records of which hits are made.
-    fn times(&self) -> Vec<usize> {
+    fn time_records(&self) -> Vec<usize> {
         let left_out = self.left_out();
-        let times = self.all_times().map(|(index, _)| index);
+        let times = self.all_time_records().map(|(index, _)| index);
         times.filter(|index| !left_out.contains(index)).collect()
     }
 
-    fn all_times(&self) -> impl Iterator<Item = (usize, &Entry)> {
+    fn all_time_records(&self) -> impl Iterator<Item = (usize, &Entry)> {
         let entries = self.entries().iter().enumerate();
         entries.filter(|(_, entry)| entry.function_type == FunctionType::Time)
     }
@@ -44,15 +44,19 @@ impl Roles<'_> {
         if !self.overrides.is_empty() {
             return BTreeSet::new();
         }
-        let times = self.all_times().map(|(index, _)| index);
-        times.filter(|index| self.is_other(*index)).collect()
+        let times = self.all_time_records().map(|(index, _)| index);
+        times
+            .filter(|index| self.is_other_quantity(*index))
+            .collect()
     }
 
     /// Whether a record states another quantity than force and motion, where others are forces and
     /// motions.
-    pub fn is_other(&self, index: usize) -> bool {
+    pub fn is_other_quantity(&self, index: usize) -> bool {
         let has = |wanted: fn(Quantity) -> bool| {
-            let mut quantities = self.all_times().filter_map(|(_, entry)| entry.quantity);
+            let mut quantities = self
+                .all_time_records()
+                .filter_map(|(_, entry)| entry.quantity);
             quantities.any(wanted)
         };
         let entry = &self.entries()[index];
@@ -103,21 +107,22 @@ impl Roles<'_> {
             .unwrap_or_else(|| entry.quantity.map_or(Role::Response, by_quantity))
     }
 
-    pub fn one_hit(&self) -> Result<Vec<Group>, IoError> {
-        let group = self.times();
-        self.check(&group)?;
+    pub fn whole_file_as_hit(&self) -> Result<Vec<RecordGroup>, IoError> {
+        let group = self.time_records();
+        self.check_hit(&group)?;
         Ok(vec![group])
     }
 
     /// By identification; where its ID lines tell channels apart instead of hits, by version number
     /// and load case; where these do not change either, by order.
-    pub fn hits(&self, findings: &mut Vec<Finding>) -> Result<Vec<Group>, IoError> {
-        let by_order = self.split(&self.times());
+    pub fn group_records(&self, findings: &mut Vec<Finding>) -> Result<Vec<RecordGroup>, IoError> {
+        let by_order = self.split_at_hits(&self.time_records());
         let numbers =
             |entry: &Entry| (entry.identification.version, entry.identification.load_case);
-        let by_lines = self.keyed(|entry| entry.identification.clone());
-        let is_whole = |groups: &[Group]| groups.iter().all(|group| self.is_hit(group));
-        let times = self.times();
+        let by_lines = self.group_by_key(|entry| entry.identification.clone());
+        let is_whole =
+            |groups: &[RecordGroup]| groups.iter().all(|group| self.is_complete_hit(group));
+        let times = self.time_records();
         let first = times.first().map(|index| numbers(&self.entries()[*index]));
         let numbered = times
             .iter()
@@ -128,15 +133,15 @@ impl Roles<'_> {
                 !self.has_no_identification() || by_order.len() < 2,
             )
         } else if numbered {
-            (self.keyed(numbers), true)
+            (self.group_by_key(numbers), true)
         } else {
             (by_order, false)
         };
         groups.sort();
         if self.file.partial {
-            self.keep_whole(&mut groups, findings);
+            self.drop_incomplete_hits(&mut groups, findings);
         }
-        groups.iter().try_for_each(|group| self.check(group))?;
+        groups.iter().try_for_each(|group| self.check_hit(group))?;
         if !is_stated {
             let location = Location::File {
                 path: self.path().to_owned(),
@@ -151,15 +156,15 @@ impl Roles<'_> {
 
     /// Leaves out the hits that have another number of records than most, with a finding for each:
     /// where a file is cut or bad records were left out, a hit lacks records or has a neighbour's.
-    fn keep_whole(&self, groups: &mut Vec<Group>, findings: &mut Vec<Finding>) {
+    fn drop_incomplete_hits(&self, groups: &mut Vec<RecordGroup>, findings: &mut Vec<Finding>) {
         let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-        for group in groups.iter().filter(|group| self.is_hit(group)) {
+        for group in groups.iter().filter(|group| self.is_complete_hit(group)) {
             *counts.entry(group.len()).or_default() += 1;
         }
         let Some((usual, _)) = counts.into_iter().max_by_key(|(_, hits)| *hits) else {
             return;
         };
-        let is_whole = |group: &Group| group.len() == usual && self.is_hit(group);
+        let is_whole = |group: &RecordGroup| group.len() == usual && self.is_complete_hit(group);
         for group in groups.iter().filter(|group| !is_whole(group)) {
             let entry = &self.entries()[group[0]];
             let location = Location::File {
@@ -177,9 +182,9 @@ impl Roles<'_> {
         groups.retain(is_whole);
     }
 
-    /// Whether the responses' references name the hit points of the force records.
-    fn names_hit_points(&self) -> bool {
-        let times = self.times();
+    /// Whether the responses' references name the excitation points of the force records.
+    fn references_name_excitation_points(&self) -> bool {
+        let times = self.time_records();
         let entries = || times.iter().map(|index| &self.entries()[*index]);
         let is_force = |entry: &&Entry| entry.quantity == Some(Quantity::Force);
         let hit_points: BTreeSet<Dof> = entries()
@@ -192,8 +197,8 @@ impl Roles<'_> {
         references.any(|reference| hit_points.contains(&reference))
     }
 
-    /// Whether one of two records is a force and the other names another hit point.
-    fn of_other_hits(&self, one: usize, other: usize) -> bool {
+    /// Whether one of two records is a force and the other names another excitation point.
+    fn belong_to_other_hits(&self, one: usize, other: usize) -> bool {
         let pair = [&self.entries()[one], &self.entries()[other]];
         let differ = |force: &Entry, response: &Entry| {
             let is_force = force.quantity == Some(Quantity::Force);
@@ -204,9 +209,9 @@ impl Roles<'_> {
     }
 
     /// Records of equal key together, each such run cut where the next hit begins.
-    fn keyed<K: Ord>(&self, key: impl Fn(&Entry) -> K) -> Vec<Group> {
+    fn group_by_key<K: Ord>(&self, key: impl Fn(&Entry) -> K) -> Vec<RecordGroup> {
         let mut keyed: BTreeMap<K, Vec<usize>> = BTreeMap::new();
-        for index in self.times() {
+        for index in self.time_records() {
             keyed
                 .entry(key(&self.entries()[index]))
                 .or_default()
@@ -214,7 +219,7 @@ impl Roles<'_> {
         }
         keyed
             .values()
-            .flat_map(|indices| self.split(indices))
+            .flat_map(|indices| self.split_at_hits(indices))
             .collect()
     }
 
@@ -225,30 +230,32 @@ impl Roles<'_> {
                 && entry.identification.load_case == 0
                 && entry.reference.is_none()
         };
-        self.times()
+        self.time_records()
             .iter()
             .all(|index| nothing(&self.entries()[*index]))
     }
 
     /// Cuts a run of records where a second force, a response that is already there, a response of
-    /// another hit point or another axis begins.
-    fn split(&self, indices: &[usize]) -> Vec<Group> {
-        let mut groups: Vec<Group> = Vec::new();
-        let named = self.names_hit_points();
+    /// another excitation point or another axis begins.
+    fn split_at_hits(&self, indices: &[usize]) -> Vec<RecordGroup> {
+        let mut groups: Vec<RecordGroup> = Vec::new();
+        let named = self.references_name_excitation_points();
         for &index in indices {
-            let apart = |group: &Group| {
+            let apart = |group: &RecordGroup| {
                 let mut members = group.iter();
-                named && members.any(|member| self.of_other_hits(*member, index))
+                named && members.any(|member| self.belong_to_other_hits(*member, index))
             };
             match groups.last_mut() {
-                Some(group) if self.belongs(group, index) && !apart(group) => group.push(index),
+                Some(group) if self.continues_hit(group, index) && !apart(group) => {
+                    group.push(index)
+                }
                 _ => groups.push(vec![index]),
             }
         }
         groups
     }
 
-    fn belongs(&self, group: &Group, index: usize) -> bool {
+    fn continues_hit(&self, group: &RecordGroup, index: usize) -> bool {
         let entries = self.entries();
         let role = self.role(index, group.len() + 1);
         let numbered = group
@@ -271,11 +278,11 @@ impl Roles<'_> {
             .iter()
             .map(|channel| channel.number)
             .max()
-            .is_some_and(|last| group.len() >= last && self.is_hit(group));
+            .is_some_and(|last| group.len() >= last && self.is_complete_hit(group));
         entries[group[0]].axis == entries[index].axis && !repeats && !beyond
     }
 
-    fn is_hit(&self, group: &Group) -> bool {
+    fn is_complete_hit(&self, group: &RecordGroup) -> bool {
         let forces = group
             .iter()
             .enumerate()
@@ -284,7 +291,7 @@ impl Roles<'_> {
         forces == 1 && group.len() > 1
     }
 
-    fn check(&self, group: &Group) -> Result<(), IoError> {
+    fn check_hit(&self, group: &RecordGroup) -> Result<(), IoError> {
         let forces = group
             .iter()
             .enumerate()

@@ -4,8 +4,8 @@
 //! The header decides: records of one file with the same version number, load case and ID lines
 //! belong together, and a further force record (or a response that is already there) opens the next
 //! hit. Where headers do not say, the order in the file, the length and the sampling decide, and a
-//! finding says so. Nothing is guessed beyond that: a unit, a response point or a hit point that
-//! neither file nor scene states is an error.
+//! finding says so. Nothing is guessed beyond that: a unit, a response point or an excitation point
+//! that neither file nor scene states is an error.
 
 use crate::axis::TimeAxis;
 use crate::dof::Dof;
@@ -15,7 +15,7 @@ use crate::record::{
     ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
 };
 
-use super::hit_grouping::{Group, Roles, add_once, channel_override};
+use super::hit_grouping::{RecordGroup, RecordGrouper, add_once, channel_override};
 use crate::io::{
     Block, ChannelOverride, Entry, EntryAxis, HitFile, HitGrouping, IoError, SampleFormat,
 };
@@ -95,7 +95,7 @@ impl Recording for FileRecording {
 ///
 /// # Errors
 /// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a
-/// quantity, a response or a hit point that neither file nor scene states.
+/// quantity, a response or an excitation point that neither file nor scene states.
 pub fn group_hits(
     files: Vec<HitFile>,
     grouping: HitGrouping,
@@ -104,14 +104,14 @@ pub fn group_hits(
     let mut findings = Vec::new();
     let (mut hits, mut places) = (Vec::new(), Vec::new());
     for (number, file) in files.iter().enumerate() {
-        let roles = Roles { overrides, file };
-        findings.extend(roles.left_out_findings());
+        let grouper = RecordGrouper { overrides, file };
+        findings.extend(grouper.left_out_findings());
         let groups = match grouping {
-            HitGrouping::Files => roles.one_hit()?,
-            HitGrouping::Records | HitGrouping::Trigger => roles.hits(&mut findings)?,
+            HitGrouping::Files => grouper.whole_file_as_hit()?,
+            HitGrouping::Records | HitGrouping::Trigger => grouper.group_records(&mut findings)?,
         };
         for group in groups {
-            let (hit, force, responses) = hit_of(file, &group, overrides, &mut findings)?;
+            let (hit, force, responses) = build_hit(file, &group, overrides, &mut findings)?;
             hits.push(hit);
             places.push((number, force, responses));
         }
@@ -128,20 +128,20 @@ pub fn group_hits(
 }
 
 /// A hit with the entries of its force and its responses.
-fn hit_of(
+fn build_hit(
     file: &HitFile,
-    group: &Group,
+    group: &RecordGroup,
     overrides: &[ChannelOverride],
     findings: &mut Vec<Finding>,
 ) -> Result<(HitInfo, usize, Vec<usize>), IoError> {
-    let judge = Roles { overrides, file };
+    let grouper = RecordGrouper { overrides, file };
     let numbered = group.iter().enumerate();
     let roles: Vec<Role> = numbered
-        .map(|(place, index)| judge.role(*index, place + 1))
+        .map(|(place, index)| grouper.role(*index, place + 1))
         .collect();
     let catalog = file.source.catalog();
     let axis = common_axis(catalog.entries.as_slice(), group, &catalog.path)?;
-    let hit_point = hit_point(file, group, &roles, overrides, findings)?;
+    let excitation_point = excitation_point(file, group, &roles, overrides, findings)?;
     let is_motion = |quantity| quantity != Quantity::Force;
     let quantities = group.iter().map(|index| catalog.entries[*index].quantity);
     let moves = quantities.flatten().any(is_motion);
@@ -151,12 +151,12 @@ fn hit_of(
         match role {
             Role::Force => {
                 force = Some((
-                    channel_info(file, index, role, hit_point.clone(), stated)?,
+                    channel_info(file, index, role, excitation_point.clone(), stated)?,
                     index,
                 ));
             }
-            Role::Response if stated.is_none() && moves && judge.is_other(index) => {
-                add_once(findings, judge.left_out_finding(index));
+            Role::Response if stated.is_none() && moves && grouper.is_other_quantity(index) => {
+                add_once(findings, grouper.left_out_finding(index));
             }
             Role::Response => {
                 let dof = response_point(file, index, stated)?;
@@ -177,9 +177,9 @@ fn hit_of(
 }
 
 /// Channels may begin apart by this fraction of a sample.
-const START_AGREEMENT: f64 = 1e-3;
+const MAX_START_DIFFERENCE_SAMPLES: f64 = 1e-3;
 
-fn common_axis(entries: &[Entry], group: &Group, path: &str) -> Result<TimeAxis, IoError> {
+fn common_axis(entries: &[Entry], group: &RecordGroup, path: &str) -> Result<TimeAxis, IoError> {
     let error = |got: String| IoError::Grouping {
         path: path.to_owned(),
         what: "sampling of the channels of one hit",
@@ -204,7 +204,7 @@ fn common_axis(entries: &[Entry], group: &Group, path: &str) -> Result<TimeAxis,
         let first = *common.get_or_insert(axis);
         let same = axis.len == first.len
             && (axis.step_s - first.step_s).abs() <= 1e-9 * first.step_s
-            && (axis.start_s - first.start_s).abs() <= START_AGREEMENT * first.step_s;
+            && (axis.start_s - first.start_s).abs() <= MAX_START_DIFFERENCE_SAMPLES * first.step_s;
         if !same {
             return Err(error(format!(
                 "{} and {}",
@@ -217,9 +217,9 @@ fn common_axis(entries: &[Entry], group: &Group, path: &str) -> Result<TimeAxis,
 }
 
 /// The force record's response, else the responses' common reference, else the scene's word.
-fn hit_point(
+fn excitation_point(
     file: &HitFile,
-    group: &Group,
+    group: &RecordGroup,
     roles: &[Role],
     overrides: &[ChannelOverride],
     findings: &mut Vec<Finding>,
@@ -291,7 +291,7 @@ fn channel_info(
             format!("unit label {:?}", entry.unit_label)
         };
         IoError::NotStated {
-            path: place(path, entry),
+            path: location(path, entry),
             what: format!("quantity and unit of record {} ({label})", index + 1),
             expected: format!(
                 "a {} unit in the file or `unit` in [[test.channel]]",
@@ -308,7 +308,7 @@ fn channel_info(
         SampleFormat::ComplexF32 | SampleFormat::ComplexF64
     ) {
         return Err(IoError::Grouping {
-            path: place(path, entry),
+            path: location(path, entry),
             what: "reading a time record",
             got: "complex values".to_owned(),
             expected: "real values".to_owned(),
@@ -339,7 +339,7 @@ fn calibration(
     ((quantity == Quantity::Force) == (role == Role::Force)).then_some((quantity, scale * to_si))
 }
 
-fn place(path: &str, entry: &Entry) -> String {
+fn location(path: &str, entry: &Entry) -> String {
     entry
         .line
         .map_or_else(|| path.to_owned(), |line| format!("{path}:{line}"))

@@ -25,5 +25,5 @@ mod hits_tests;
 pub use frf_sets::frf_sets;
 pub use hit_file::{ChannelOverride, HitFile, HitGrouping};
 pub use hits::{FileRecording, HitSet, group_hits};
-pub use modal_model::modes_of;
+pub use modal_model::modal_model_of;
 pub use needed_parts::{Need, check_damage};

@@ -4,7 +4,7 @@ use crate::io::Catalog;
 use crate::modal::{InputFile, ModalModel};
 
 /// The modes of a file as a modal model, in ascending frequency.
-pub fn modes_of(catalog: &Catalog, inputs: Vec<InputFile>) -> ModalModel {
+pub fn modal_model_of(catalog: &Catalog, inputs: Vec<InputFile>) -> ModalModel {
     let mut modes: Vec<_> = catalog
         .modes
         .iter()

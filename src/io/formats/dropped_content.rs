@@ -6,9 +6,9 @@ use crate::finding::{Code, Finding, Location, Severity};
 
 /// How many of what were left out.
 #[derive(Debug, Default)]
-pub(in crate::io) struct NotCarried(BTreeMap<&'static str, usize>);
+pub(in crate::io) struct DroppedContent(BTreeMap<&'static str, usize>);
 
-impl NotCarried {
+impl DroppedContent {
     /// `count` more of `what`.
     pub fn add(&mut self, what: &'static str, count: usize) {
         if count > 0 {

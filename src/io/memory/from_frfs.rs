@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::frf::{FrfSet, Function};
 use crate::io::catalog::sample_range::check_range;
 use crate::io::{
-    Block, Catalog, Damage, Entry, EntryAxis, FunctionNote, FunctionType, Identification, IoError,
-    MemorySource, SampleFormat, Source,
+    Block, Catalog, Damage, Entry, EntryAxis, FunctionMetadata, FunctionType, Identification,
+    IoError, MemorySource, SampleFormat, Source,
 };
 use crate::quantity::Quantity;
 
@@ -127,7 +127,7 @@ fn function_entry(set: &FrfSet, function: &Function, title: &str) -> Entry {
         denominator: Some(Quantity::Force),
         to_si: Some(1.0),
         axis_label: "Hz".to_owned(),
-        note: FunctionNote {
+        note: FunctionMetadata {
             averages: function.averages,
             estimator: function.estimator,
             added_damping_rad_s: Some(set.added_damping_rad_s).filter(|decay| *decay > 0.0),

@@ -8,7 +8,7 @@ use crate::record::{Channel, Hit, Role, Samples};
 
 /// Hits as a source: hit after hit the force and then the responses, with the hit's number as
 /// version and load case 1. Samples are as stored, each with its factor to SI. The force record's
-/// response is the hit point; the responses' reference is it too.
+/// response is the excitation point; the responses' reference is it too.
 pub fn hit_source(hits: &[Hit], title: &str) -> MemorySource {
     let mut source = MemorySource::with_title(title);
     for (i, hit) in hits.iter().enumerate() {

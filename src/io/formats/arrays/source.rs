@@ -1,4 +1,4 @@
-//! Arrays become a source: by the layout of modalign, by a scene's description, or as a plain list
+//! Arrays become a source: by the schema of modalign, by a scene's description, or as a plain list
 //! of arrays.
 //!
 //! A container of arrays does not say what its arrays mean, unless modalign wrote it. A scene's
@@ -11,26 +11,27 @@ use crate::finding::{Code, Finding, Location, Severity};
 
 use super::schema;
 use super::store::{ArrayStore, Elements};
-use crate::io::columns::{Columns, RowLines, assign};
+use crate::io::columns::{Columns, RowLines, entries_from_columns};
 use crate::io::{
     ArrayInfo, Block, Catalog, ColumnName, Dimension, Hints, IoError, MemorySource, Part, Source,
     TableSpec,
 };
 
 /// So many names are listed in an error.
-const NAMES_LISTED: usize = 40;
+const MAX_LISTED_NAMES: usize = 40;
 
 /// Makes a source of the arrays of a container.
 ///
 /// # Errors
 /// [`IoError::MissingArray`] for an array that the scene names and the file does not have;
-/// [`IoError::NotStated`] for dimensions that are not stated; errors of [`assign`] and the store.
+/// [`IoError::NotStated`] for dimensions that are not stated; errors of [`entries_from_columns`]
+/// and the store.
 pub(in crate::io) fn open_arrays(
     format: &'static str,
     mut store: Box<dyn ArrayStore>,
     hints: &Hints,
 ) -> Result<Box<dyn Source>, IoError> {
-    let (damage, findings) = (store.take_damage(), not_read(store.as_ref()));
+    let (damage, findings) = (store.take_damage(), unread_findings(store.as_ref()));
     let mut catalog = Catalog {
         format,
         path: hints.path.clone(),
@@ -38,17 +39,17 @@ pub(in crate::io) fn open_arrays(
     };
     catalog.findings.extend(findings);
     let spec = hints.table.as_ref().filter(|spec| !spec.columns.is_empty());
-    let is_layout = schema::is_layout(store.as_mut(), &hints.path)?;
+    let follows_schema = schema::follows_schema(store.as_mut(), &hints.path)?;
     // Where a scene names the arrays that it needs, the others are not needed.
     let part = match spec {
-        Some(_) if !is_layout => Part::Other,
+        Some(_) if !follows_schema => Part::Other,
         _ => Part::Any,
     };
     for error in damage {
         catalog.note_damage(error, part);
     }
-    if is_layout {
-        return Ok(Box::new(schema::open_layout(store, catalog)));
+    if follows_schema {
+        return Ok(Box::new(schema::open_with_schema(store, catalog)));
     }
     let Some(spec) = spec else {
         catalog.arrays = store.list().to_vec();
@@ -57,15 +58,15 @@ pub(in crate::io) fn open_arrays(
             ..MemorySource::default()
         }));
     };
-    let sets = select(store.as_mut(), spec, &hints.path)?;
-    let mut source = assign(format, spec, sets, &hints.path)?;
+    let sets = read_columns(store.as_mut(), spec, &hints.path)?;
+    let mut source = entries_from_columns(format, spec, sets, &hints.path)?;
     source.catalog.damage = catalog.damage;
     source.catalog.findings.extend(catalog.findings);
     Ok(Box::new(source))
 }
 
 /// One finding for each array that is listed but cannot be read.
-fn not_read(store: &dyn ArrayStore) -> Vec<Finding> {
+fn unread_findings(store: &dyn ArrayStore) -> Vec<Finding> {
     let unread = (0..store.list().len()).filter(|index| !store.can_read(*index));
     unread
         .map(|index| {
@@ -85,13 +86,13 @@ struct Arrangement {
 
 /// Array and channel (from 0; `None` where no number is given) of one column of the spec.
 #[derive(Clone, Copy, Debug)]
-struct Selected {
+struct SelectedChannel {
     array: usize,
     channel: Option<usize>,
 }
 
 /// The columns that the spec names, one set for each hit.
-fn select(
+fn read_columns(
     store: &mut dyn ArrayStore,
     spec: &TableSpec,
     path: &str,
@@ -99,8 +100,8 @@ fn select(
     let selected = spec
         .columns
         .iter()
-        .map(|column| find(store, &column.column, path));
-    let selected: Vec<Selected> = selected.collect::<Result<_, _>>()?;
+        .map(|column| find_column(store, &column.column, path));
+    let selected: Vec<SelectedChannel> = selected.collect::<Result<_, _>>()?;
     let mut hits = 1;
     let mut values: Vec<Vec<Block>> = vec![Vec::new(); selected.len()];
     for (first, place) in selected.iter().enumerate() {
@@ -111,16 +112,16 @@ fn select(
         let array = store.read(place.array)?;
         let info = &store.list()[place.array];
         if array.shape.iter().product::<usize>() != array.elements.len() {
-            return Err(no_numbers(info, path));
+            return Err(not_numeric_error(info, path));
         }
-        let arrangement = arrangement(info, &array.shape, spec, path)?;
+        let arrangement = find_arrangement(info, &array.shape, spec, path)?;
         hits = common_hits(hits, arrangement.hits.0, info, path)?;
         let of_array = selected.iter().enumerate().skip(first);
         for (column, selected) in of_array.filter(|(_, selected)| selected.array == place.array) {
-            let channel = channel(selected.channel, &arrangement, info, path)?;
+            let channel = channel_index(selected.channel, &arrangement, info, path)?;
             for hit in 0..arrangement.hits.0 {
-                let block = gather(&array.elements, &arrangement, hit, channel);
-                values[column].push(block.ok_or_else(|| no_numbers(info, path))?);
+                let block = channel_samples(&array.elements, &arrangement, hit, channel);
+                values[column].push(block.ok_or_else(|| not_numeric_error(info, path))?);
             }
         }
     }
@@ -129,7 +130,7 @@ fn select(
         .collect()
 }
 
-fn no_numbers(info: &ArrayInfo, path: &str) -> IoError {
+fn not_numeric_error(info: &ArrayInfo, path: &str) -> IoError {
     IoError::Grouping {
         path: path.to_owned(),
         what: "reading an array as a channel",
@@ -186,7 +187,11 @@ pub(in crate::io) fn same_name(stored: &str, asked: &str) -> bool {
     stored.chars().map(level).eq(asked.chars().map(level))
 }
 
-fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selected, IoError> {
+fn find_column(
+    store: &dyn ArrayStore,
+    column: &ColumnName,
+    path: &str,
+) -> Result<SelectedChannel, IoError> {
     let position = |asked: &str| {
         let names = store.list().iter();
         names
@@ -199,13 +204,13 @@ fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selec
     };
     let missing = |expected: String| IoError::MissingArray {
         path: path.to_owned(),
-        got: names(store),
+        got: describe_arrays(store),
         expected,
     };
     match column {
         ColumnName::Heading(text) => {
             if let Some(array) = position(text) {
-                return Ok(Selected {
+                return Ok(SelectedChannel {
                     array,
                     channel: None,
                 });
@@ -215,7 +220,7 @@ fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selec
                 Some((position(name)?, channel))
             });
             let (array, channel) = numbered.ok_or_else(|| missing(text.clone()))?;
-            Ok(Selected {
+            Ok(SelectedChannel {
                 array,
                 channel: Some(channel),
             })
@@ -231,7 +236,7 @@ fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selec
             let (Some(array), None, Some(channel)) = only else {
                 return Err(missing(format!("NAME:{number}")));
             };
-            Ok(Selected {
+            Ok(SelectedChannel {
                 array,
                 channel: Some(channel),
             })
@@ -240,17 +245,17 @@ fn find(store: &dyn ArrayStore, column: &ColumnName, path: &str) -> Result<Selec
 }
 
 /// The arrays that are there, for messages.
-pub(in crate::io) fn names(store: &dyn ArrayStore) -> String {
+pub(in crate::io) fn describe_arrays(store: &dyn ArrayStore) -> String {
     let list = store.list();
     if list.is_empty() {
         return "no arrays".to_owned();
     }
-    let described = list.iter().take(NAMES_LISTED).map(|info| {
+    let described = list.iter().take(MAX_LISTED_NAMES).map(|info| {
         let lengths: Vec<String> = info.shape.iter().map(ToString::to_string).collect();
         format!("{} ({} {})", info.name, lengths.join(" x "), info.kind)
     });
     let described: Vec<String> = described.collect();
-    let more = list.len().saturating_sub(NAMES_LISTED);
+    let more = list.len().saturating_sub(MAX_LISTED_NAMES);
     let rest = if more > 0 {
         format!(" and {more} more")
     } else {
@@ -260,7 +265,7 @@ pub(in crate::io) fn names(store: &dyn ArrayStore) -> String {
 }
 
 /// Which dimension is which.
-fn arrangement(
+fn find_arrangement(
     info: &ArrayInfo,
     shape: &[usize],
     spec: &TableSpec,
@@ -324,7 +329,7 @@ fn arrangement(
 }
 
 /// The channel that is asked for; the only one where no number is given.
-fn channel(
+fn channel_index(
     asked: Option<usize>,
     arrangement: &Arrangement,
     info: &ArrayInfo,
@@ -346,7 +351,7 @@ fn channel(
 }
 
 /// Samples of one channel of one hit; nothing for texts.
-fn gather(
+fn channel_samples(
     elements: &Elements,
     arrangement: &Arrangement,
     hit: usize,

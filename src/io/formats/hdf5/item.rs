@@ -7,7 +7,7 @@ use hdf5_pure::{AttrValue, ChunkIndex, Dataset, Datatype, Error, FormatError, La
 use super::element::{Content, describe};
 
 /// Datatypes nested deeper are refused.
-const DEEPEST_DATATYPE: usize = 32;
+const MAX_DATATYPE_NESTING: usize = 32;
 
 /// Filters that the reader undoes: deflate, shuffle, Fletcher-32, scale-offset, LZF.
 const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
@@ -65,8 +65,8 @@ impl Item {
     /// Reads the header; `of_matlab`: the file is MATLAB's.
     pub fn of(dataset: Dataset, path: Option<String>, of_matlab: bool) -> Result<Self, Unusable> {
         let datatype = dataset.datatype()?;
-        if nesting(&datatype) > DEEPEST_DATATYPE {
-            let got = format!("a datatype nested deeper than {DEEPEST_DATATYPE} levels");
+        if nesting(&datatype) > MAX_DATATYPE_NESTING {
+            let got = format!("a datatype nested deeper than {MAX_DATATYPE_NESTING} levels");
             return Err(Unusable::Shape(got));
         }
         let (content, kind, stride, added) = describe(&datatype);

@@ -11,19 +11,19 @@ use super::stream::Stream;
 use crate::io::{ArrayInfo, IoError};
 
 /// Groups and cells in each other.
-const DEEPEST: usize = 32;
+const MAX_NESTING: usize = 32;
 
 /// Cells of one array of MATLAB.
 const MAX_CELLS: usize = 10_000;
 
 /// The listing reads at most so many times the file's length.
-const TIMES_READ: u64 = 16;
+const MAX_READS_OVER_LENGTH: u64 = 16;
 
 /// Stack of the listing, for datatypes in datatypes.
-const STACK: usize = 128 << 20;
+const STACK_BYTES: usize = 128 << 20;
 
 /// Groups of MATLAB that hold what others refer to.
-const HIDDEN: [&str; 2] = ["#refs#", "#subsystem#"];
+const HIDDEN_GROUPS: [&str; 2] = ["#refs#", "#subsystem#"];
 
 /// The contents of a file.
 #[derive(Default)]
@@ -47,7 +47,7 @@ pub(super) struct Listing {
 /// without a thread.
 pub(super) fn list(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listing, IoError> {
     let listing = std::thread::scope(|scope| {
-        let builder = std::thread::Builder::new().stack_size(STACK);
+        let builder = std::thread::Builder::new().stack_size(STACK_BYTES);
         let thread = builder.spawn_scoped(scope, || list_here(stream, of_matlab, path))?;
         Ok(thread
             .join()
@@ -62,7 +62,7 @@ pub(super) fn list(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listi
 
 /// [`list`] on the caller's stack.
 pub(super) fn list_here(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listing, IoError> {
-    stream.allow(TIMES_READ);
+    stream.allow(MAX_READS_OVER_LENGTH);
     let file = File::from_source(stream.clone()).map_err(|error| IoError::Binary {
         path: path.to_owned(),
         byte: 0,
@@ -76,7 +76,7 @@ pub(super) fn list_here(stream: &Stream, of_matlab: bool, path: &str) -> Result<
         listing: Listing::default(),
         name_bytes: stream
             .bytes()
-            .saturating_mul(TIMES_READ)
+            .saturating_mul(MAX_READS_OVER_LENGTH)
             .saturating_add(1 << 16),
     };
     walk.group(&file.root(), "", 0);
@@ -93,7 +93,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     fn group(&mut self, group: &Group, name: &str, depth: usize) {
-        if depth > DEEPEST {
+        if depth > MAX_NESTING {
             return self.damage(name, format!("groups in groups, {depth} deep"));
         }
         let datasets = match group.iter_datasets() {
@@ -110,7 +110,7 @@ impl Walk<'_> {
             Err(error) => return self.damage(name, error.to_string()),
         };
         for (member, group) in groups {
-            let hidden = self.of_matlab && depth == 0 && HIDDEN.contains(&member.as_str());
+            let hidden = self.of_matlab && depth == 0 && HIDDEN_GROUPS.contains(&member.as_str());
             if !hidden {
                 self.group(&group, &joined(name, &member), depth + 1);
             }
@@ -150,7 +150,7 @@ impl Walk<'_> {
         for (number, cell) in cells.into_iter().flatten().enumerate() {
             let name = format!("{name}{{{}}}", number + 1);
             match cell {
-                Object::Dataset(dataset) if depth < DEEPEST => {
+                Object::Dataset(dataset) if depth < MAX_NESTING => {
                     self.dataset(*dataset, name, None, depth + 1);
                 }
                 Object::Group(group) => self.group(&group, &name, depth + 1),

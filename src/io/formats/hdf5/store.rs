@@ -20,7 +20,7 @@ const MAX_EXPANSION_RATIO: u64 = 1032;
 
 /// Reading a dataset reads at most so many times the file's length: texts are looked up in their
 /// heap one by one.
-const TIMES_READ: u64 = 64;
+const MAX_READS_OVER_LENGTH: u64 = 64;
 
 /// Rows are read in windows of about so many bytes.
 const WINDOW: usize = 1 << 20;
@@ -151,7 +151,7 @@ impl Hdf5Store {
                 (_, Some(elements)) => elements,
             });
         }
-        self.stream.allow(TIMES_READ);
+        self.stream.allow(MAX_READS_OVER_LENGTH);
         self.check_size(index)?;
         let item = &self.listing.items[index];
         let (rows, _) = rows_of(item);
@@ -222,7 +222,7 @@ impl Hdf5Store {
         // The limit holds for each pass over an array, however many parts it is read in.
         let before = self.read_to.insert(index, range.end);
         if before.is_none_or(|before| range.start < before) {
-            self.stream.allow(TIMES_READ);
+            self.stream.allow(MAX_READS_OVER_LENGTH);
         }
         self.check_size(index)?;
         let step = chunk_rows(&self.listing.items[index].dataset);
@@ -337,7 +337,7 @@ impl ArrayStore for Hdf5Store {
         }
         self.check_size(index)?;
         values.resize(range.len(), 0.0);
-        self.stream.allow(TIMES_READ);
+        self.stream.allow(MAX_READS_OVER_LENGTH);
         let byte = address.saturating_add((range.start * size_of::<f32>()) as u64);
         let read = self.stream.read_at(byte, cast_slice_mut(values));
         read.map_err(|error| self.error(index, error.to_string()))?;

@@ -1,4 +1,4 @@
-//! Writing: modalign's layout of arrays as groups and datasets.
+//! Writing: modalign's schema of arrays as groups and datasets.
 //!
 //! Datasets are contiguous and not compressed, texts are UTF-8 of fixed length padded with zeros,
 //! and the structure is that of HDF5 1.8, so that h5py and MATLAB (`h5read`) of any age read the
@@ -36,7 +36,7 @@ pub(super) fn write(
         };
         filled.map_err(|error| unwritable(&options.path, &array.name, &error.to_string()))
     };
-    let findings = schema::write_layout(source, options.precision, &mut put)?;
+    let findings = schema::write_with_schema(source, options.precision, &mut put)?;
     for group in groups.into_values() {
         file.add_group(group.finish());
     }

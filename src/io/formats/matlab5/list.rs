@@ -1,5 +1,7 @@
 //! Which variables, fields and cells a file has: a walk over the headers.
 
+use std::ops::Range;
+
 use crate::io::formats::arrays::store::bytes::NumberType;
 use crate::io::{ArrayInfo, IoError};
 
@@ -10,13 +12,13 @@ use super::elements::{
 };
 
 /// Structs and cells within each other.
-const DEEPEST: usize = 32;
+const MAX_NESTING: usize = 32;
 
 /// A sparse matrix is read when the full one takes no more memory than this many times the file.
 const SPARSE_EXPANSION: u64 = 16;
 
 /// So many parts are listed for each file, and one more for every four bytes of it.
-const PARTS: u64 = 1024;
+const MIN_PART_LIMIT: u64 = 1024;
 
 /// Bytes of all names together: at most so many times the file, and 1 MiB. A field name is repeated
 /// for every element.
@@ -60,7 +62,7 @@ pub(super) struct Listing {
 /// Lists the variables from byte `start` on. What follows damage is listed where it can be found.
 pub(super) fn list(bytes: &mut Bytes, start: u64, big_endian: bool) -> Listing {
     let mut listing = Listing::default();
-    let most = PARTS + bytes.length / 4;
+    let most = MIN_PART_LIMIT + bytes.length / 4;
     let mut name_bytes = bytes.length.saturating_mul(NAMES_EXPANSION) + (1 << 20);
     let mut at = start;
     while at < bytes.length {
@@ -145,8 +147,8 @@ impl Walk<'_, '_> {
         name: Option<String>,
         depth: usize,
     ) -> Result<Matrix, IoError> {
-        if depth > DEEPEST {
-            let expected = format!("{DEEPEST} levels or fewer");
+        if depth > MAX_NESTING {
+            let expected = format!("{MAX_NESTING} levels or fewer");
             return Err(self.reader.error(
                 position,
                 "structs and cells within each other",
@@ -159,14 +161,14 @@ impl Walk<'_, '_> {
         if name.is_empty() {
             "(without name)".clone_into(&mut name);
         }
-        let place = (position, end);
+        let place = position..end;
         match matrix.class {
-            STRUCT => self.fields(&matrix, &name, place, depth)?,
-            CELL => self.cells(&matrix, &name, place, depth)?,
+            STRUCT => self.list_fields(&matrix, &name, place, depth)?,
+            CELL => self.list_cells(&matrix, &name, place, depth)?,
             SPARSE if self.sparse_fits(&matrix) => {
-                self.push(name, &matrix, "sparse", place, Content::Sparse)?;
+                self.push_part(name, &matrix, "sparse", place, Content::Sparse)?;
             }
-            CHAR => self.push(name, &matrix, "text", place, Content::Text)?,
+            CHAR => self.push_part(name, &matrix, "text", place, Content::Text)?,
             class => {
                 let number = number_class(class);
                 let content = match number {
@@ -174,7 +176,7 @@ impl Walk<'_, '_> {
                     None => Content::Unread,
                 };
                 let kind = kind(&matrix, number);
-                self.push(name, &matrix, &kind, place, content)?;
+                self.push_part(name, &matrix, &kind, place, content)?;
             }
         }
         Ok(matrix)
@@ -186,18 +188,18 @@ impl Walk<'_, '_> {
         matrix.shape.len() == 2 && (matrix.count as u64).saturating_mul(size) <= most
     }
 
-    fn push(
+    fn push_part(
         &mut self,
         name: String,
         matrix: &Matrix,
         kind: &str,
-        (position, end): (u64, u64),
+        place: Range<u64>,
         content: Content,
     ) -> Result<(), IoError> {
         if self.listing.parts.len() as u64 >= self.most {
             let expected = format!("{} or fewer in a file of this size", self.most);
             return Err(self.reader.error(
-                position,
+                place.start,
                 "variables, fields and cells",
                 "more",
                 expected,
@@ -207,12 +209,12 @@ impl Walk<'_, '_> {
         *self.name_bytes = left.ok_or_else(|| {
             let expected = "fewer in a file of this size";
             self.reader
-                .error(position, "bytes of names", "more", expected)
+                .error(place.start, "bytes of names", "more", expected)
         })?;
         self.listing.parts.push(Part {
             storage: self.reader.storage,
-            position,
-            end,
+            position: place.start,
+            end: place.end,
             content,
             bytes: matrix.end.saturating_sub(matrix.content),
         });
@@ -228,11 +230,11 @@ impl Walk<'_, '_> {
         Ok(())
     }
 
-    fn cells(
+    fn list_cells(
         &mut self,
         matrix: &Matrix,
         name: &str,
-        place: (u64, u64),
+        place: Range<u64>,
         depth: usize,
     ) -> Result<(), IoError> {
         let first = self.listing.parts.len();
@@ -254,19 +256,19 @@ impl Walk<'_, '_> {
         let names = self.listing.infos.drain(first..);
         *self.name_bytes += names.map(|info| info.name.len() as u64).sum::<u64>();
         self.listing.parts.truncate(first);
-        self.push(name.to_owned(), matrix, "text", place, Content::TextCells)
+        self.push_part(name.to_owned(), matrix, "text", place, Content::TextCells)
     }
 
-    fn fields(
+    fn list_fields(
         &mut self,
         matrix: &Matrix,
         name: &str,
-        place: (u64, u64),
+        place: Range<u64>,
         depth: usize,
     ) -> Result<(), IoError> {
         let (names, mut position) = self.field_names(matrix)?;
         if names.is_empty() || matrix.count == 0 {
-            return self.push(name.to_owned(), matrix, "struct", place, Content::Unread);
+            return self.push_part(name.to_owned(), matrix, "struct", place, Content::Unread);
         }
         for number in 1..=matrix.count {
             for field in &names {

@@ -9,7 +9,7 @@
 //! are listed only. Arrays keep MATLAB's shape, so that a vector has two dimensions; texts lose
 //! theirs.
 //!
-//! Written files hold the layout of modalign as structs (`frf.re`), texts as char and cells of
+//! Written files hold the schema of modalign as structs (`frf.re`), texts as char and cells of
 //! char, not compressed, so that a variable can be read without what is before it. Files of version
 //! 7.3 are HDF5.
 //!

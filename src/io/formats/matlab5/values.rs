@@ -142,10 +142,11 @@ pub(super) fn read_sparse(
     let values = reader.numbers(&real)?;
     let value = |place: usize| values.get(place).copied();
     let mut entries = Vec::new();
-    entries_of(
+    for_each_entry(
         reader,
         &matrix,
-        (&rows, &starts),
+        &rows,
+        &starts,
         value,
         |row, column, value| {
             entries.push((row, column, value));
@@ -191,23 +192,18 @@ fn filled<T: Copy + Default>(
 ) -> Result<Vec<T>, IoError> {
     let width = matrix.shape[1];
     let mut full = vec![T::default(); matrix.count];
-    entries_of(
-        reader,
-        matrix,
-        (rows, starts),
-        value,
-        |row, column, value| {
-            full[row * width + column] = value;
-        },
-    )?;
+    for_each_entry(reader, matrix, rows, starts, value, |row, column, value| {
+        full[row * width + column] = value;
+    })?;
     Ok(full)
 }
 
 /// Gives every entry of a sparse matrix with its place to `take`.
-fn entries_of<T>(
+fn for_each_entry<T>(
     reader: &Reader,
     matrix: &Matrix,
-    (rows, starts): (&[f64], &[f64]),
+    rows: &[f64],
+    starts: &[f64],
     value: impl Fn(usize) -> Option<T>,
     mut take: impl FnMut(usize, usize, T),
 ) -> Result<(), IoError> {

@@ -1,4 +1,4 @@
-//! modalign's layout as a MATLAB file: one struct for each group, not compressed, little endian.
+//! modalign's schema as a MATLAB file: one struct for each group, not compressed, little endian.
 
 use std::io::SeekFrom;
 
@@ -39,7 +39,7 @@ pub(super) fn write(
     };
     file.header()?;
     let mut put = |array: NamedArray| file.put(array);
-    let findings = schema::write_layout(source, options.precision, &mut put)?;
+    let findings = schema::write_with_schema(source, options.precision, &mut put)?;
     file.close()?;
     Ok(findings)
 }

@@ -19,14 +19,14 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::arrays::source::{names, same_name};
+use super::arrays::source::{describe_arrays, same_name};
 use super::arrays::store::{ArrayStore, Elements, NamedArray};
 use super::{hdf5, matlab5, numpy};
 use crate::io::{IoError, ReadSeek, detect};
 use matrix_entries::MatrixEntries;
 
 /// Bytes by which a file is known.
-const HEAD: u64 = 4096;
+const DETECTION_BYTES: u64 = 4096;
 
 /// Reads a matrix from a file, by its name where the file has names; an unnamed one is the only
 /// matrix of the file.
@@ -47,7 +47,7 @@ pub fn read_matrix(path: &Path, name: Option<&str>) -> Result<MatrixEntries, IoE
     let mut file = File::open(path).map_err(system("open"))?;
     let mut head = Vec::new();
     file.by_ref()
-        .take(HEAD)
+        .take(DETECTION_BYTES)
         .read_to_end(&mut head)
         .map_err(system("read"))?;
     file.seek(SeekFrom::Start(0)).map_err(system("read"))?;
@@ -92,7 +92,7 @@ fn matrix_of(
     path: &str,
 ) -> Result<MatrixEntries, IoError> {
     let matrix = match name {
-        Some(name) => match find(store, name) {
+        Some(name) => match find_array(store, name) {
             Some(index) => Some(whole(store, index, path)?),
             None => sparse_group(store, name, path)?,
         },
@@ -109,12 +109,12 @@ fn matrix_of(
             let expected = name.map_or("one matrix, or its name".to_owned(), |name| {
                 format!("an array, or a sparse group, `{name}`")
             });
-            wrong(path, names(store), &expected)
+            not_a_matrix(path, describe_arrays(store), &expected)
         }
     })
 }
 
-fn wrong(path: &str, got: String, expected: &str) -> IoError {
+fn not_a_matrix(path: &str, got: String, expected: &str) -> IoError {
     IoError::Grouping {
         path: path.to_owned(),
         what: "reading a matrix",
@@ -123,7 +123,7 @@ fn wrong(path: &str, got: String, expected: &str) -> IoError {
     }
 }
 
-fn find(store: &dyn ArrayStore, name: &str) -> Option<usize> {
+fn find_array(store: &dyn ArrayStore, name: &str) -> Option<usize> {
     let name = name.trim_start_matches('/');
     let mut list = store.list().iter();
     list.position(|info| same_name(&info.name, name))
@@ -144,7 +144,7 @@ fn whole(store: &mut dyn ArrayStore, index: usize, path: &str) -> Result<MatrixE
     let array = store.read(index)?;
     let [rows, columns] = array.shape[..] else {
         let got = format!("{} of shape {:?}", array.name, array.shape);
-        return Err(wrong(path, got, "two dimensions"));
+        return Err(not_a_matrix(path, got, "two dimensions"));
     };
     let name = array.name.clone();
     let values = doubles(array, path)?;
@@ -153,7 +153,7 @@ fn whole(store: &mut dyn ArrayStore, index: usize, path: &str) -> Result<MatrixE
         let (row, column) = (place / columns, place % columns);
         if !value.is_finite() {
             let got = format!("{value} at row {row}, column {column} (from 0) of {name}");
-            return Err(wrong(path, got, "finite numbers"));
+            return Err(not_a_matrix(path, got, "finite numbers"));
         }
         if value.abs() > 0.0 {
             entries.push((row, column, value));
@@ -175,7 +175,7 @@ fn doubles(array: NamedArray, path: &str) -> Result<Vec<f64>, IoError> {
         Elements::Text(_) => "texts",
     };
     let got = format!("{kind} in {}", array.name);
-    Err(wrong(path, got, "real numbers"))
+    Err(not_a_matrix(path, got, "real numbers"))
 }
 
 /// A sparse matrix that is kept as several arrays below one name; `None` where they are not there.
@@ -186,8 +186,8 @@ fn sparse_group(
 ) -> Result<Option<MatrixEntries>, IoError> {
     let prefix = name.trim_matches('/');
     let place = |store: &dyn ArrayStore, part: &str| match prefix {
-        "" => find(store, part),
-        _ => find(store, &format!("{prefix}/{part}")),
+        "" => find_array(store, part),
+        _ => find_array(store, &format!("{prefix}/{part}")),
     };
     let mut read = |part: &str| -> Result<Option<Vec<f64>>, IoError> {
         let index = place(store, part);
@@ -213,7 +213,7 @@ fn sparse_group(
                     ((Some(rows), Some(columns)), Some(shape)) => {
                         let triples = rows.into_iter().zip(columns).zip(values);
                         let triples = triples.map(|((row, column), value)| (row, column, value));
-                        inside(&shape, triples.collect(), path).map(Some)
+                        entries_inside_shape(&shape, triples.collect(), path).map(Some)
                     }
                     _ => Ok(None),
                 };
@@ -223,7 +223,7 @@ fn sparse_group(
     let lines = starts.len().saturating_sub(1) as f64;
     let shape = shape.unwrap_or(vec![lines, lines]);
     let lines = shape.get(usize::from(by_column)).copied();
-    let triples = compressed(&index, &starts, &values)
+    let triples = compressed_entries(&index, &starts, &values)
         .filter(|_| lines == Some(starts.len() as f64 - 1.0))
         .ok_or_else(|| {
             let got = format!(
@@ -232,7 +232,7 @@ fn sparse_group(
                 starts.len(),
                 values.len()
             );
-            wrong(
+            not_a_matrix(
                 path,
                 got,
                 "ascending starts, a place and a value for each entry",
@@ -244,7 +244,7 @@ fn sparse_group(
             true => (place, line, value),
             false => (line, place, value),
         });
-    inside(&shape, turned.collect(), path).map(Some)
+    entries_inside_shape(&shape, turned.collect(), path).map(Some)
 }
 
 /// Whether scipy's `format` says that a matrix is compressed by columns.
@@ -256,12 +256,20 @@ fn is_by_column(format: Option<NamedArray>, path: &str) -> Result<bool, IoError>
     match text.as_deref() {
         None | Some("csr") => Ok(false),
         Some("csc") => Ok(true),
-        Some(other) => Err(wrong(path, format!("format {other:?}"), "csr, csc or coo")),
+        Some(other) => Err(not_a_matrix(
+            path,
+            format!("format {other:?}"),
+            "csr, csc or coo",
+        )),
     }
 }
 
 /// Line, place and value of compressed entries; `None` where the arrays do not go together.
-fn compressed(index: &[f64], starts: &[f64], values: &[f64]) -> Option<Vec<(f64, f64, f64)>> {
+fn compressed_entries(
+    index: &[f64],
+    starts: &[f64],
+    values: &[f64],
+) -> Option<Vec<(f64, f64, f64)>> {
     let mut entries = Vec::with_capacity(values.len().min(index.len()));
     let mut at = 0;
     for (line, ends) in starts.windows(2).enumerate() {
@@ -277,7 +285,7 @@ fn compressed(index: &[f64], starts: &[f64], values: &[f64]) -> Option<Vec<(f64,
 }
 
 /// Entries whose places are whole numbers inside the shape.
-fn inside(
+fn entries_inside_shape(
     shape: &[f64],
     entries: Vec<(f64, f64, f64)>,
     path: &str,
@@ -285,7 +293,11 @@ fn inside(
     let whole = |value: f64| (value >= 0.0 && value.fract() == 0.0).then_some(value as usize);
     let lengths: Option<Vec<usize>> = shape.iter().map(|length| whole(*length)).collect();
     let Some([rows, columns]) = lengths.as_deref() else {
-        return Err(wrong(path, format!("shape {shape:?}"), "two lengths"));
+        return Err(not_a_matrix(
+            path,
+            format!("shape {shape:?}"),
+            "two lengths",
+        ));
     };
     let place = |(i, j, value): (f64, f64, f64)| {
         let row = whole(i).filter(|row| row < rows);
@@ -294,7 +306,7 @@ fn inside(
         both.map(|(row, column)| (row, column, value))
             .ok_or_else(|| {
                 let got = format!("{value} at row {i}, column {j} (from 0)");
-                wrong(
+                not_a_matrix(
                     path,
                     got,
                     &format!("finite numbers inside {rows} x {columns}"),

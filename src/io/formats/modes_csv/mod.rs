@@ -40,7 +40,7 @@ mod tests;
 mod write;
 
 use read::{heading, read};
-use write::{not_carried, text, unwritable};
+use write::{dropped_content, text, unwritable};
 
 /// A table of modes.
 pub struct ModesCsv;
@@ -123,6 +123,6 @@ impl Format for ModesCsv {
                 action: "write",
                 source,
             })?;
-        Ok(not_carried(catalog))
+        Ok(dropped_content(catalog))
     }
 }

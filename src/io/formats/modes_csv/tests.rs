@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use super::ModesCsv;
 use crate::dof::Dof;
 use crate::io::{
-    Confidence, Format, Hints, IoError, Source, Table, WriteOptions, detect, modes_of, modes_source,
+    Confidence, Format, Hints, IoError, Source, Table, WriteOptions, detect, modal_model_of,
+    modes_source,
 };
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
@@ -17,7 +18,7 @@ fn read(text: &str) -> Result<Vec<Mode>, String> {
     let source = source(text).map_err(|error| error.to_string())?;
     match source.catalog().damage.first() {
         Some(error) => Err(error.to_string()),
-        None => Ok(modes_of(source.catalog(), Vec::new()).modes),
+        None => Ok(modal_model_of(source.catalog(), Vec::new()).modes),
     }
 }
 
@@ -34,7 +35,7 @@ fn source(text: &str) -> Result<Box<dyn Source>, IoError> {
 fn good_rows_are_read_despite_a_bad_row() {
     let text = "frequency_hz,damping_ratio,1:+Z\n10,0.01,1\n11,x,1\n12,0.01,-1\n";
     let found = source(text).unwrap();
-    let modes = modes_of(found.catalog(), Vec::new()).modes;
+    let modes = modal_model_of(found.catalog(), Vec::new()).modes;
     let hz: Vec<f64> = modes.iter().map(|mode| mode.frequency_hz).collect();
     assert_eq!(hz, [10.0, 12.0]);
     assert_eq!(found.catalog().findings.len(), 1);

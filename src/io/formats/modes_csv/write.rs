@@ -7,7 +7,7 @@ use crate::finding::Finding;
 use crate::modal::{Mode, Scaling};
 
 use super::column::{Column, FIRST, NAMED};
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::{Catalog, IoError, ModeEntry};
 
 /// A column with its cells.
@@ -76,8 +76,8 @@ fn named_cell(mode: &Mode, column: &Column) -> Option<String> {
     }
 }
 
-pub(super) fn not_carried(catalog: &Catalog) -> Vec<Finding> {
-    let mut lost = NotCarried::default();
+pub(super) fn dropped_content(catalog: &Catalog) -> Vec<Finding> {
+    let mut lost = DroppedContent::default();
     lost.add("records and functions", catalog.entries.len());
     lost.add("geometry", catalog.geometry.len());
     lost.add("arrays without a meaning", catalog.arrays.len());

@@ -4,11 +4,11 @@ pub(in crate::io) mod schema;
 
 use crate::finding::Finding;
 
-use super::dropped_content::NotCarried;
+use super::dropped_content::DroppedContent;
 use crate::io::open::read_all;
 use crate::io::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
-    WriteOptions, WriteSeek, modes_of,
+    WriteOptions, WriteSeek, modal_model_of,
 };
 use schema::{modes_from_json, modes_to_json};
 
@@ -82,14 +82,14 @@ impl Format for ModesJson {
                 expected: "modes; identify them first".to_owned(),
             });
         }
-        let model = modes_of(catalog, Vec::new());
+        let model = modal_model_of(catalog, Vec::new());
         out.write_all(modes_to_json(&model, None).as_bytes())
             .map_err(|source| IoError::System {
                 path: options.path.clone(),
                 action: "write",
                 source,
             })?;
-        let mut lost = NotCarried::default();
+        let mut lost = DroppedContent::default();
         lost.add("records and functions", catalog.entries.len());
         lost.add("geometry", catalog.geometry.len());
         lost.add("arrays without a meaning", catalog.arrays.len());

@@ -2,7 +2,7 @@
 //!
 //! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read.
 //! Arrays of Python objects (pickles), structured arrays, dates and long doubles are listed, not
-//! read. `.npz` is written in the layout of modalign, stored without compression, so that a part of
+//! read. `.npz` is written in the schema of modalign, stored without compression, so that a part of
 //! an array can be read alone.
 //!
 //! # Reference

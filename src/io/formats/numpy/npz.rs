@@ -78,7 +78,7 @@ impl Format for Npz {
                 source,
             })
         };
-        let findings = schema::write_layout(source, options.precision, &mut put)?;
+        let findings = schema::write_with_schema(source, options.precision, &mut put)?;
         let finished = archive.finish().map_err(std::io::Error::from);
         finished
             .and_then(UntilFailed::end)

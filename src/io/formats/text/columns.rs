@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::dialect::{Layout, places_of};
+use super::dialect::{Dialect, columns_with_heading};
 use super::encoding::TextBlocks;
 use super::fields::{RowFault, RowShape};
 use crate::io::columns::{Columns, RowLines};
@@ -198,21 +198,21 @@ fn expected_rows(file_len: u64, bytes_of_rows: usize, rows: usize) -> usize {
 /// [`IoError`] when there is no good row, or the file cannot be read.
 pub(super) fn table_rows(
     text: &mut TextBlocks,
-    layout: &Layout,
+    dialect: &Dialect,
     columns: &[usize],
     wanted: Wanted,
     path: &str,
 ) -> Result<Rows, IoError> {
-    for _ in 0..layout.lines_before {
+    for _ in 0..dialect.lines_before {
         text.next_line()?;
     }
-    let mut slots = vec![None; layout.width];
+    let mut slots = vec![None; dialect.width];
     for (slot, column) in columns.iter().enumerate() {
         slots[*column] = Some(slot);
     }
     let shape = RowShape {
-        notation: layout.notation,
-        width: layout.width,
+        notation: dialect.notation,
+        width: dialect.width,
         slots,
         any_value: wanted != Wanted::Finite,
     };
@@ -225,7 +225,7 @@ pub(super) fn table_rows(
 /// [`IoError`] for no good row, and when the file cannot be read.
 pub(super) fn read_columns(
     text: &mut TextBlocks,
-    layout: &Layout,
+    dialect: &Dialect,
     places: &[usize],
     path: &str,
 ) -> Result<(Columns, Option<IoError>), IoError> {
@@ -238,7 +238,7 @@ pub(super) fn read_columns(
         rows,
         lines,
         damage,
-    } = table_rows(text, layout, &once, Wanted::Finite, path)?;
+    } = table_rows(text, dialect, &once, Wanted::Finite, path)?;
     let mut columns: Vec<Option<Vec<f64>>> = columns.into_iter().map(Some).collect();
     let mut values = Vec::with_capacity(places.len());
     for (index, place) in places.iter().enumerate() {
@@ -264,10 +264,14 @@ pub(super) fn read_columns(
 /// # Errors
 /// [`IoError`] for a column that is not there, for a heading that occurs twice, and for headings
 /// that are not as many as the fields below them.
-pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Vec<usize>, IoError> {
-    let line = layout
+pub(super) fn places(
+    spec: &TableSpec,
+    dialect: &Dialect,
+    path: &str,
+) -> Result<Vec<usize>, IoError> {
+    let line = dialect
         .heading_line
-        .unwrap_or(layout.lines_before as u64 + 1);
+        .unwrap_or(dialect.lines_before as u64 + 1);
     let missing = |got: String, expected: String| IoError::MissingColumn {
         path: path.to_owned(),
         line,
@@ -275,38 +279,38 @@ pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Ve
         expected,
     };
     let named = |column: &ColumnName| matches!(column, ColumnName::Heading(_));
-    let headings = layout.headings.len();
-    if spec.columns.iter().any(|column| named(&column.column)) && headings < layout.width {
+    let headings = dialect.headings.len();
+    if spec.columns.iter().any(|column| named(&column.column)) && headings < dialect.width {
         // Decimal commas or another separator, not numbers to pass over.
         return Err(IoError::Text {
             path: path.to_owned(),
-            line: layout.lines_before as u64 + 1,
+            line: dialect.lines_before as u64 + 1,
             what: "fields of a row",
-            got: format!("{} fields", layout.width),
+            got: format!("{} fields", dialect.width),
             expected: format!("{headings}, as many as headings"),
         });
     }
-    headings_fit(layout, path)?;
+    headings_fit(dialect, path)?;
     let place = |column: &ColumnName| {
         match column {
         ColumnName::Number(0) => Err(missing(
-            layout.headings.join(", "),
+            dialect.headings.join(", "),
             "numbers from 1".to_owned(),
         )),
-        ColumnName::Number(number) if *number > layout.width => Err(IoError::Text {
+        ColumnName::Number(number) if *number > dialect.width => Err(IoError::Text {
             path: path.to_owned(),
-            line: layout.lines_before as u64 + 1,
+            line: dialect.lines_before as u64 + 1,
             what: "number",
-            got: format!("{} columns", layout.width),
+            got: format!("{} columns", dialect.width),
             expected: format!("a finite number in column {number}"),
         }),
         ColumnName::Number(number) => Ok(number - 1),
-        ColumnName::Heading(name) => match places_of(&layout.headings, name).as_slice() {
-            [place, ..] if *place >= layout.width => {
-                Err(missing(layout.headings.join(", "), name.clone()))
+        ColumnName::Heading(name) => match columns_with_heading(&dialect.headings, name).as_slice() {
+            [place, ..] if *place >= dialect.width => {
+                Err(missing(dialect.headings.join(", "), name.clone()))
             }
             [place] => Ok(*place),
-            [] => Err(missing(layout.headings.join(", "), name.clone())),
+            [] => Err(missing(dialect.headings.join(", "), name.clone())),
             [first, second, ..] => Err(IoError::Text {
                 path: path.to_owned(),
                 line,
@@ -326,15 +330,15 @@ pub(super) fn places(spec: &TableSpec, layout: &Layout, path: &str) -> Result<Ve
 
 /// Texts directly above numbers that commas part are as many as the numbers, or some of the commas
 /// are decimal ones.
-fn headings_fit(layout: &Layout, path: &str) -> Result<(), IoError> {
-    let by_comma = layout.notation.delimiter == Delimiter::Comma;
-    let above = layout.above.filter(|_| by_comma);
-    match above.filter(|(_, texts)| *texts != layout.width) {
+fn headings_fit(dialect: &Dialect, path: &str) -> Result<(), IoError> {
+    let by_comma = dialect.notation.delimiter == Delimiter::Comma;
+    let above = dialect.above.filter(|_| by_comma);
+    match above.filter(|(_, texts)| *texts != dialect.width) {
         Some((line, texts)) => Err(IoError::NotStated {
             path: path.to_owned(),
             what: format!(
                 "what separates the columns (line {line} has {texts} fields and the numbers below it {})",
-                layout.width
+                dialect.width
             ),
             expected: format!(
                 "`delimiter` in [[test]], or `skip_lines = {line}` where that line has no headings"

@@ -1,5 +1,5 @@
-//! The layout of a table is detected from its first block: separator, decimal mark, headings, first
-//! row of numbers.
+//! The dialect of a table is detected from its first block: separator, decimal mark, headings,
+//! first row of numbers.
 //!
 //! Every notation is tried. The notation with the longest run of rows of numbers is used; notations
 //! that read the same numbers are equal; where two read different numbers, as `1,5` alone in a
@@ -28,11 +28,11 @@ const fn notation(delimiter: Delimiter, decimal: u8) -> Notation {
 }
 
 /// Rows that make a beginning: fewer may be numbers in the header.
-const BEGINNING: usize = 3;
+const MIN_FIRST_ROWS: usize = 3;
 
-/// Bytes that settle the layout where one notation alone makes a beginning in them; else the whole
+/// Bytes that settle the dialect where one notation alone makes a beginning in them; else the whole
 /// block is looked at.
-const HEAD: usize = 1 << 17;
+const DETECTION_BYTES: usize = 1 << 17;
 
 /// Most columns: as many as a spreadsheet has.
 pub(super) const MAX_COLUMNS: usize = 16_384;
@@ -50,7 +50,7 @@ pub(super) fn too_wide(path: &str, line: u64, width: usize) -> IoError {
 
 /// How a table is laid out.
 #[derive(Debug)]
-pub(super) struct Layout {
+pub(super) struct Dialect {
     /// How its numbers are written.
     pub notation: Notation,
     /// Lines before the first row of numbers.
@@ -92,7 +92,7 @@ impl Reading {
 
     /// Whether the other breaks off earlier; one column in itself says little, for `1,5` and `1;5`
     /// are no numbers.
-    fn beats(&self, other: &Reading) -> bool {
+    fn is_longer_than(&self, other: &Reading) -> bool {
         self.rows > other.rows && (self.width > 1 || other.width == 1)
     }
 }
@@ -103,31 +103,31 @@ impl Reading {
 /// [`IoError::Text`] when there is no row of numbers; [`IoError::NotStated`] when several notations
 /// read different ones; [`IoError::MissingColumn`] when the scene names a heading that is not
 /// there.
-pub(super) fn layout_of(
+pub(super) fn detect_dialect(
     block: &[u8],
     line_end: u8,
     spec: Option<&TableSpec>,
     path: &str,
-) -> Result<Layout, IoError> {
-    let head = memchr::memchr(line_end, &block[HEAD.min(block.len())..]);
-    let head = &block[..head.map_or(block.len(), |end| HEAD + end + 1)];
+) -> Result<Dialect, IoError> {
+    let head = memchr::memchr(line_end, &block[DETECTION_BYTES.min(block.len())..]);
+    let head = &block[..head.map_or(block.len(), |end| DETECTION_BYTES + end + 1)];
     let mut lines: Vec<&[u8]> = encoding::lines(head, line_end).collect();
     let skipped = spec.map_or(0, |spec| spec.skip_lines);
     let stated = spec.and_then(|spec| spec.delimiter);
-    let names = spec.map_or_else(Vec::new, names_of);
+    let names = spec.map_or_else(Vec::new, stated_headings);
     let tried = NOTATIONS
         .iter()
         .filter(|notation| stated.is_none_or(|delimiter| notation.delimiter == delimiter));
     let read = |lines: &[&[u8]]| -> Vec<Reading> {
         let readings = tried
             .clone()
-            .filter_map(|notation| reading(lines, skipped, *notation));
+            .filter_map(|notation| longest_run(lines, skipped, *notation));
         readings.collect()
     };
     let mut readings = read(&lines);
     let begun = readings
         .iter()
-        .filter(|reading| reading.rows >= BEGINNING)
+        .filter(|reading| reading.rows >= MIN_FIRST_ROWS)
         .count();
     if begun != 1 && head.len() < block.len() {
         lines = encoding::lines(block, line_end).collect();
@@ -150,7 +150,7 @@ pub(super) fn layout_of(
             },
         });
     }
-    let chosen = choose(
+    let chosen = choose_reading(
         &readings,
         &lines[skipped.min(lines.len())..],
         spec,
@@ -160,11 +160,11 @@ pub(super) fn layout_of(
     if chosen.width > MAX_COLUMNS {
         return Err(too_wide(path, chosen.start as u64 + 1, chosen.width));
     }
-    headed(chosen, &lines, skipped, &names, path)
+    with_headings(chosen, &lines, skipped, &names, path)
 }
 
 /// The headings that a scene names.
-fn names_of(spec: &TableSpec) -> Vec<&str> {
+fn stated_headings(spec: &TableSpec) -> Vec<&str> {
     let columns = spec.columns.iter();
     columns
         .filter_map(|column| match &column.column {
@@ -175,7 +175,7 @@ fn names_of(spec: &TableSpec) -> Vec<&str> {
 }
 
 /// The first run of rows that makes a beginning, or the longest one; as far as it goes.
-fn reading(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Reading> {
+fn longest_run(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Reading> {
     let mut best: Option<Reading> = None;
     let mut run: Option<Reading> = None;
     let mut row = Vec::new();
@@ -198,7 +198,10 @@ fn reading(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Readin
                 .extend(row.iter().map(|value| value.map(f64::to_bits)));
             continue;
         }
-        if run.as_ref().is_some_and(|block| block.rows >= BEGINNING) {
+        if run
+            .as_ref()
+            .is_some_and(|block| block.rows >= MIN_FIRST_ROWS)
+        {
             return run;
         }
         best = longer(best, run.take());
@@ -215,7 +218,7 @@ fn reading(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Readin
 }
 
 /// The reading that is meant.
-fn choose<'a>(
+fn choose_reading<'a>(
     readings: &'a [Reading],
     lines: &[&[u8]],
     spec: Option<&TableSpec>,
@@ -224,7 +227,7 @@ fn choose<'a>(
 ) -> Result<&'a Reading, IoError> {
     let unbeaten = readings
         .iter()
-        .filter(|reading| !readings.iter().any(|other| other.beats(reading)));
+        .filter(|reading| !readings.iter().any(|other| other.is_longer_than(reading)));
     let mut left: Vec<&Reading> = Vec::new();
     for reading in unbeaten {
         if !left.iter().any(|other| other.same_numbers(reading)) {
@@ -234,9 +237,10 @@ fn choose<'a>(
     let skipped = spec.map_or(0, |spec| spec.skip_lines);
     let header = |reading: &Reading| &lines[..reading.start - skipped];
     // What the scene names must be there.
-    let last = spec.map_or(0, last_number);
+    let last = spec.map_or(0, largest_column_number);
     let fits = |reading: &&&Reading| {
-        reading.width >= last && heading_with(header(reading), reading.notation, names).is_some()
+        reading.width >= last
+            && line_with_headings(header(reading), reading.notation, names).is_some()
     };
     let fitting: Vec<&Reading> = left.iter().filter(fits).copied().collect();
     if !fitting.is_empty() {
@@ -261,7 +265,7 @@ fn choose<'a>(
     };
     match left.as_slice() {
         [reading] if settled(reading) => Ok(reading),
-        several => Err(ambiguous(several, path)),
+        several => Err(ambiguous_separator(several, path)),
     }
 }
 
@@ -278,7 +282,7 @@ fn is_headed(reading: &Reading, header: &[&[u8]]) -> bool {
         && !headings.iter().any(|heading| is_unit(heading))
 }
 
-fn last_number(spec: &TableSpec) -> usize {
+fn largest_column_number(spec: &TableSpec) -> usize {
     let number = |column: &ColumnName| match column {
         ColumnName::Number(number) => *number,
         ColumnName::Heading(_) => 0,
@@ -287,7 +291,7 @@ fn last_number(spec: &TableSpec) -> usize {
     numbers.max().unwrap_or(0)
 }
 
-fn ambiguous(readings: &[&Reading], path: &str) -> IoError {
+fn ambiguous_separator(readings: &[&Reading], path: &str) -> IoError {
     let one = |reading: &&Reading| {
         let mark = if reading.notation.decimal == b',' {
             "decimal comma"
@@ -338,7 +342,7 @@ fn headings(line: &[u8], notation: Notation) -> Vec<String> {
 
 /// Places of the headings that a scene may mean by a name: the whole heading, or else all but its
 /// unit.
-pub(super) fn places_of(headings: &[String], name: &str) -> Vec<usize> {
+pub(super) fn columns_with_heading(headings: &[String], name: &str) -> Vec<usize> {
     let with = |same: &dyn Fn(&str) -> bool| -> Vec<usize> {
         let places = headings.iter().enumerate();
         let found = places.filter(|(_, heading)| same(heading));
@@ -367,7 +371,7 @@ pub(super) fn split_unit(heading: &str) -> Option<(&str, &str)> {
 }
 
 /// The lowest line that has every heading of a scene, by its place among the lines.
-fn heading_with(header: &[&[u8]], notation: Notation, names: &[&str]) -> Option<usize> {
+fn line_with_headings(header: &[&[u8]], notation: Notation, names: &[&str]) -> Option<usize> {
     header
         .iter()
         .rposition(|line| {
@@ -375,21 +379,21 @@ fn heading_with(header: &[&[u8]], notation: Notation, names: &[&str]) -> Option<
             !headings.is_empty()
                 && names
                     .iter()
-                    .all(|name| !places_of(&headings, name).is_empty())
+                    .all(|name| !columns_with_heading(&headings, name).is_empty())
         })
         .or_else(|| names.is_empty().then_some(0))
 }
 
-/// The layout with the headings that belong to the chosen reading.
-fn headed(
+/// The dialect with the headings that belong to the chosen reading.
+fn with_headings(
     reading: &Reading,
     lines: &[&[u8]],
     skipped: usize,
     names: &[&str],
     path: &str,
-) -> Result<Layout, IoError> {
+) -> Result<Dialect, IoError> {
     let of = |index: usize| headings(lines[index], reading.notation);
-    let mut layout = Layout {
+    let mut dialect = Dialect {
         notation: reading.notation,
         lines_before: reading.start,
         width: reading.width,
@@ -404,7 +408,7 @@ fn headed(
     let above = (skipped..reading.start).rev();
     let above = above.filter(|index| !lines[*index].trim_ascii().is_empty());
     let texts = |index: usize| (index as u64 + 1, of(index).len());
-    layout.above = above.clone().next().map(texts);
+    dialect.above = above.clone().next().map(texts);
     let mut fitting = above
         .clone()
         .filter(|index| of(*index).len() == reading.width);
@@ -412,11 +416,12 @@ fn headed(
     let is_units = |index: &usize| of(*index).iter().all(|text| is_unit(text));
     let mut units = first.filter(is_units).filter(|_| second.is_some());
     let found = if !names.is_empty() {
-        let named = heading_with(header, reading.notation, names).map(|index| skipped + index);
+        let named =
+            line_with_headings(header, reading.notation, names).map(|index| skipped + index);
         let nearest = first
             .or(above.clone().next())
             .map(|index| (index, of(index)));
-        Some(named.ok_or_else(|| missing(nearest, names, path))?)
+        Some(named.ok_or_else(|| missing_column(nearest, names, path))?)
     } else if units.is_some() {
         second
     } else {
@@ -425,21 +430,21 @@ fn headed(
     // A scene may name what stands in the row of units, or above other rows.
     units = units.filter(|units| found.is_some_and(|headings| headings < *units));
     if let Some(index) = units {
-        layout.units = of(index);
-        layout.units_line = Some(index as u64 + 1);
+        dialect.units = of(index);
+        dialect.units_line = Some(index as u64 + 1);
     }
     if let Some(index) = found {
-        layout.headings = of(index);
-        layout.heading_line = Some(index as u64 + 1);
+        dialect.headings = of(index);
+        dialect.heading_line = Some(index as u64 + 1);
     }
-    Ok(layout)
+    Ok(dialect)
 }
 
-fn missing(nearest: Option<(usize, Vec<String>)>, names: &[&str], path: &str) -> IoError {
+fn missing_column(nearest: Option<(usize, Vec<String>)>, names: &[&str], path: &str) -> IoError {
     let (index, headings) = nearest.unwrap_or_default();
     let absent = names
         .iter()
-        .find(|name| places_of(&headings, name).is_empty());
+        .find(|name| columns_with_heading(&headings, name).is_empty());
     IoError::MissingColumn {
         path: path.to_owned(),
         line: index as u64 + 1,

@@ -4,7 +4,7 @@
 //! known one must be that of the scene; for an axis whose unit the scene does not state it is
 //! taken. Any other text is left to the scene.
 
-use super::dialect::{Layout, bare_unit, split_unit};
+use super::dialect::{Dialect, bare_unit, split_unit};
 use crate::io::columns::frf_unit_text;
 use crate::io::{ColumnRole, IoError, TableSpec};
 use crate::quantity::{FrfUnit, Unit};
@@ -60,14 +60,14 @@ impl Stated {
 /// the scene.
 pub(super) fn with_heading_units(
     spec: &TableSpec,
-    layout: &Layout,
+    dialect: &Dialect,
     places: &[usize],
     path: &str,
 ) -> Result<TableSpec, IoError> {
     let mut spec = spec.clone();
     for (index, place) in places.iter().enumerate() {
         let column = &spec.columns[index];
-        let Some((text, line)) = unit_at(layout, *place) else {
+        let Some((text, line)) = unit_at(dialect, *place) else {
             continue;
         };
         let Some(stated) = Stated::of(bare_unit(text)).or_else(|| Stated::of(text)) else {
@@ -113,12 +113,12 @@ pub(super) fn with_heading_units(
 }
 
 /// The text of a column's unit, and its line.
-fn unit_at(layout: &Layout, place: usize) -> Option<(&str, u64)> {
-    let heading = layout.headings.get(place).map_or("", String::as_str);
-    let below = layout.units.get(place).map(|text| text.trim());
-    match split_unit(heading).zip(layout.heading_line) {
+fn unit_at(dialect: &Dialect, place: usize) -> Option<(&str, u64)> {
+    let heading = dialect.headings.get(place).map_or("", String::as_str);
+    let below = dialect.units.get(place).map(|text| text.trim());
+    match split_unit(heading).zip(dialect.heading_line) {
         Some(((_, unit), line)) => Some((unit, line)),
-        None => below.zip(layout.units_line),
+        None => below.zip(dialect.units_line),
     }
 }
 

@@ -1,17 +1,17 @@
-//! Tables of numbers: CSV and its kin. A scene describes the columns; the layout is judged by the
+//! Tables of numbers: CSV and its kin. A scene describes the columns; the dialect is judged by the
 //! content where the scene does not state it. A table that modalign wrote states everything in its
 //! headings ([`super::header_syntax`]).
 //!
 //! A row that is no row of numbers is damage: the rows before it are read, the rest is not.
 
 use super::columns::{Wanted, places, read_columns, table_rows};
-use super::dialect::{Layout, layout_of};
+use super::dialect::{Dialect, detect_dialect};
 use super::encoding::{TextBlocks, is_text};
 use super::entries::entries_of;
 use super::header_syntax::{Meaning, meanings};
 use super::header_units::with_heading_units;
 use crate::finding::Finding;
-use crate::io::columns::assign;
+use crate::io::columns::entries_from_columns;
 use crate::io::{
     ArrayInfo, Confidence, Format, Hints, IoError, MemorySource, Part, ReadSeek, Source, TableSpec,
     WriteOptions, WriteSeek,
@@ -42,11 +42,11 @@ impl Format for Table {
         let mut text = TextBlocks::new(input, path)?;
         text.advance()?;
         let spec = hints.table.as_ref().filter(|spec| !spec.columns.is_empty());
-        let layout = layout_of(text.block(), text.line_end(), spec, path)?;
-        let source = match (spec, meanings(&layout.headings)) {
-            (Some(spec), _) => assigned(&mut text, &layout, spec, path)?,
-            (None, Some(meanings)) => described(&mut text, &layout, &meanings, path)?,
-            (None, None) => listed(&mut text, &layout, path)?,
+        let dialect = detect_dialect(text.block(), text.line_end(), spec, path)?;
+        let source = match (spec, meanings(&dialect.headings)) {
+            (Some(spec), _) => assigned(&mut text, &dialect, spec, path)?,
+            (None, Some(meanings)) => described(&mut text, &dialect, &meanings, path)?,
+            (None, None) => listed(&mut text, &dialect, path)?,
         };
         Ok(Box::new(source))
     }
@@ -64,14 +64,17 @@ impl Format for Table {
 /// The columns that a scene describes.
 fn assigned(
     text: &mut TextBlocks,
-    layout: &Layout,
+    dialect: &Dialect,
     spec: &TableSpec,
     path: &str,
 ) -> Result<MemorySource, IoError> {
-    let places = places(spec, layout, path)?;
-    let spec = &with_heading_units(spec, layout, &places, path)?;
-    let (columns, damage) = read_columns(text, layout, &places, path)?;
-    match (assign("table", spec, vec![columns], path), damage) {
+    let places = places(spec, dialect, path)?;
+    let spec = &with_heading_units(spec, dialect, &places, path)?;
+    let (columns, damage) = read_columns(text, dialect, &places, path)?;
+    match (
+        entries_from_columns("table", spec, vec![columns], path),
+        damage,
+    ) {
         (Ok(source), damage) => Ok(with_damage(source, damage)),
         // Too few rows for an axis, because of the damage.
         (Err(_), Some(damage)) => Err(damage),
@@ -82,12 +85,12 @@ fn assigned(
 /// The entries that the headings describe.
 fn described(
     text: &mut TextBlocks,
-    layout: &Layout,
+    dialect: &Dialect,
     meanings: &[Meaning],
     path: &str,
 ) -> Result<MemorySource, IoError> {
-    let all: Vec<usize> = (0..layout.width).collect();
-    let mut rows = table_rows(text, layout, &all, Wanted::Any, path)?;
+    let all: Vec<usize> = (0..dialect.width).collect();
+    let mut rows = table_rows(text, dialect, &all, Wanted::Any, path)?;
     let damage = rows.damage.take();
     let mut source = new_source("table", path);
     entries_of(rows, meanings, &mut source);
@@ -95,16 +98,16 @@ fn described(
 }
 
 /// The columns by name alone.
-fn listed(text: &mut TextBlocks, layout: &Layout, path: &str) -> Result<MemorySource, IoError> {
-    let numeric: Vec<usize> = (0..layout.width)
-        .filter(|column| layout.numeric[*column])
+fn listed(text: &mut TextBlocks, dialect: &Dialect, path: &str) -> Result<MemorySource, IoError> {
+    let numeric: Vec<usize> = (0..dialect.width)
+        .filter(|column| dialect.numeric[*column])
         .collect();
-    let rows = table_rows(text, layout, &numeric, Wanted::Counted, path)?;
+    let rows = table_rows(text, dialect, &numeric, Wanted::Counted, path)?;
     let mut source = new_source("table", path);
-    let columns = (0..layout.width).map(|column| ArrayInfo {
-        name: column_name(layout, column),
+    let columns = (0..dialect.width).map(|column| ArrayInfo {
+        name: column_name(dialect, column),
         shape: vec![rows.rows],
-        kind: if layout.numeric[column] {
+        kind: if dialect.numeric[column] {
             "f64"
         } else {
             "text"
@@ -116,12 +119,12 @@ fn listed(text: &mut TextBlocks, layout: &Layout, path: &str) -> Result<MemorySo
 }
 
 /// Its heading with the unit of the row below, or its number.
-fn column_name(layout: &Layout, column: usize) -> String {
+fn column_name(dialect: &Dialect, column: usize) -> String {
     let text = |texts: &[String]| {
         let found = texts.get(column).filter(|text| !text.is_empty());
         found.cloned()
     };
-    match (text(&layout.headings), text(&layout.units)) {
+    match (text(&dialect.headings), text(&dialect.units)) {
         (Some(heading), Some(unit)) if unit.starts_with(['[', '(']) => format!("{heading} {unit}"),
         (Some(heading), Some(unit)) => format!("{heading} [{unit}]"),
         (Some(heading), None) => heading,

@@ -5,10 +5,10 @@
 
 use super::header_syntax::{abscissa_heading, entry_heading, same_axis, unit_text};
 use crate::finding::Finding;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::{
-    Block, Catalog, Entry, FunctionNote, FunctionType, IoError, Precision, SampleFormat, Source,
-    WriteOptions, WriteSeek,
+    Block, Catalog, Entry, FunctionMetadata, FunctionType, IoError, Precision, SampleFormat,
+    Source, WriteOptions, WriteSeek,
 };
 
 /// Rows that are read and written at a time.
@@ -42,7 +42,7 @@ pub(super) fn write(
     };
     let catalog = source.catalog();
     check_window(catalog, &chosen, options)?;
-    let findings = not_carried(catalog, &chosen);
+    let findings = dropped_content(catalog, &chosen);
     let mut columns: Vec<Column> = chosen
         .iter()
         .map(|entry| column(catalog, *entry, options.precision))
@@ -180,7 +180,7 @@ fn check_window(
 }
 
 /// The properties that a table has no place for.
-fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
+fn dropped_content(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
     let count = |lost: fn(&Entry) -> bool| {
         let lost = chosen
             .iter()
@@ -218,7 +218,7 @@ fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
         ),
         (
             "notes on functions",
-            count(|entry| entry.note != FunctionNote::default()),
+            count(|entry| entry.note != FunctionMetadata::default()),
         ),
         ("modes", catalog.modes.len()),
         ("nodes", geometry.nodes.len()),
@@ -229,7 +229,7 @@ fn not_carried(catalog: &Catalog, chosen: &[usize]) -> Vec<Finding> {
         ("arrays", catalog.arrays.len()),
         ("title lines", catalog.title.len()),
     ];
-    let mut all = NotCarried::default();
+    let mut all = DroppedContent::default();
     for (what, count) in lost {
         all.add(what, count);
     }

@@ -14,7 +14,7 @@ use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::frf::FrfSet;
 use crate::io::error::write_failed;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::formats::uff::dataset_58::dof_fields::DofFields;
 use crate::io::formats::uff::dataset_58::entry_header::{Fitted, fit};
 use crate::io::formats::uff::dataset_58::write_values::{Target, written_format};
@@ -48,7 +48,7 @@ pub(super) fn write_source(
     options: &WriteOptions,
     in_si: bool,
 ) -> Result<Vec<Finding>, IoError> {
-    let mut lost = NotCarried::default();
+    let mut lost = DroppedContent::default();
     let count = source.catalog().entries.len();
     let mut targets = Vec::new();
     for entry in 0..count {
@@ -96,8 +96,8 @@ pub(super) fn write_source(
 
 /// Writes hits as a measurement system exports them: datasets 151, 164 and, hit after hit, the
 /// force and then the responses as time records (58b, little endian) with the hit's number as
-/// version. The force record's response is the hit point; the responses' reference is it too.
-/// Values are in SI units.
+/// version. The force record's response is the excitation point; the responses' reference is it
+/// too. Values are in SI units.
 ///
 /// # Errors
 /// [`IoError::Unwritable`] for a channel whose length is not the axis's, a step that is not

@@ -20,14 +20,14 @@ pub(super) fn same_shape(shape: &[usize], other: &[usize]) -> bool {
 }
 
 /// The arrays of a store by name.
-pub(super) struct Shelf<'a> {
+pub(super) struct ArrayIndex<'a> {
     store: &'a mut dyn ArrayStore,
     /// Place in the store's list, for each name.
     places: BTreeMap<String, usize>,
     path: &'a str,
 }
 
-impl<'a> Shelf<'a> {
+impl<'a> ArrayIndex<'a> {
     /// The arrays of `store`; of two with one name the first.
     pub fn new(store: &'a mut dyn ArrayStore, path: &'a str) -> Self {
         let mut places = BTreeMap::new();
@@ -126,7 +126,7 @@ impl<'a> Shelf<'a> {
         }
     }
 
-    /// Texts of an array, as [`Shelf::numbers`].
+    /// Texts of an array, as [`ArrayIndex::numbers`].
     pub fn texts(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! The layout stores texts, numbers and whole numbers as named arrays.
+//! Texts, numbers and whole numbers become named arrays.
 
 use crate::io::formats::arrays::store::{Elements, NamedArray};
 use crate::io::{IoError, Precision};

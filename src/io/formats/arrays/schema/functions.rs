@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::io::formats::arrays::store::{Elements, NamedArray};
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::{
     Block, Entry, EntryAxis, IoError, Precision, SampleFormat, Source, sha256_of_bytes,
 };
@@ -31,7 +31,7 @@ pub(super) fn write(
     source: &mut dyn Source,
     wanted: Wanted,
     put: &mut Put,
-    lost: &mut NotCarried,
+    lost: &mut DroppedContent,
 ) -> Result<(), IoError> {
     for group in groups(source, wanted)? {
         describe(source, &group, put)?;

@@ -4,9 +4,9 @@ use crate::geometry::{CoordinateSystem, Element, Geometry, Group, Node, SystemKi
 use crate::io::IoError;
 use crate::linalg::Vector3;
 
-use super::array_index::Shelf;
+use super::array_index::ArrayIndex;
 use super::arrays::{Put, numbers, texts, whole, whole_numbers};
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 
 /// Kinds of coordinate systems and their names.
 const KINDS: [(SystemKind, &str); 3] = [
@@ -19,7 +19,7 @@ const KINDS: [(SystemKind, &str); 3] = [
 pub(super) fn write(
     geometry: &Geometry,
     put: &mut Put,
-    lost: &mut NotCarried,
+    lost: &mut DroppedContent,
 ) -> Result<(), IoError> {
     let mut inexact = 0;
     write_nodes(&geometry.nodes, put, &mut inexact)?;
@@ -213,12 +213,12 @@ fn write_groups(groups: &[Group], put: &mut Put, inexact: &mut usize) -> Result<
 }
 
 /// Reads what there is.
-pub(super) fn read(shelf: &mut Shelf, geometry: &mut Geometry) -> Result<(), IoError> {
-    geometry.nodes = read_nodes(shelf)?;
-    geometry.lines = read_lines(shelf)?;
-    geometry.systems = read_systems(shelf)?;
-    geometry.elements = read_elements(shelf)?;
-    geometry.groups = read_groups(shelf)?;
+pub(super) fn read(array_index: &mut ArrayIndex, geometry: &mut Geometry) -> Result<(), IoError> {
+    geometry.nodes = read_nodes(array_index)?;
+    geometry.lines = read_lines(array_index)?;
+    geometry.systems = read_systems(array_index)?;
+    geometry.elements = read_elements(array_index)?;
+    geometry.groups = read_groups(array_index)?;
     Ok(())
 }
 
@@ -226,21 +226,21 @@ fn vector(values: &[f64]) -> Vector3 {
     Vector3::new(values[0], values[1], values[2])
 }
 
-fn read_nodes(shelf: &mut Shelf) -> Result<Vec<Node>, IoError> {
-    let Some(points) = shelf.texts("geometry/point", None)? else {
+fn read_nodes(array_index: &mut ArrayIndex) -> Result<Vec<Node>, IoError> {
+    let Some(points) = array_index.texts("geometry/point", None)? else {
         return Ok(Vec::new());
     };
     let count = points.len();
-    let at_m = shelf.needed_numbers("geometry/at_m", Some(&[count, 3]))?;
+    let at_m = array_index.needed_numbers("geometry/at_m", Some(&[count, 3]))?;
     let name = "geometry/displacement_system";
-    let systems = shelf.numbers(name, Some(&[count]))?;
+    let systems = array_index.numbers(name, Some(&[count]))?;
     let systems = systems.unwrap_or_else(|| vec![f64::NAN; count]);
     let nodes = points.into_iter().zip(at_m.chunks_exact(3)).zip(systems);
     let nodes = nodes.map(|((point, at_m), system)| {
         let mut node = Node::new(point, vector(at_m));
         if !system.is_nan() {
             let label = whole(system);
-            let label = label.ok_or_else(|| shelf.error(name, system, "whole numbers"))?;
+            let label = label.ok_or_else(|| array_index.error(name, system, "whole numbers"))?;
             node.displacement_system = Some(label);
         }
         Ok(node)
@@ -250,7 +250,7 @@ fn read_nodes(shelf: &mut Shelf) -> Result<Vec<Node>, IoError> {
 
 /// Cuts a flat list into rows of the stated lengths.
 fn cut<T: Clone>(
-    shelf: &Shelf,
+    array_index: &ArrayIndex,
     name: &str,
     counts: &[i64],
     flat: &[T],
@@ -262,7 +262,7 @@ fn cut<T: Clone>(
             .ok()
             .filter(|count| *count <= rest.len());
         let count = count.ok_or_else(|| {
-            shelf.error(
+            array_index.error(
                 name,
                 format!("{} values", flat.len()),
                 "as many as its counts say",
@@ -275,7 +275,7 @@ fn cut<T: Clone>(
     if rest.is_empty() {
         Ok(rows)
     } else {
-        Err(shelf.error(
+        Err(array_index.error(
             name,
             format!("{} values", flat.len()),
             "as many as its counts say",
@@ -283,39 +283,39 @@ fn cut<T: Clone>(
     }
 }
 
-fn read_lines(shelf: &mut Shelf) -> Result<Vec<TraceLine>, IoError> {
-    let Some(names) = shelf.texts("geometry/line_name", None)? else {
+fn read_lines(array_index: &mut ArrayIndex) -> Result<Vec<TraceLine>, IoError> {
+    let Some(names) = array_index.texts("geometry/line_name", None)? else {
         return Ok(Vec::new());
     };
-    let counts = shelf.needed_whole("geometry/line_count", Some(&[names.len()]))?;
-    let points = shelf.needed_texts("geometry/line_point", None)?;
+    let counts = array_index.needed_whole("geometry/line_count", Some(&[names.len()]))?;
+    let points = array_index.needed_texts("geometry/line_point", None)?;
     let points = points
         .into_iter()
         .map(|point| Some(point).filter(|point| !point.is_empty()));
     let points: Vec<Option<String>> = points.collect();
-    let rows = cut(shelf, "geometry/line_point", &counts, &points)?;
+    let rows = cut(array_index, "geometry/line_point", &counts, &points)?;
     let lines = names.into_iter().zip(rows);
     Ok(lines
         .map(|(name, points)| TraceLine { name, points })
         .collect())
 }
 
-fn read_systems(shelf: &mut Shelf) -> Result<Vec<CoordinateSystem>, IoError> {
-    if shelf.place("geometry/system_label").is_none() {
+fn read_systems(array_index: &mut ArrayIndex) -> Result<Vec<CoordinateSystem>, IoError> {
+    if array_index.place("geometry/system_label").is_none() {
         return Ok(Vec::new());
     }
-    let labels = shelf.needed_whole("geometry/system_label", None)?;
+    let labels = array_index.needed_whole("geometry/system_label", None)?;
     let count = labels.len();
-    let names = shelf.needed_texts("geometry/system_name", Some(&[count]))?;
-    let kinds = shelf.needed_texts("geometry/system_kind", Some(&[count]))?;
-    let origins = shelf.needed_numbers("geometry/system_origin_m", Some(&[count, 3]))?;
-    let axes = shelf.needed_numbers("geometry/system_axes", Some(&[count, 3, 3]))?;
+    let names = array_index.needed_texts("geometry/system_name", Some(&[count]))?;
+    let kinds = array_index.needed_texts("geometry/system_kind", Some(&[count]))?;
+    let origins = array_index.needed_numbers("geometry/system_origin_m", Some(&[count, 3]))?;
+    let axes = array_index.needed_numbers("geometry/system_axes", Some(&[count, 3, 3]))?;
     let places = origins.chunks_exact(3).zip(axes.chunks_exact(9));
     let systems = labels.into_iter().zip(names).zip(kinds).zip(places);
     let systems = systems.map(|(((label, name), kind), (origin, axes))| {
         let row = KINDS.iter().find(|row| row.1 == kind);
         let kind = row.ok_or_else(|| {
-            shelf.error(
+            array_index.error(
                 "geometry/system_kind",
                 format!("{kind:?}"),
                 "cartesian, cylindrical or spherical",
@@ -332,17 +332,17 @@ fn read_systems(shelf: &mut Shelf) -> Result<Vec<CoordinateSystem>, IoError> {
     systems.collect()
 }
 
-fn read_elements(shelf: &mut Shelf) -> Result<Vec<Element>, IoError> {
-    if shelf.place("geometry/element_label").is_none() {
+fn read_elements(array_index: &mut ArrayIndex) -> Result<Vec<Element>, IoError> {
+    if array_index.place("geometry/element_label").is_none() {
         return Ok(Vec::new());
     }
-    let labels = shelf.needed_whole("geometry/element_label", None)?;
+    let labels = array_index.needed_whole("geometry/element_label", None)?;
     let shape = [labels.len()];
     let count = Some(shape.as_slice());
-    let descriptors = shelf.needed_whole("geometry/element_descriptor", count)?;
-    let counts = shelf.needed_whole("geometry/element_count", count)?;
-    let points = shelf.needed_texts("geometry/element_point", None)?;
-    let rows = cut(shelf, "geometry/element_point", &counts, &points)?;
+    let descriptors = array_index.needed_whole("geometry/element_descriptor", count)?;
+    let counts = array_index.needed_whole("geometry/element_count", count)?;
+    let points = array_index.needed_texts("geometry/element_point", None)?;
+    let rows = cut(array_index, "geometry/element_point", &counts, &points)?;
     let elements = labels.into_iter().zip(descriptors).zip(rows);
     let elements = elements.map(|((label, descriptor), points)| Element {
         label,
@@ -352,19 +352,19 @@ fn read_elements(shelf: &mut Shelf) -> Result<Vec<Element>, IoError> {
     Ok(elements.collect())
 }
 
-fn read_groups(shelf: &mut Shelf) -> Result<Vec<Group>, IoError> {
-    if shelf.place("geometry/group_label").is_none() {
+fn read_groups(array_index: &mut ArrayIndex) -> Result<Vec<Group>, IoError> {
+    if array_index.place("geometry/group_label").is_none() {
         return Ok(Vec::new());
     }
-    let labels = shelf.needed_whole("geometry/group_label", None)?;
+    let labels = array_index.needed_whole("geometry/group_label", None)?;
     let shape = [labels.len()];
     let count = Some(shape.as_slice());
-    let names = shelf.needed_texts("geometry/group_name", count)?;
-    let counts = shelf.needed_whole("geometry/group_count", count)?;
-    let types = shelf.needed_whole("geometry/group_type", None)?;
-    let members = shelf.needed_whole("geometry/group_member", Some(&[types.len()]))?;
+    let names = array_index.needed_texts("geometry/group_name", count)?;
+    let counts = array_index.needed_whole("geometry/group_count", count)?;
+    let types = array_index.needed_whole("geometry/group_type", None)?;
+    let members = array_index.needed_whole("geometry/group_member", Some(&[types.len()]))?;
     let members: Vec<(i64, i64)> = types.into_iter().zip(members).collect();
-    let rows = cut(shelf, "geometry/group_member", &counts, &members)?;
+    let rows = cut(array_index, "geometry/group_member", &counts, &members)?;
     let groups = labels.into_iter().zip(names).zip(rows);
     let groups = groups.map(|((label, name), members)| Group {
         label,

@@ -1,9 +1,9 @@
-//! The layout of modalign for named arrays, schema `modalign-frf/1`, holds everything in a source,
+//! The schema of modalign for named arrays, `modalign-frf/1`, holds everything in a source,
 //! to the bit.
 //!
 //! HDF5, MATLAB and NumPy files hold named arrays, and this is the set of names and shapes that
 //! modalign gives them. Others read these files with `h5py`, `scipy.io.loadmat`, `numpy.load` or
-//! MATLAB, so the layout is a promise: a change that breaks a reader raises the number after the
+//! MATLAB, so the schema is a promise: a change that breaks a reader raises the number after the
 //! slash. Names have at most two levels (`frf/re`: a group or a struct field) of letters, digits
 //! and `_`. A number that is not known is NaN, a text that is not known is empty. A reader passes
 //! over arrays that it does not know and takes a missing array as "nothing known". Text arrays are
@@ -94,10 +94,10 @@ pub(in crate::io) mod drawn_sources;
 #[cfg(test)]
 mod tests;
 
-pub(in crate::io) use read::{is_layout, open_layout};
+pub(in crate::io) use read::{follows_schema, open_with_schema};
 
 use crate::finding::Finding;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 
 use super::store::NamedArray;
 use crate::io::{IoError, Precision, Source};
@@ -108,7 +108,7 @@ use arrays::{Put, SCHEMA, Wanted, text, texts};
 ///
 /// # Errors
 /// Errors of the source and of `put`.
-pub(in crate::io) fn write_layout(
+pub(in crate::io) fn write_with_schema(
     source: &mut dyn Source,
     precision: Option<Precision>,
     put: &mut Put,
@@ -120,10 +120,10 @@ pub(in crate::io) fn write_layout(
     emit(source, wanted, put)
 }
 
-/// Names of the arrays that [`write_layout`] emits, in their order, without reading samples.
+/// Names of the arrays that [`write_with_schema`] emits, in their order, without reading samples.
 ///
 /// # Errors
-/// As [`write_layout`].
+/// As [`write_with_schema`].
 pub(in crate::io) fn array_names(
     source: &mut dyn Source,
     precision: Option<Precision>,
@@ -142,7 +142,7 @@ pub(in crate::io) fn array_names(
 }
 
 fn emit(source: &mut dyn Source, wanted: Wanted, put: &mut Put) -> Result<Vec<Finding>, IoError> {
-    let mut lost = NotCarried::default();
+    let mut lost = DroppedContent::default();
     put(text("schema", SCHEMA))?;
     let producer = concat!("modalign ", env!("CARGO_PKG_VERSION"));
     put(text("producer", producer))?;

@@ -9,16 +9,16 @@ use crate::dof::Dof;
 use crate::io::{IoError, ModeEntry, modes_from_json, modes_to_json};
 use crate::modal::{ModalModel, Mode};
 
-use super::array_index::Shelf;
+use super::array_index::ArrayIndex;
 use super::arrays::{Put, numbers, text, texts};
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 
 /// Emits the modes in ascending frequency. A mode that its text cannot hold (a number that is not
 /// finite) is left out.
 pub(super) fn write(
     modes: &[ModeEntry],
     put: &mut Put,
-    lost: &mut NotCarried,
+    lost: &mut DroppedContent,
 ) -> Result<(), IoError> {
     let numbered = modes.iter().enumerate();
     let mut carried: Vec<(usize, &ModeEntry)> = numbered
@@ -98,19 +98,22 @@ fn write_for_users(modes: &[Mode], put: &mut Put) -> Result<(), IoError> {
 }
 
 /// Reads the modes, in the order that they had.
-pub(super) fn read(shelf: &mut Shelf, modes: &mut Vec<ModeEntry>) -> Result<(), IoError> {
-    let Some(json) = shelf.text("modes/json")? else {
+pub(super) fn read(
+    array_index: &mut ArrayIndex,
+    modes: &mut Vec<ModeEntry>,
+) -> Result<(), IoError> {
+    let Some(json) = array_index.text("modes/json")? else {
         return Ok(());
     };
-    let read = modes_from_json(&json, shelf.path())?.modes;
+    let read = modes_from_json(&json, array_index.path())?.modes;
     let count = read.len();
-    let positions = shelf.numbers("modes/position", Some(&[count]))?;
+    let positions = array_index.numbers("modes/position", Some(&[count]))?;
     let positions = positions.unwrap_or_else(|| vec![0.0; count]);
-    let titles = shelf
+    let titles = array_index
         .texts("modes/title", Some(&[count]))?
         .unwrap_or_default();
-    let of_a = complex(shelf, "modes/modal_a", count)?;
-    let of_b = complex(shelf, "modes/modal_b", count)?;
+    let of_a = complex(array_index, "modes/modal_a", count)?;
+    let of_b = complex(array_index, "modes/modal_b", count)?;
     let numbered = read.into_iter().zip(positions).enumerate();
     let mut placed: Vec<(f64, ModeEntry)> = numbered
         .map(|(index, (mode, position))| {
@@ -134,8 +137,12 @@ fn lines(title: &str) -> Vec<String> {
     lines.map(str::to_owned).collect()
 }
 
-fn complex(shelf: &mut Shelf, name: &str, count: usize) -> Result<Vec<Option<Complex64>>, IoError> {
-    let values = shelf.numbers(name, Some(&[count, 2]))?;
+fn complex(
+    array_index: &mut ArrayIndex,
+    name: &str,
+    count: usize,
+) -> Result<Vec<Option<Complex64>>, IoError> {
+    let values = array_index.numbers(name, Some(&[count, 2]))?;
     let values = values.unwrap_or_default();
     let pairs = values.chunks_exact(2);
     let known = |pair: &[f64]| !pair[0].is_nan() || !pair[1].is_nan();

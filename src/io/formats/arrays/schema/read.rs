@@ -1,4 +1,4 @@
-//! The layout to a source. Samples are read when they are asked for.
+//! Arrays that follow the schema become a source. Samples are read when they are asked for.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::io::{
     SampleFormat, Source,
 };
 
-use super::array_index::{Shelf, same_shape};
+use super::array_index::{ArrayIndex, same_shape};
 use super::arrays::SCHEMA;
 use super::entry_fields::{NUMBERS, TEXTS, domain_of, format_of};
 use super::{geometry, modes};
@@ -35,33 +35,40 @@ struct Place {
     abscissa: Option<usize>,
 }
 
-/// A source over arrays in the layout of modalign.
-pub(in crate::io) struct LayoutSource {
+/// A source over arrays in the schema of modalign.
+pub(in crate::io) struct SchemaSource {
     catalog: Catalog,
     store: Box<dyn ArrayStore>,
     places: Vec<Place>,
 }
 
-/// A text of more bytes does not name this layout.
-const LONGEST_SCHEMA: u64 = 1024;
+/// A text of more bytes does not name this schema.
+const MAX_SCHEMA_BYTES: u64 = 1024;
 
-/// Whether the arrays state this layout. A file of another program may also have a `schema`.
+/// Whether the arrays state this schema. A file of another program may also have a `schema`.
 ///
 /// # Errors
-/// [`IoError::Grouping`] for this layout with another number.
-pub(in crate::io) fn is_layout(store: &mut dyn ArrayStore, path: &str) -> Result<bool, IoError> {
-    let mut shelf = Shelf::new(store, path);
-    let short = shelf
+/// [`IoError::Grouping`] for this schema with another number.
+pub(in crate::io) fn follows_schema(
+    store: &mut dyn ArrayStore,
+    path: &str,
+) -> Result<bool, IoError> {
+    let mut array_index = ArrayIndex::new(store, path);
+    let short = array_index
         .bytes("schema")
-        .is_some_and(|bytes| bytes <= LONGEST_SCHEMA);
+        .is_some_and(|bytes| bytes <= MAX_SCHEMA_BYTES);
     let schema = match short {
-        true => shelf.text("schema").ok().flatten().unwrap_or_default(),
+        true => array_index
+            .text("schema")
+            .ok()
+            .flatten()
+            .unwrap_or_default(),
         false => return Ok(false),
     };
     let name = SCHEMA.trim_end_matches(|c| c != '/');
     match schema == SCHEMA {
         false if schema.starts_with(name) => {
-            Err(shelf.error("schema", format!("{schema:?}"), SCHEMA))
+            Err(array_index.error("schema", format!("{schema:?}"), SCHEMA))
         }
         same => Ok(same),
     }
@@ -69,30 +76,36 @@ pub(in crate::io) fn is_layout(store: &mut dyn ArrayStore, path: &str) -> Result
 
 /// Makes the source; `catalog` has format, path and what the store had to say. A group that cannot
 /// be used is left out with its error.
-pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalog) -> LayoutSource {
+pub(in crate::io) fn open_with_schema(
+    mut store: Box<dyn ArrayStore>,
+    catalog: Catalog,
+) -> SchemaSource {
     let mut catalog = catalog;
     let path = catalog.path.clone();
-    let mut shelf = Shelf::new(store.as_mut(), &path);
+    let mut array_index = ArrayIndex::new(store.as_mut(), &path);
     let mut errors = Vec::new();
     let mut found: Vec<(f64, Entry, Place)> = Vec::new();
-    for group in groups(&shelf) {
-        match read_group(&mut shelf, &group) {
+    for group in groups(&array_index) {
+        match read_group(&mut array_index, &group) {
             Ok(entries) => found.extend(entries),
-            Err(error) => errors.push((error, part_of(&mut shelf, &group))),
+            Err(error) => errors.push((error, part_of(&mut array_index, &group))),
         }
     }
     let mut keep =
         |read: Result<(), IoError>, part| errors.extend(read.err().map(|error| (error, part)));
-    let title = shelf.texts("title", None);
+    let title = array_index.texts("title", None);
     keep(
         title.map(|title| catalog.title = title.unwrap_or_default()),
         Part::Other,
     );
     keep(
-        geometry::read(&mut shelf, &mut catalog.geometry),
+        geometry::read(&mut array_index, &mut catalog.geometry),
         Part::Nodes,
     );
-    keep(modes::read(&mut shelf, &mut catalog.modes), Part::Mode);
+    keep(
+        modes::read(&mut array_index, &mut catalog.modes),
+        Part::Mode,
+    );
     for (error, part) in errors {
         catalog.note_damage(error, part);
     }
@@ -102,7 +115,7 @@ pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalo
         .map(|(_, entry, place)| (entry, place))
         .unzip();
     catalog.entries = entries;
-    LayoutSource {
+    SchemaSource {
         catalog,
         store,
         places,
@@ -110,28 +123,31 @@ pub(in crate::io) fn open_layout(mut store: Box<dyn ArrayStore>, catalog: Catalo
 }
 
 /// Names of the groups of functions.
-fn groups(shelf: &Shelf) -> Vec<String> {
-    let names = shelf
+fn groups(array_index: &ArrayIndex) -> Vec<String> {
+    let names = array_index
         .names()
         .filter_map(|name| name.strip_suffix("/function_type"));
     names.map(str::to_owned).collect()
 }
 
 /// The contents of a group with an unreadable part.
-fn part_of(shelf: &mut Shelf, group: &str) -> Part {
+fn part_of(array_index: &mut ArrayIndex, group: &str) -> Part {
     let name = format!("{group}/function_type");
-    named(shelf, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)
+    named(array_index, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)
 }
 
-fn read_group(shelf: &mut Shelf, group: &str) -> Result<Vec<(f64, Entry, Place)>, IoError> {
+fn read_group(
+    array_index: &mut ArrayIndex,
+    group: &str,
+) -> Result<Vec<(f64, Entry, Place)>, IoError> {
     let name = |field: &str| format!("{group}/{field}");
-    let function_type = named(shelf, &name("function_type"), FunctionType::from_name)?;
-    let format = named(shelf, &name("stored"), format_of)?;
-    let positions = shelf.needed_numbers(&name("position"), None)?;
-    let (values, lines) = values(shelf, group, format, positions.len())?;
-    let (axis, abscissa) = read_axis(shelf, group, lines)?;
+    let function_type = named(array_index, &name("function_type"), FunctionType::from_name)?;
+    let format = named(array_index, &name("stored"), format_of)?;
+    let positions = array_index.needed_numbers(&name("position"), None)?;
+    let (values, lines) = values(array_index, group, format, positions.len())?;
+    let (axis, abscissa) = read_axis(array_index, group, lines)?;
     let mut entries = vec![Entry::new(function_type, axis, format); positions.len()];
-    describe(shelf, group, &mut entries)?;
+    describe(array_index, group, &mut entries)?;
     let numbered = positions.into_iter().zip(entries).enumerate();
     let placed = numbered.map(|(row, (position, entry))| {
         let place = Place {
@@ -146,29 +162,30 @@ fn read_group(shelf: &mut Shelf, group: &str) -> Result<Vec<(f64, Entry, Place)>
 
 /// A text that must be there and mean something.
 fn named<T>(
-    shelf: &mut Shelf,
+    array_index: &mut ArrayIndex,
     name: &str,
     meaning: impl Fn(&str) -> Option<T>,
 ) -> Result<T, IoError> {
-    let text = shelf.text(name)?.unwrap_or_default();
-    meaning(&text).ok_or_else(|| shelf.error(name, format!("{text:?}"), "a name of the layout"))
+    let text = array_index.text(name)?.unwrap_or_default();
+    meaning(&text)
+        .ok_or_else(|| array_index.error(name, format!("{text:?}"), "a name of the layout"))
 }
 
 /// The arrays of samples and the number of lines of each function.
 fn values(
-    shelf: &Shelf,
+    array_index: &ArrayIndex,
     group: &str,
     format: SampleFormat,
     functions: usize,
 ) -> Result<(Values, usize), IoError> {
     let array = |field: &str| {
         let name = format!("{group}/{field}");
-        let found = shelf.place(&name).zip(shelf.shape(&name));
-        let (place, shape) =
-            found.ok_or_else(|| shelf.error(&name, "nothing", "an array [function, line]"))?;
+        let found = array_index.place(&name).zip(array_index.shape(&name));
+        let (place, shape) = found
+            .ok_or_else(|| array_index.error(&name, "nothing", "an array [function, line]"))?;
         let lines = lines_of(shape, functions).ok_or_else(|| {
             let expected = format!("shape [{functions}, lines]");
-            shelf.error(&name, format!("shape {shape:?}"), expected)
+            array_index.error(&name, format!("shape {shape:?}"), expected)
         })?;
         Ok((place, lines))
     };
@@ -181,7 +198,7 @@ fn values(
             let ((re, lines), (im, other)) = (array("re")?, array("im")?);
             if lines != other {
                 let got = format!("{lines} and {other} lines");
-                return Err(shelf.error(group, got, "re and im of one shape"));
+                return Err(array_index.error(group, got, "re and im of one shape"));
             }
             Ok((Values::Complex(re, im), lines))
         }
@@ -195,21 +212,21 @@ fn lines_of(shape: &[usize], functions: usize) -> Option<usize> {
 }
 
 fn read_axis(
-    shelf: &mut Shelf,
+    array_index: &mut ArrayIndex,
     group: &str,
     len: usize,
 ) -> Result<(EntryAxis, Option<usize>), IoError> {
     let name = |field: &str| format!("{group}/{field}");
-    let domain = named(shelf, &name("domain"), domain_of)?;
-    let is_even = named(shelf, &name("axis"), |text| match text {
+    let domain = named(array_index, &name("domain"), domain_of)?;
+    let is_even = named(array_index, &name("axis"), |text| match text {
         "even" => Some(true),
         "general" => Some(false),
         _ => None,
     })?;
-    let start = shelf.number(&name("start"))?;
-    let even = start.zip(shelf.number(&name("step"))?);
+    let start = array_index.number(&name("start"))?;
+    let even = start.zip(array_index.number(&name("step"))?);
     if let Some((start, step)) = even {
-        check_even(shelf, group, is_even, start, step)?;
+        check_even(array_index, group, is_even, start, step)?;
     }
     let axis = match (is_even, domain, even) {
         (true, Domain::Time, Some((start_s, step_s))) => EntryAxis::Time(TimeAxis {
@@ -225,7 +242,11 @@ fn read_axis(
             })
         }
         (true, ..) => {
-            return Err(shelf.error(group, "an even axis", "time or frequency, start and step"));
+            return Err(array_index.error(
+                group,
+                "an even axis",
+                "time or frequency, start and step",
+            ));
         }
         (false, ..) => EntryAxis::General(GeneralAxis { domain, even, len }),
     };
@@ -233,75 +254,87 @@ fn read_axis(
         return Ok((axis, None));
     }
     let array = name("abscissa");
-    match (shelf.place(&array), shelf.shape(&array)) {
+    match (array_index.place(&array), array_index.shape(&array)) {
         (Some(place), Some(shape)) if same_shape(shape, &[len]) => Ok((axis, Some(place))),
-        (_, None) => Err(shelf.error(&array, "nothing", format!("shape [{len}]"))),
+        (_, None) => Err(array_index.error(&array, "nothing", format!("shape [{len}]"))),
         (_, Some(shape)) => {
             let got = format!("shape {shape:?}");
-            Err(shelf.error(&array, got, format!("shape [{len}]")))
+            Err(array_index.error(&array, got, format!("shape [{len}]")))
         }
     }
 }
 
 /// Start and step are finite; a time or frequency axis ascends.
 fn check_even(
-    shelf: &Shelf,
+    array_index: &ArrayIndex,
     group: &str,
     ascends: bool,
     start: f64,
     step: f64,
 ) -> Result<(), IoError> {
     if !start.is_finite() {
-        return Err(shelf.error(&format!("{group}/start"), start, "a finite number"));
+        return Err(array_index.error(&format!("{group}/start"), start, "a finite number"));
     }
     let name = format!("{group}/step");
     match ascends {
         true if !(step.is_finite() && step > 0.0) => {
-            Err(shelf.error(&name, step, "a finite number above 0"))
+            Err(array_index.error(&name, step, "a finite number above 0"))
         }
-        false if !step.is_finite() => Err(shelf.error(&name, step, "a finite number")),
+        false if !step.is_finite() => Err(array_index.error(&name, step, "a finite number")),
         _ => Ok(()),
     }
 }
 
-fn describe(shelf: &mut Shelf, group: &str, entries: &mut [Entry]) -> Result<(), IoError> {
+fn describe(
+    array_index: &mut ArrayIndex,
+    group: &str,
+    entries: &mut [Entry],
+) -> Result<(), IoError> {
     let count = entries.len();
     for field in TEXTS {
         let name = format!("{group}/{}", field.name);
-        let values = shelf.texts(&name, Some(&[count]))?.unwrap_or_default();
+        let values = array_index
+            .texts(&name, Some(&[count]))?
+            .unwrap_or_default();
         for (entry, text) in entries.iter_mut().zip(values) {
             if !text.is_empty() && !(field.set)(entry, &text) {
-                return Err(shelf.error(&name, format!("{text:?}"), "a value of the layout"));
+                return Err(array_index.error(&name, format!("{text:?}"), "a value of the layout"));
             }
         }
     }
     for field in NUMBERS {
         let name = format!("{group}/{}", field.name);
-        let values = shelf.numbers(&name, Some(&[count]))?.unwrap_or_default();
+        let values = array_index
+            .numbers(&name, Some(&[count]))?
+            .unwrap_or_default();
         for (entry, value) in entries.iter_mut().zip(values) {
             if !value.is_nan() && !(field.set)(entry, value) {
-                return Err(shelf.error(&name, value, "a value of the layout"));
+                return Err(array_index.error(&name, value, "a value of the layout"));
             }
         }
     }
-    let lines = shelf.texts(&format!("{group}/id_lines"), Some(&[count, 5]))?;
+    let lines = array_index.texts(&format!("{group}/id_lines"), Some(&[count, 5]))?;
     let lines = lines.unwrap_or_default();
     for (entry, id_lines) in entries.iter_mut().zip(lines.chunks_exact(5)) {
         entry.identification.lines.clone_from_slice(id_lines);
     }
     let name = format!("{group}/valid_hz");
-    let valid = shelf.numbers(&name, Some(&[count, 2]))?;
+    let valid = array_index.numbers(&name, Some(&[count, 2]))?;
     let valid = valid.unwrap_or_default();
     for (entry, limits) in entries.iter_mut().zip(valid.chunks_exact(2)) {
         if limits[0].is_nan() != limits[1].is_nan() {
-            return Err(shelf.error(&name, format!("{limits:?}"), "two limits, or NaN twice"));
+            return Err(array_index.error(
+                &name,
+                format!("{limits:?}"),
+                "two limits, or NaN twice",
+            ));
         }
         entry.note.valid_hz = (!limits[0].is_nan()).then_some((limits[0], limits[1]));
     }
     Ok(())
 }
 
-impl LayoutSource {
+impl SchemaSource {
     fn wrong_kind(&self, entry: usize) -> IoError {
         IoError::Grouping {
             path: self.catalog.path.clone(),
@@ -328,7 +361,7 @@ impl LayoutSource {
     }
 }
 
-impl Source for LayoutSource {
+impl Source for SchemaSource {
     fn catalog(&self) -> &Catalog {
         &self.catalog
     }

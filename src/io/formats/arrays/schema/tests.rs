@@ -49,7 +49,7 @@ impl ArrayStore for Arrays {
 
 fn written(source: &mut dyn Source) -> (Vec<NamedArray>, Vec<Finding>) {
     let mut arrays = Vec::new();
-    let findings = write_layout(source, None, &mut |array| {
+    let findings = write_with_schema(source, None, &mut |array| {
         arrays.push(array);
         Ok(())
     });
@@ -136,7 +136,7 @@ fn the_array_names_of_the_layout_are_written() {
 fn the_requested_precision_is_written() {
     let mut arrays = Vec::new();
     let single = Some(Precision::Single);
-    write_layout(&mut two_functions(), single, &mut |array| {
+    write_with_schema(&mut two_functions(), single, &mut |array| {
         arrays.push(array);
         Ok(())
     })

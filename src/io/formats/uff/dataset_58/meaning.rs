@@ -2,8 +2,8 @@
 //!
 //! No unit has a default. The unit's text decides; where it is empty, dataset 164 does; a text that
 //! is not a known unit of the stated quantity leaves the factor open. The note of modalign in ID
-//! lines 4 and 5 (`modalign key=value ...`) adds to [`FunctionNote`]: `axis=START:STEP` to the bit,
-//! and the numbers of repeated measurements.
+//! lines 4 and 5 (`modalign key=value ...`) adds to [`FunctionMetadata`]: `axis=START:STEP` to the
+//! bit, and the numbers of repeated measurements.
 
 use super::axis::{Abscissae, Axis, domain, even_axis, uneven_axis};
 use super::{Characteristic, Header};
@@ -11,7 +11,7 @@ use crate::dof::Dof;
 use crate::io::catalog::function_metadata::{note_fields, number_pair};
 use crate::io::formats::uff::dataset_164::Units;
 use crate::io::formats::uff::fields::FieldError;
-use crate::io::{Domain, Entry, FunctionNote, FunctionType, SampleFormat};
+use crate::io::{Domain, Entry, FunctionMetadata, FunctionType, SampleFormat};
 use crate::quantity::{FrfUnit, Quantity, Unit};
 
 /// Key of start and step in our note.
@@ -50,7 +50,7 @@ pub(in crate::io::formats::uff) fn meaning(
         reference: repeated(header.reference.dof(), lines, REFERENCE_REPEAT),
         unit_label: unit_label(&header.numerator, &header.denominator),
         axis_label: axis_label(header),
-        note: FunctionNote::from_lines(lines),
+        note: FunctionMetadata::from_lines(lines),
         line: header.at.line,
         byte: Some(header.at.byte),
         ..Entry::new(FunctionType::from_code(header.function_type), axis, format)

@@ -200,7 +200,9 @@ fn function_record(line: &Line) -> Result<FunctionRecord, FieldError> {
         from_columns().or_else(from_words)
     } else {
         // Two fields may touch where the right one fills its columns.
-        let touching = cuts.clone().all(|edge| is_full(&line.bytes, *edge));
+        let touching = cuts
+            .clone()
+            .all(|edge| is_full(&line.bytes, edge.0, edge.1));
         from_words().or_else(|| touching.then(from_columns).flatten())
     };
     record.ok_or_else(|| {
@@ -220,7 +222,7 @@ fn cuts_a_word(bytes: &[u8], edge: usize) -> bool {
     !blank(edge - 1) && !blank(edge)
 }
 
-fn is_full(bytes: &[u8], (start, width): (usize, usize)) -> bool {
+fn is_full(bytes: &[u8], start: usize, width: usize) -> bool {
     let field = column(bytes, start, width);
     width > 0 && field.len() == width && !field.iter().any(u8::is_ascii_whitespace)
 }

@@ -10,7 +10,7 @@ use super::entry_header::FunctionHeader;
 use super::value_width::{numbers_per_value, value_bytes};
 use super::write_header::{SINGLE_DIGITS, TextRows, binary_head, text_head};
 use crate::io::error::write_failed;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::formats::uff::fields::finite;
 use crate::io::formats::uff::fields::fixed_columns::{fortran, twelve_columns};
 use crate::io::{Block, Encoding, IoError, Precision, SampleFormat, Source, WriteOptions};
@@ -56,7 +56,7 @@ impl<'a> Target<'a> {
         out: &mut dyn Write,
         source: &mut dyn Source,
         entry: usize,
-        lost: &mut NotCarried,
+        lost: &mut DroppedContent,
     ) -> Result<(), IoError> {
         let abscissa = self.abscissa(source, entry)?;
         let is_text = self.options.encoding == Encoding::Text;

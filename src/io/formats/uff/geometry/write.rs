@@ -13,7 +13,7 @@ use super::{dataset_82, dataset_2411, dataset_2412, dataset_2420, dataset_2467};
 use crate::finding::Finding;
 use crate::geometry::{CoordinateSystem, Element, Geometry, Group, Node};
 use crate::io::IoError;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::formats::uff::modes::Frames;
 use crate::linalg::Vector3;
 
@@ -29,7 +29,7 @@ pub(in crate::io::formats::uff) fn write_geometry(
     geometry: &Geometry,
     path: &str,
 ) -> Result<Vec<Finding>, IoError> {
-    let mut lost = NotCarried::default();
+    let mut lost = DroppedContent::default();
     write_all(out, geometry, &mut lost).map_err(|source| IoError::System {
         path: path.to_owned(),
         action: "write",
@@ -38,7 +38,11 @@ pub(in crate::io::formats::uff) fn write_geometry(
     Ok(lost.findings())
 }
 
-fn write_all(out: &mut dyn Write, geometry: &Geometry, lost: &mut NotCarried) -> io::Result<()> {
+fn write_all(
+    out: &mut dyn Write,
+    geometry: &Geometry,
+    lost: &mut DroppedContent,
+) -> io::Result<()> {
     let systems = systems(geometry);
     lost.add("coordinate systems", geometry.systems.len() - systems.len());
     if !systems.is_empty() {

@@ -24,7 +24,7 @@ use super::{ALONG, Frames, KINDS, Root};
 use crate::dof::{Axis, Dof};
 use crate::finding::Finding;
 use crate::geometry::Geometry;
-use crate::io::formats::dropped_content::NotCarried;
+use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::formats::uff::fields::fixed_columns::{fortran, line_text};
 use crate::io::formats::uff::geometry::write::{frames, node_label};
 use crate::io::{IoError, ModeEntry};
@@ -51,7 +51,7 @@ pub(in crate::io::formats::uff) fn write_modes(
     title: &str,
     path: &str,
 ) -> Result<Vec<Finding>, IoError> {
-    let mut lost = NotCarried::default();
+    let mut lost = DroppedContent::default();
     let finite = |entry: &&ModeEntry| {
         let damping = entry.mode.damping_ratio;
         entry.mode.frequency_hz.is_finite() && damping.is_none_or(f64::is_finite)
@@ -105,7 +105,7 @@ fn lacks_directions(rows: &Rows) -> bool {
 }
 
 /// Values of a shape along the positive axes, by node.
-fn rows(mode: &Mode, lost: &mut NotCarried) -> Rows {
+fn rows(mode: &Mode, lost: &mut DroppedContent) -> Rows {
     let mut rows = Rows::new();
     let place = |dof: &Dof| {
         let column = Axis::ALL.iter().position(|axis| *axis == dof.axis())?;
@@ -136,7 +136,7 @@ fn rows(mode: &Mode, lost: &mut NotCarried) -> Rows {
 
 /// Counts what a reader of modes that lack directions cannot tell from one that was never measured,
 /// and the other way about.
-fn count_zeros(shapes: &[&Rows], lost: &mut NotCarried) {
+fn count_zeros(shapes: &[&Rows], lost: &mut DroppedContent) {
     let mut known: BTreeMap<(i64, usize), bool> = BTreeMap::new();
     for (node, row) in shapes.iter().copied().flatten() {
         for (column, value) in row.iter().enumerate() {
@@ -158,7 +158,7 @@ fn count_zeros(shapes: &[&Rows], lost: &mut NotCarried) {
 
 /// Values turned into the displacement systems of their nodes; a node where that takes values that
 /// are not known is left out.
-fn in_local_systems(rows: Rows, frames: &Frames, lost: &mut NotCarried) -> Rows {
+fn in_local_systems(rows: Rows, frames: &Frames, lost: &mut DroppedContent) -> Rows {
     let turn = |(node, row): (i64, Row)| match frames.get(&node) {
         None => Some((node, row)),
         Some(frame) => {
@@ -198,7 +198,7 @@ fn dataset(
     entry: &ModeEntry,
     rows: &Rows,
     id_lines: &str,
-    lost: &mut NotCarried,
+    lost: &mut DroppedContent,
 ) -> String {
     let mode = &entry.mode;
     let values = || rows.values().flatten().flatten();
@@ -264,7 +264,7 @@ fn root(entry: &ModeEntry, complex: bool) -> (Option<Root>, Vec<f64>) {
 }
 
 /// Counts the properties of a mode that dataset 55 has no field for.
-fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut NotCarried) {
+fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut DroppedContent) {
     let mode = &entry.mode;
     let agrees = |mass: f64| {
         let read = root.and_then(Root::modal_mass);
@@ -297,7 +297,7 @@ fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut NotCarried) {
 }
 
 /// Five ID lines: title lines first, the note last.
-fn id_lines(entry: &ModeEntry, note: ModeNote, title: &str, lost: &mut NotCarried) -> String {
+fn id_lines(entry: &ModeEntry, note: ModeNote, title: &str, lost: &mut DroppedContent) -> String {
     let note = note.to_lines();
     let room = 5usize.saturating_sub(note.len());
     let of_file = [title.to_owned()];
