@@ -360,7 +360,7 @@ fn low_coherence_finding(set: &FrfSet) -> Option<Finding> {
         response: Some(function.response.clone()),
         reference: Some(function.reference.clone()),
     };
-    let finding = Finding::new(Severity::Warning, Code::LowCoherence, place);
+    let finding = Finding::new(Severity::Warning, Code::LowCoherence, location);
     Some(finding.value(worst, "").limit(MIN_MEDIAN_COHERENCE))
 }
 

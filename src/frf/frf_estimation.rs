@@ -209,11 +209,11 @@ impl Estimation<'_> {
 
     /// All records of a function are bad: they are used all the same.
     fn no_record_passed(&self, records: &ResponseRecords) -> Finding {
-        let place = Location::Function {
+        let location = Location::Function {
             response: Some(records.response.clone()),
             reference: Some(self.group.reference.clone()),
         };
-        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, place);
+        let finding = Finding::new(Severity::Warning, Code::NoRecordPassed, location);
         finding.value(records.indices.len() as f64, "hits")
     }
 
@@ -243,7 +243,7 @@ impl Estimation<'_> {
             return None;
         }
         let channel = &self.group.hits[index.hit].responses[index.response];
-        let place = Location::HitChannel {
+        let location = Location::HitChannel {
             hit: number + 1,
             dof: channel.dof.clone(),
         };

@@ -94,13 +94,13 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
             response: Some((*response).clone()),
             reference: None,
         };
-        beyond(d).then(|| delay_finding(place, d))
+        beyond(d).then(|| delay_finding(location, d))
     };
     delays.iter().filter_map(one).collect()
 }
 
-fn delay_finding(place: Location, delay: &Delay) -> Finding {
-    Finding::new(Severity::Warning, Code::ChannelDelay, place)
+fn delay_finding(location: Location, delay: &Delay) -> Finding {
+    Finding::new(Severity::Warning, Code::ChannelDelay, location)
         .value(delay.tau_s, "s")
         .limit(delay.limit_s)
 }

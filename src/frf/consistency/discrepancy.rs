@@ -96,7 +96,7 @@ pub(super) fn gross_difference_finding(
     }
     let relative = (apart / energy).sqrt();
     (relative > MAX_CALIBRATION_DIFFERENCE).then(|| {
-        Finding::new(Severity::Warning, code, data.place(b))
+        Finding::new(Severity::Warning, code, data.location(b))
             .value(relative, "")
             .limit(MAX_CALIBRATION_DIFFERENCE)
     })
