@@ -26,8 +26,8 @@
 //! 7. Spurious poles above the noise are rejected: poles of a low modal contribution where the
 //!    model misfits the data or many phases are arbitrary, and poles that repeat the shape of a
 //!    strong neighbour with the phase of no normal mode
-//!    ([`pole_metrics`](crate::identify::pole_model::pole_metrics)). The misfit near a mode enlarges its
-//!    standard deviations.
+//!    ([`pole_metrics`](crate::identify::pole_model::pole_metrics)). The misfit near a mode
+//!    enlarges its standard deviations.
 //!
 //! Where the file states a window for steady excitation, each pole has the line shape of that
 //! window ([`band_frfs`](crate::identify::data::band_frfs)). Where it states none, close poles
