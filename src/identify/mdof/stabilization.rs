@@ -15,7 +15,7 @@ use crate::identify::estimator::{Candidate, PoleAtOrder, PoleStatus, PoleTable};
 use crate::identify::mdof::pole_tracks::{
     self, GlobalPole, MIN_TRACK_ORDERS, OrderPoles, StablePole, without_duplicates,
 };
-use crate::identify::pole_model::acceptance::WIDEST;
+use crate::identify::pole_model::acceptance::MAX_BANDWIDTH_OVER_BAND;
 use crate::modal::Pole;
 
 /// Maximum number of orders.
@@ -211,7 +211,7 @@ pub(in crate::identify) fn mark_selected(table: &mut PoleTable) {
 }
 
 fn poles_inside(data: &BandFrfs, poles: Vec<GlobalPole>, [lo, hi]: [f64; 2]) -> Vec<GlobalPole> {
-    let widest = WIDEST * data.range();
+    let widest = MAX_BANDWIDTH_OVER_BAND * data.range();
     let is_inside = |pole: &GlobalPole| {
         let inside = pole.lambda.im > lo && pole.lambda.im < hi;
         inside && -2.0 * pole.lambda.re < widest && is_resonance(pole.lambda)

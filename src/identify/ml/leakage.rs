@@ -51,7 +51,8 @@ impl MaximumLikelihood {
     /// Where leakage under the best of these windows had split modes, one pole remains for each.
     /// Returns these modes.
     ///
-    /// # Errors Those of a fit under a window.
+    /// # Errors
+    /// Those of a fit under a window.
     pub(in crate::identify) fn check_leakage(
         &self,
         set: &FrfSet,

@@ -14,7 +14,7 @@ use crate::identify::pole_model::findings::DropReason;
 /// false-alarm probability.
 const WIDTHS_PER_LINE: f64 = 16.0;
 /// Maximum half-power bandwidth over the band; wider poles are out-of-band terms.
-pub(in crate::identify) const WIDEST: f64 = 0.5;
+pub(in crate::identify) const MAX_BANDWIDTH_OVER_BAND: f64 = 0.5;
 /// Minimum half-power bandwidth, frequency lines; a narrower pole fits a single line.
 const MIN_WIDTH_LINES: f64 = 0.01;
 /// Maximum standard deviation of a pole over its decay rate; above it the pole is undetermined.
@@ -94,7 +94,7 @@ impl AcceptanceTest<'_> {
             return Some(edit);
         }
         let width = pole.width();
-        let widest = WIDEST * self.step * self.lines.saturating_sub(1) as f64;
+        let widest = MAX_BANDWIDTH_OVER_BAND * self.step * self.lines.saturating_sub(1) as f64;
         let reason = if quality.pole_std >= MAX_POLE_STD_OVER_DECAY_RATE * pole.decay() {
             DropReason::PoleUndetermined(quality.pole_std / pole.decay())
         } else if quality.offset.norm() >= MAX_OFFSET_OVER_DECAY_RATE * pole.decay() {
