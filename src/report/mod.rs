@@ -28,6 +28,7 @@ mod speed_accuracy;
 mod stabilization;
 mod sweep;
 mod terminal;
+mod test_title;
 mod update;
 mod verdicts;
 

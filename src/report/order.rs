@@ -6,6 +6,7 @@ use crate::study::{
     LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, summarise_needs,
 };
 
+use super::test_title::test_title;
 use super::{Block, Cell, Column, Table};
 
 /// The conclusions, then the tables that support them.
@@ -28,14 +29,6 @@ fn count(value: usize) -> Cell {
 /// Three decimals near the noise level, none far above it.
 fn over_noise(value: f64) -> Cell {
     Cell::number(Some(value), if value < 100.0 { 3 } else { 0 })
-}
-
-/// The name of a test, marked where its data are synthetic.
-fn test_title(test: &TestNeeds) -> String {
-    match test.synthetic {
-        true => format!("{} (synthetic)", test.name),
-        false => test.name.clone(),
-    }
 }
 
 fn roots_block(test: &TestNeeds) -> Block {
@@ -102,7 +95,7 @@ fn roots_block(test: &TestNeeds) -> Block {
     Block::Table(Table {
         caption: format!(
             "{}: number of modes that the data support",
-            test_title(test)
+            test_title(&test.name, test.synthetic)
         ),
         columns: vec![
             Column::number("modes"),
@@ -145,7 +138,7 @@ fn orders_block(test: &TestNeeds) -> Block {
         ]
     };
     Block::Table(Table {
-        caption: format!("{}: lowest order of every method", test_title(test)),
+        caption: format!("{}: lowest order of every method", test_title(&test.name, test.synthetic)),
         columns: vec![
             Column::text("method"),
             Column::number("lowest"),
@@ -191,7 +184,10 @@ fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
         cells
     };
     Block::Table(Table {
-        caption: format!("{}: where one mode at a time is enough", test_title(test)),
+        caption: format!(
+            "{}: where one mode at a time is enough",
+            test_title(&test.name, test.synthetic)
+        ),
         columns,
         rows: test.single.iter().map(row).collect(),
         footnotes: vec![format!(

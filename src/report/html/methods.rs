@@ -5,9 +5,9 @@ use serde_json::{Map, Value, json};
 
 use super::super::json::{BreakdownFile, RunReport};
 use super::super::{Block, Language, breakdown_blocks};
-use super::summary::text_with_code;
+use super::CompanionResults;
+use super::markup::{escape, fragment, text_with_code};
 use super::words::word;
-use super::{CompanionResults, escape, fragment};
 use crate::study::breakdown::{
     Axis, Distance, Field, MIN_SUCCESS_RATE, Scale, SliceResult, Stability, StabilityPoint,
     SuccessRate, UserMode, UserModePosition, short_number,

@@ -5,8 +5,9 @@ use serde_json::{Value, json};
 
 use super::super::Language;
 use super::super::json::RunReport;
+use super::markup::{escape, fragment};
 use super::words::{page_words, sentence, word};
-use super::{CompanionResults, escape, fragment, head};
+use super::{CompanionResults, head};
 use super::{methods, provenance, summary, update};
 
 /// The script, in the order in which its parts need each other.

@@ -5,8 +5,8 @@ use crate::scene::SourceFile;
 
 use super::super::json::RunReport;
 use super::super::{Block, Cell, Column, Language, Table};
+use super::markup::{escape, fragment};
 use super::words::{sentence, word};
-use super::{escape, fragment};
 
 /// Program, model, seeds, methods, files with hashes, and the text of the files that state the run.
 pub(super) fn provenance(report: &RunReport, language: Language) -> String {

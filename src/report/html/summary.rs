@@ -13,9 +13,10 @@ use crate::scene::Overview;
 use super::super::Language;
 use super::super::comparison::headline;
 use super::super::json::RunReport;
+use super::markup::{escape, text_with_code};
 use super::numbers::{round_to_std, short, two_digits};
+use super::update;
 use super::words::{sentence, word};
-use super::{escape, update};
 
 /// Maximum number of findings of one code in the list; the others are counted.
 const MAX_LISTED_FINDINGS: usize = 12;
@@ -318,18 +319,6 @@ fn list(items: &[String]) -> String {
         .map(|item| format!("<li>{}</li>\n", text_with_code(item)))
         .collect();
     format!("<ul>\n{items}</ul>\n")
-}
-
-/// HTML of a text, with the parts between backticks as code.
-pub(super) fn text_with_code(text: &str) -> String {
-    let mut out = String::new();
-    for (index, part) in escape(text).split('`').enumerate() {
-        match index % 2 {
-            0 => out += part,
-            _ => out += &format!("<code>{part}</code>"),
-        }
-    }
-    out
 }
 
 /// All findings by test, the most severe first, grouped by code with its explanation.

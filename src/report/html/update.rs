@@ -3,9 +3,9 @@
 use serde_json::Value;
 
 use super::super::{Block, Cell, Column, Language, Table};
+use super::markup::{escape, fragment};
 use super::numbers::{short, two_digits};
 use super::words::{sentence, word};
-use super::{escape, fragment};
 use crate::scene::Figures;
 use crate::update::StopReason;
 

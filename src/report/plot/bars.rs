@@ -3,6 +3,7 @@
 use crate::correlate::Status;
 use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
 
+use super::super::test_title::test_title;
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW, legend_rows};
 
@@ -92,7 +93,7 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
 fn titles(tests: &[&str], figures: &[TestFigures]) -> Vec<String> {
     let title = |name: &&str| {
         let figure = figures.iter().find(|figure| figure.name == **name);
-        figure.map_or_else(|| (*name).to_owned(), super::title)
+        test_title(name, figure.is_some_and(|figure| figure.synthetic))
     };
     tests.iter().map(title).collect()
 }

@@ -3,6 +3,7 @@
 
 use crate::scene::{Curve, FrfFigure, TestFigures};
 
+use super::super::test_title::test_title;
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
 
@@ -27,7 +28,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     );
     let title = format!(
         "{}: {} / {}, {}",
-        super::title(test),
+        test_title(&test.name, test.synthetic),
         curve.response,
         curve.reference,
         curve.kind

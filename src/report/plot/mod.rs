@@ -23,6 +23,8 @@ use std::collections::BTreeMap;
 
 use crate::scene::{Figures, TestFigures};
 
+use super::test_title::test_title;
+
 pub use breakdown::{breakdown_svg, stability_svg};
 pub use order::order_figures;
 #[cfg(feature = "png")]
@@ -104,16 +106,9 @@ fn number_repeated_names(figures: &mut [(String, String)]) {
     }
 }
 
-/// The name of a test, marked where it is synthetic.
-fn title(test: &TestFigures) -> String {
-    match test.synthetic {
-        true => format!("{} (synthetic)", test.name),
-        false => test.name.clone(),
-    }
-}
-
 fn figures_of_test(test: &TestFigures) -> Vec<(String, String)> {
     let stem = file_name(&test.name);
+    let title = test_title(&test.name, test.synthetic);
     let mut all = Vec::new();
     if let Some(set) = &test.frfs {
         for curve in &set.curves {
@@ -133,20 +128,15 @@ fn figures_of_test(test: &TestFigures) -> Vec<(String, String)> {
         )
     }));
     let matrix = test.mac.as_ref();
-    all.extend(matrix.map(|figure| (format!("{stem}-mac"), mac::mac(figure, &title(test)))));
+    all.extend(matrix.map(|figure| (format!("{stem}-mac"), mac::mac(figure, &title))));
     for circle in &test.circles {
         all.push((
             format!("{stem}-circle-{}", circle.mode),
-            circle::circle(circle, &title(test)),
+            circle::circle(circle, &title),
         ));
     }
     let set = test.shapes.as_ref();
-    all.extend(set.map(|figure| {
-        (
-            format!("{stem}-shapes"),
-            shapes::shapes(figure, &title(test)),
-        )
-    }));
+    all.extend(set.map(|figure| (format!("{stem}-shapes"), shapes::shapes(figure, &title))));
     all
 }
 

@@ -4,6 +4,7 @@
 use crate::identify::{OrderSelection, OrderStep};
 use crate::study::{SceneNeeds, TestNeeds};
 
+use super::super::test_title::test_title;
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
 use super::file_name;
@@ -60,10 +61,9 @@ fn figure(test: &TestNeeds) -> Option<String> {
     ];
     let labels = ["Relative to the noise", "BIC above its minimum + 1"];
     let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
-    let synthetic = if test.synthetic { " (synthetic)" } else { "" };
     let title = format!(
-        "{}{synthetic}: number of modes that the data support",
-        test.name
+        "{}: number of modes that the data support",
+        test_title(&test.name, test.synthetic)
     );
     canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
     let mut number = 0;

@@ -2,6 +2,7 @@
 
 use crate::scene::{StabilizationFigure, TestFigures};
 
+use super::super::test_title::test_title;
 use super::axis::{Axis, frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, text_width};
 
@@ -22,7 +23,7 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
         [LEFT, 18.0],
         &format!(
             "{}: poles of {} over the CMIF",
-            super::title(test),
+            test_title(&test.name, test.synthetic),
             figure.method
         ),
         (Anchor::Start, INK),

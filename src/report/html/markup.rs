@@ -1,0 +1,189 @@
+//! Blocks of a report as HTML elements.
+
+use crate::finding::Finding;
+
+use super::super::{Align, Block, Cell, Column, Language, Table};
+use super::words::word;
+
+/// Maximum number of columns of a table on a page in portrait format.
+const MAX_UPRIGHT_COLUMNS: usize = 9;
+
+/// Blocks as HTML without a page around them.
+pub(super) fn fragment(blocks: &[Block], language: Language) -> String {
+    let text = |block| block_text(block, language);
+    blocks.iter().map(text).collect()
+}
+
+/// Text with the characters escaped that HTML reserves in text and attributes.
+pub(super) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// HTML of a text, with the parts between backticks as code.
+pub(super) fn text_with_code(text: &str) -> String {
+    let mut out = String::new();
+    for (index, part) in escape(text).split('`').enumerate() {
+        match index % 2 {
+            0 => out += part,
+            _ => out += &format!("<code>{part}</code>"),
+        }
+    }
+    out
+}
+
+fn block_text(block: &Block, language: Language) -> String {
+    match block {
+        Block::Heading(text) => format!("<h2>{}</h2>\n", escape(text)),
+        Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
+        Block::Table(table) => table_text(table, language),
+        Block::Findings { findings, .. } if findings.is_empty() => String::new(),
+        Block::Findings { findings, language } => {
+            let item = |finding: &Finding| {
+                format!(
+                    "<li class=\"{}\"><b>{}</b> {} <code>{}</code></li>\n",
+                    finding.severity,
+                    language.severity(finding.severity),
+                    escape(&language.finding(finding)),
+                    finding.code.name()
+                )
+            };
+            let items: String = findings.iter().map(item).collect();
+            format!("<ul class=\"findings\">\n{items}</ul>\n")
+        }
+    }
+}
+
+fn class(column: &Column) -> &'static str {
+    match column.align {
+        Align::Left => "",
+        Align::Right => " class=\"n\"",
+    }
+}
+
+fn table_text(table: &Table, language: Language) -> String {
+    let heads = table.columns.iter().map(|column| {
+        let text = escape(&column.head).replace('\n', "<br>");
+        format!("<th scope=\"col\"{}>{text}</th>", class(column))
+    });
+    let rows = table.rows.iter().map(|row| {
+        let cells = row.iter().zip(&table.columns);
+        let cells: String = cells
+            .map(|(cell, column)| cell_text(cell, column))
+            .collect();
+        format!("<tr>{cells}</tr>\n")
+    });
+    let notes = table
+        .footnotes
+        .iter()
+        .map(|note| format!("<p>{}</p>\n", text_with_code(note)));
+    let notes: String = notes.collect();
+    let notes = match table.footnotes.len() {
+        0 => String::new(),
+        1..=3 => format!("<div class=\"notes\">{notes}</div>\n"),
+        count => {
+            let notes_word = word(language, "Notes");
+            format!(
+                "<details class=\"notes\"><summary>{notes_word} ({count})</summary>\n{notes}</details>\n"
+            )
+        }
+    };
+    // On paper a broad table has a page in landscape format.
+    let broad = if table.columns.len() > MAX_UPRIGHT_COLUMNS {
+        " broad"
+    } else {
+        ""
+    };
+    format!(
+        "<figure class=\"table{broad}\">\n<figcaption>{}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\">\n<table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{notes}</figure>\n",
+        escape(&table.caption),
+        heads.collect::<String>(),
+        rows.collect::<String>(),
+    )
+}
+
+fn cell_text(cell: &Cell, column: &Column) -> String {
+    let text = escape(&cell.display()).replace('\n', "<br>");
+    match (cell, verdict_class(&cell.display())) {
+        (Cell::Text(_), Some(kind)) => {
+            format!(
+                "<td{}><span class=\"chip {kind}\">{text}</span></td>",
+                class(column)
+            )
+        }
+        _ => format!("<td{}>{text}</td>", class(column)),
+    }
+}
+
+/// Colour of a verdict, in either language; none for other text.
+fn verdict_class(text: &str) -> Option<&'static str> {
+    Some(match text {
+        "paired" | "已配对" | "identified" | "可识别" | "used" | "used (stated)" | "reproduced"
+        | "met" | "yes" | "采用" | "采用(指定)" | "已复现" | "满足" => "good",
+        "ambiguous"
+        | "不明确"
+        | "at bound"
+        | "位于边界"
+        | "unmatched, near a paired mode"
+        | "漏检(预期)"
+        | "not checkable"
+        | "无法核对" => "fair",
+        "MISSED"
+        | "NOT reproduced"
+        | "unmatched model mode, should have been seen"
+        | "漏检(非预期)"
+        | "unmatched test mode"
+        | "多余"
+        | "rejected"
+        | "rejected (stated)"
+        | "missed"
+        | "not reproduced"
+        | "unmatched, observability unknown"
+        | "漏检(未判定)"
+        | "剔除"
+        | "剔除(指定)"
+        | "未复现"
+        | "未满足" => "bad",
+        "not-observable"
+        | "不可观测"
+        | "outside-band"
+        | "频带外"
+        | "not supported by the data"
+        | "数据不支持" => "dim",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::{Code, Location, Severity};
+
+    #[test]
+    fn findings_have_severity_and_code() {
+        let finding = Finding::new(Severity::Warning, Code::CloseModes, Location::Mode(12.0));
+        let block = |findings| Block::Findings {
+            findings,
+            language: Language::default(),
+        };
+        let text = fragment(
+            &[block(vec![finding]), block(Vec::new())],
+            Language::English,
+        );
+        assert!(
+            text.starts_with("<ul class=\"findings\">\n<li class=\"warning\">"),
+            "{text}"
+        );
+        assert!(text.contains("<code>close-modes</code>") && text.matches("<ul").count() == 1);
+    }
+}
