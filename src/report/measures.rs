@@ -289,8 +289,9 @@ fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
 /// A matrix over pairs of modes; rows and columns have mode numbers and frequencies as heads.
 fn matrix_table(
     caption: String,
-    (rows, columns): (&[ModeName], &[ModeName]),
-    (values, decimals): (&[Vec<Option<f64>>], usize),
+    rows: &[ModeName],
+    columns: &[ModeName],
+    values: &[Vec<Option<f64>>],
 ) -> Table {
     let kept = columns_near(rows, columns);
     let mut heads = vec![Column::number("mode"), Column::number("f (Hz)")];
@@ -300,7 +301,7 @@ fn matrix_table(
     }));
     let row = |(mode, values): (&ModeName, &Vec<Option<f64>>)| {
         let mut cells = vec![name_cell(mode), Cell::number(Some(mode.hz), 2)];
-        cells.extend(kept.iter().map(|&j| Cell::number(values[j], decimals)));
+        cells.extend(kept.iter().map(|&j| Cell::number(values[j], 4)));
         cells
     };
     let left_out = columns.len() - kept.len();
@@ -316,7 +317,7 @@ fn matrix_table(
 }
 
 fn mac_table(caption: String, matrix: &MacMatrix) -> Table {
-    let mut table = matrix_table(caption, (&matrix.rows, &matrix.columns), (&matrix.mac, 4));
+    let mut table = matrix_table(caption, &matrix.rows, &matrix.columns, &matrix.mac);
     table
         .footnotes
         .insert(0, format!("{MAC}; {}.", dofs_text(matrix.dofs)));
@@ -479,7 +480,7 @@ fn orthogonality_tables(test: &str, orthogonality: &Orthogonality) -> [Table; 2]
         })
     );
     let table = |caption: String, columns: &[ModeName], values: &[Vec<Option<f64>>]| {
-        let mut table = matrix_table(caption, (&orthogonality.test, columns), (values, 4));
+        let mut table = matrix_table(caption, &orthogonality.test, columns, values);
         table.footnotes.insert(0, note.clone());
         table
     };

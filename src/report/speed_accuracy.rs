@@ -18,17 +18,28 @@ pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
 fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
     let on_front = test.data.iter().filter(|row| row.on_front);
     let data = on_front.map(|row| {
-        let frfs = (row.estimator.unwrap_or("as given"), row.step_hz);
-        front_row(("data", frfs), (row.method, &row.counts, &row.timing))
+        let estimator = row.estimator.unwrap_or("as given");
+        front_row(
+            "data",
+            estimator,
+            row.step_hz,
+            row.method,
+            &row.counts,
+            &row.timing,
+        )
     });
     let snr_db = study.options.middle_snr_db();
     let twin = test.twin_costs.iter().filter(|cost| cost.on_front);
     let twin = twin.filter_map(|cost| {
         let row = test.twin_row(crate::study::Condition::White, snr_db, cost.method)?;
-        let frfs = ("exact", test.twin_step_hz);
+        let step_hz = test.twin_step_hz;
         Some(front_row(
-            ("twin", frfs),
-            (cost.method, &row.counts, &cost.timing),
+            "twin",
+            "exact",
+            step_hz,
+            cost.method,
+            &row.counts,
+            &cost.timing,
         ))
     });
     let heads = [
@@ -79,8 +90,12 @@ fn front_block(study: &SpeedAccuracy, test: &TestStudy) -> Block {
 }
 
 fn front_row(
-    (data, (estimator, step_hz)): (&str, (&str, f64)),
-    (method, counts, timing): (Method, &DetectionCounts, &Timing),
+    data: &str,
+    estimator: &str,
+    step_hz: f64,
+    method: Method,
+    counts: &DetectionCounts,
+    timing: &Timing,
 ) -> Vec<Cell> {
     let percent = |value: Option<f64>, decimals| Cell::number(value.map(|v| 100.0 * v), decimals);
     vec![
@@ -197,11 +212,11 @@ pub fn times_table(study: &SpeedAccuracy) -> Block {
                 row.estimator.map_or(Cell::Missing, Cell::text),
                 Cell::number(Some(row.step_hz), 6),
             ];
-            rows.push(time_row(keys, row.method, (&row.timing, row.on_front)));
+            rows.push(time_row(keys, row.method, &row.timing, row.on_front));
         }
         for cost in &test.twin_costs {
             let keys = [name(), Cell::text("twin"), Cell::Missing, Cell::Missing];
-            rows.push(time_row(keys, cost.method, (&cost.timing, cost.on_front)));
+            rows.push(time_row(keys, cost.method, &cost.timing, cost.on_front));
         }
         for (data, limits) in ["data", "twin"].into_iter().zip(&test.limits) {
             let references = [
@@ -240,7 +255,7 @@ pub fn times_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn time_row(keys: [Cell; 4], method: Method, (timing, on_front): (&Timing, bool)) -> Vec<Cell> {
+fn time_row(keys: [Cell; 4], method: Method, timing: &Timing, on_front: bool) -> Vec<Cell> {
     let mut row: Vec<Cell> = keys.into();
     row.extend([
         Cell::text(method.name),

@@ -52,10 +52,10 @@ fn table_text(table: &Table) -> String {
         .collect();
     let widths = widths(&head, &rows);
     let mut lines = Vec::new();
-    push_row(&mut lines, &head, (&table.columns, &widths));
+    push_row(&mut lines, &head, &table.columns, &widths);
     let head_lines = lines.len();
     for row in &rows {
-        push_row(&mut lines, row, (&table.columns, &widths));
+        push_row(&mut lines, row, &table.columns, &widths);
     }
     let width = lines.iter().map(|line| line.width()).max().unwrap_or(0);
     let rule = "-".repeat(width);
@@ -83,7 +83,8 @@ fn widths(head: &[&str], rows: &[Vec<String>]) -> Vec<usize> {
 fn push_row<T: AsRef<str>>(
     lines: &mut Vec<String>,
     cells: &[T],
-    (columns, widths): (&[Column], &[usize]),
+    columns: &[Column],
+    widths: &[usize],
 ) {
     let count = cells.iter().map(|cell| cell.as_ref().lines().count());
     for number in 0..count.max().unwrap_or(0).max(1) {

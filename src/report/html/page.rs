@@ -49,7 +49,7 @@ pub fn report_page(
     let studied = methods::methods(report, companions, language);
     let stale = updated.is_some_and(|result| !update::belongs_to_run(result, &report.figures));
     let updated = updated.filter(|_| !stale);
-    let mut tabs: Vec<Tab> = tabs(report, (updated, studied.content), language)
+    let mut tabs: Vec<Tab> = tabs(report, updated, studied.content, language)
         .into_iter()
         .filter(|tab| tab.drawn || !tab.content.is_empty())
         .collect();
@@ -130,7 +130,8 @@ fn navigation(tabs: &[Tab], language: Language) -> String {
 
 fn tabs(
     report: &RunReport,
-    (updated, studied): (Option<&Value>, String),
+    updated: Option<&Value>,
+    studied: String,
     language: Language,
 ) -> Vec<Tab> {
     let figures = &report.figures;

@@ -8,6 +8,7 @@ mod measures;
 mod placement;
 mod response;
 mod run;
+mod schema;
 mod study;
 mod sweep;
 mod theory;

@@ -8,9 +8,12 @@ use crate::io::IoError;
 use crate::scene::{Figures, Provenance};
 
 use super::super::{Block, Cell};
+use super::schema::{check_schema, parsed};
 
 /// The schema of [`RunReport`].
 pub const REPORT_SCHEMA: &str = "modalign-report/1";
+
+const EXPECTED_SCHEMA: &str = "schema modalign-report/1";
 
 /// Tables and figures of a run, in English; pages translate them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,19 +73,9 @@ pub fn report_to_json(report: &RunReport) -> String {
 /// # Errors
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn report_from_json(text: &str, path: &str) -> Result<RunReport, IoError> {
-    let error = |line, column, got| IoError::Json {
-        path: path.to_owned(),
-        line,
-        column,
-        got,
-        expected: "schema modalign-report/1",
-    };
-    let report: RunReport =
-        serde_json::from_str(text).map_err(|e| error(e.line(), e.column(), e.to_string()))?;
-    match report.schema == REPORT_SCHEMA {
-        true => Ok(report),
-        false => Err(error(1, 1, format!("schema {:?}", report.schema))),
-    }
+    let report: RunReport = parsed(text, path, EXPECTED_SCHEMA)?;
+    check_schema(&report.schema, path, EXPECTED_SCHEMA)?;
+    Ok(report)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use super::super::{
     times_table,
 };
 use super::Section;
+use super::schema::{check_schema, parsed};
 
 /// The schema of a study of speed and accuracy.
 pub const SPEED_ACCURACY_SCHEMA: &str = "modalign-speed-accuracy/1";
@@ -206,13 +207,9 @@ fn value(cell: &Cell) -> Value {
 /// # Errors
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn speed_accuracy_from_json(text: &str, path: &str) -> Result<Value, IoError> {
-    let value: Value = parsed(text, (path, SPEED_ACCURACY_EXPECTED))?;
+    let value: Value = parsed(text, path, SPEED_ACCURACY_EXPECTED)?;
     let schema = value["schema"].as_str().unwrap_or_default();
-    check_schema(
-        schema,
-        SPEED_ACCURACY_SCHEMA,
-        (path, SPEED_ACCURACY_EXPECTED),
-    )?;
+    check_schema(schema, path, SPEED_ACCURACY_EXPECTED)?;
     Ok(value)
 }
 
@@ -221,9 +218,9 @@ pub fn speed_accuracy_from_json(text: &str, path: &str) -> Result<Value, IoError
 /// # Errors
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn order_from_json(text: &str, path: &str) -> Result<Value, IoError> {
-    let value: Value = parsed(text, (path, ORDER_EXPECTED))?;
+    let value: Value = parsed(text, path, ORDER_EXPECTED)?;
     let schema = value["schema"].as_str().unwrap_or_default();
-    check_schema(schema, ORDER_SCHEMA, (path, ORDER_EXPECTED))?;
+    check_schema(schema, path, ORDER_EXPECTED)?;
     Ok(value)
 }
 
@@ -253,41 +250,11 @@ pub fn breakdown_to_json(file: &BreakdownFile) -> String {
 /// # Errors
 /// [`IoError::Json`] with the path as given, line and column, or another schema.
 pub fn breakdown_from_json(text: &str, path: &str) -> Result<BreakdownFile, IoError> {
-    let file: BreakdownFile = parsed(text, (path, BREAKDOWN_EXPECTED))?;
-    check_schema(&file.schema, BREAKDOWN_SCHEMA, (path, BREAKDOWN_EXPECTED))?;
+    let file: BreakdownFile = parsed(text, path, BREAKDOWN_EXPECTED)?;
+    check_schema(&file.schema, path, BREAKDOWN_EXPECTED)?;
     Ok(file)
 }
 
 const ORDER_EXPECTED: &str = "schema modalign-order/1";
 const SPEED_ACCURACY_EXPECTED: &str = "schema modalign-speed-accuracy/1";
 const BREAKDOWN_EXPECTED: &str = "schema modalign-breakdown/1";
-
-fn parsed<T: for<'a> Deserialize<'a>>(
-    text: &str,
-    (path, expected): (&str, &'static str),
-) -> Result<T, IoError> {
-    serde_json::from_str(text).map_err(|error| IoError::Json {
-        path: path.to_owned(),
-        line: error.line(),
-        column: error.column(),
-        got: error.to_string(),
-        expected,
-    })
-}
-
-fn check_schema(
-    got: &str,
-    wanted: &str,
-    (path, expected): (&str, &'static str),
-) -> Result<(), IoError> {
-    match got == wanted {
-        true => Ok(()),
-        false => Err(IoError::Json {
-            path: path.to_owned(),
-            line: 1,
-            column: 1,
-            got: format!("schema {got:?}"),
-            expected,
-        }),
-    }
-}

@@ -206,27 +206,29 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
     let (ticks, x_title) = x.labelled_ticks((right - left) / 80.0, x_label);
     for tick in ticks {
         let at = x.place(tick.at);
-        canvas.line([at, top], [at, bottom], (GRID, 0.6));
+        canvas.line([at, top], [at, bottom], GRID, 0.6);
         if !x_label.is_empty() {
-            canvas.text([at, bottom + 15.0], &tick.text, (Anchor::Middle, INK));
+            canvas.text([at, bottom + 15.0], &tick.text, Anchor::Middle, INK);
         }
     }
     let (ticks, y_title) = y.labelled_ticks((bottom - top) / 40.0, y_label);
     for tick in ticks {
         let at = y.place(tick.at);
-        canvas.line([left, at], [right, at], (GRID, 0.6));
-        canvas.text([left - 6.0, at + 4.0], &tick.text, (Anchor::End, INK));
+        canvas.line([left, at], [right, at], GRID, 0.6);
+        canvas.text([left - 6.0, at + 4.0], &tick.text, Anchor::End, INK);
     }
-    canvas.rect([left, top], [right, bottom], ("none", FAINT));
+    canvas.rect([left, top], [right, bottom], "none", FAINT);
     canvas.text(
         [0.5 * (left + right), bottom + 32.0],
         if x_label.is_empty() { "" } else { &x_title },
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
     );
     canvas.rotated_text(
         [left - 48.0, 0.5 * (top + bottom)],
         &y_title,
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
         -90.0,
     );
 }

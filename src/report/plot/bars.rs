@@ -55,7 +55,7 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
     for (k, row) in rows.iter().enumerate() {
         let middle = k as f64 + 1.0;
         if k % every == 0 {
-            canvas.text([x.place(middle), 276.0], &row.label, (Anchor::Middle, INK));
+            canvas.text([x.place(middle), 276.0], &row.label, Anchor::Middle, INK);
         }
         for cell in &row.cells {
             let Some(n) = tests.iter().position(|test| *test == cell.test) else {
@@ -72,19 +72,21 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
             canvas.rect(
                 [a, y.place(0.0)],
                 [b, y.place(error)],
-                (COLORS[n % COLORS.len()], "none"),
+                COLORS[n % COLORS.len()],
+                "none",
             );
             if let Some(std) = cell.error_std_percent {
                 let x = x.place(at);
                 canvas.line(
                     [x, y.place(error - std)],
                     [x, y.place(error + std)],
-                    (INK, 1.0),
+                    INK,
+                    1.0,
                 );
             }
         }
     }
-    canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], (INK, 1.0));
+    canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], INK, 1.0);
     canvas.legend([70.0, 306.0], &names);
     Some(canvas.finish())
 }
@@ -117,7 +119,7 @@ fn is_missed(cell: &OverviewCell) -> bool {
 /// Marks an unmatched natural frequency, which has no error on the axis.
 fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
     for rise in [-3.5, 3.5] {
-        canvas.line([x - 3.5, y - rise], [x + 3.5, y + rise], (INK, 1.2));
+        canvas.line([x - 3.5, y - rise], [x + 3.5, y + rise], INK, 1.2);
     }
 }
 
@@ -144,14 +146,16 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
     canvas.text(
         [110.0, 18.0],
         "Fraction of the kinetic energy by natural frequency of the model",
-        (Anchor::Start, INK),
+        Anchor::Start,
+        INK,
     );
     for (k, bar) in bars.iter().enumerate() {
         let top = 30.0 + 20.0 * k as f64;
         canvas.text(
             [102.0, top + 12.0],
             &format!("{:.1} Hz", bar.hz),
-            (Anchor::End, INK),
+            Anchor::End,
+            INK,
         );
         let mut left = 110.0;
         for (name, _) in &totals {
@@ -159,10 +163,10 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
                 continue;
             };
             let right = left + 600.0 * share;
-            canvas.rect([left, top], [right, top + 15.0], (color(name), "none"));
+            canvas.rect([left, top], [right, top + 15.0], color(name), "none");
             left = right;
         }
-        canvas.rect([110.0, top], [710.0, top + 15.0], ("none", FAINT));
+        canvas.rect([110.0, top], [710.0, top + 15.0], "none", FAINT);
     }
     let names: Vec<(&str, &str)> = totals
         .iter()

@@ -33,7 +33,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
         curve.reference,
         curve.kind
     );
-    canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
     let fitted = !curve.fit_magnitude.is_empty();
     let names: &[(&str, &str)] = &[("data", COLORS[0]), ("fit", COLORS[1])];
     canvas.legend(
@@ -58,29 +58,21 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
         ),
     );
     canvas.clip([LEFT, 28.0], [RIGHT, bottoms[0]]);
-    marks(&mut canvas, test, &x, (28.0, bottoms[0]));
+    mark_modes(&mut canvas, test, &x, 28.0, bottoms[0]);
     let measured: Vec<Option<f64>> = curve.magnitude.iter().copied().map(Some).collect();
-    draw(&mut canvas, "magnitude", (&hz, &measured), (&x, &y), false);
-    draw(
-        &mut canvas,
-        "magnitude-fit",
-        (&hz, &curve.fit_magnitude),
-        (&x, &y),
-        false,
-    );
+    let data = points(&hz, &measured, &x, &y);
+    let fit = points(&hz, &curve.fit_magnitude, &x, &y);
+    canvas.curve("magnitude", &data, COLORS[0], 1.1, "");
+    canvas.curve("magnitude-fit", &fit, COLORS[1], 1.3, "5 3");
     canvas.unclip();
 
     let y = Axis::linear((-190.0, 190.0), (bottoms[1], 280.0)).stepped(90.0);
     frame(&mut canvas, (&x, &y), (label(1), "Phase (°)"));
     let measured: Vec<Option<f64>> = curve.phase_deg.iter().copied().map(Some).collect();
-    draw(&mut canvas, "phase", (&hz, &measured), (&x, &y), true);
-    draw(
-        &mut canvas,
-        "phase-fit",
-        (&hz, &curve.fit_phase_deg),
-        (&x, &y),
-        true,
-    );
+    let data = phase_points(&hz, &measured, &x, &y);
+    let fit = phase_points(&hz, &curve.fit_phase_deg, &x, &y);
+    canvas.curve("phase", &data, COLORS[0], 1.1, "");
+    canvas.curve("phase-fit", &fit, COLORS[1], 1.3, "5 3");
 
     if coherent {
         let y = Axis::linear((0.0, 1.05), (bottoms[2], 420.0));
@@ -90,45 +82,46 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
             .zip(&curve.coherence)
             .map(|(hz, value)| Some([x.place(*hz), y.place(*value)]))
             .collect();
-        canvas.curve("coherence", &points, (COLORS[2], 1.0, ""));
+        canvas.curve("coherence", &points, COLORS[2], 1.0, "");
     }
     canvas.finish()
 }
 
-fn marks(canvas: &mut Canvas, test: &TestFigures, x: &Axis, (top, bottom): (f64, f64)) {
+/// Lines at the natural frequencies, with the numbers of the modes.
+fn mark_modes(canvas: &mut Canvas, test: &TestFigures, x: &Axis, top: f64, bottom: f64) {
     for (index, mode) in test.modes.iter().enumerate() {
         let at = x.place(mode.hz);
-        canvas.line([at, top], [at, bottom], (FAINT, 0.5));
+        canvas.line([at, top], [at, bottom], FAINT, 0.5);
         canvas.text(
             [at + 2.0, top + 10.0],
             &(index + 1).to_string(),
-            (Anchor::Start, FAINT),
+            Anchor::Start,
+            FAINT,
         );
     }
 }
 
-fn draw(
-    canvas: &mut Canvas,
-    class: &str,
-    (hz, values): (&[f64], &[Option<f64>]),
-    (x, y): (&Axis, &Axis),
-    wraps: bool,
-) {
-    let mut points = Vec::with_capacity(values.len());
-    let mut before: Option<f64> = None;
-    for (hz, value) in hz.iter().zip(values) {
-        let jump = value
-            .zip(before)
-            .is_some_and(|(value, before)| (value - before).abs() > MIN_PHASE_WRAP_DEG);
-        if wraps && jump {
-            points.push(None);
+/// Positions of values at frequencies; the pen is lifted where there is none.
+fn points(hz: &[f64], values: &[Option<f64>], x: &Axis, y: &Axis) -> Vec<Option<[f64; 2]>> {
+    let point = |(hz, value): (&f64, &Option<f64>)| Some([x.place(*hz), y.shown((*value)?)?]);
+    hz.iter().zip(values).map(point).collect()
+}
+
+/// Positions of phases, with the pen lifted where the phase wraps.
+fn phase_points(
+    hz: &[f64],
+    phase_deg: &[Option<f64>],
+    x: &Axis,
+    y: &Axis,
+) -> Vec<Option<[f64; 2]>> {
+    let mut broken = Vec::with_capacity(phase_deg.len());
+    for (k, point) in points(hz, phase_deg, x, y).into_iter().enumerate() {
+        let before = k.checked_sub(1).and_then(|before| phase_deg[before]);
+        let step = phase_deg[k].zip(before);
+        if step.is_some_and(|(phase, before)| (phase - before).abs() > MIN_PHASE_WRAP_DEG) {
+            broken.push(None);
         }
-        before = *value;
-        points.push(value.and_then(|value| Some([x.place(*hz), y.shown(value)?])));
+        broken.push(point);
     }
-    let style = match class.ends_with("fit") {
-        true => (COLORS[1], 1.3, "5 3"),
-        false => (COLORS[0], 1.1, ""),
-    };
-    canvas.curve(class, &points, style);
+    broken
 }

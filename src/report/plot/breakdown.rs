@@ -10,8 +10,8 @@ use crate::study::breakdown::{
 };
 
 use super::axis::{Axis, frame};
-use super::canvas::{Anchor, COLORS, Canvas, INK};
-use super::mark::{DASHES, mark};
+use super::canvas::{Anchor, Canvas, INK};
+use super::mark::{DASHES, curve_color, mark};
 
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 530.0;
@@ -32,7 +32,7 @@ pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> Strin
         "{}: where methods meet the stated error in 95 % of {} draws",
         slice.name, slice.draws
     );
-    canvas.text([LEFT, 20.0], &title, (Anchor::Start, INK));
+    canvas.text([LEFT, 20.0], &title, Anchor::Start, INK);
     let (x, y) = (axis(&slice.x, (LEFT, RIGHT)), axis(&slice.y, (BOTTOM, TOP)));
     let fields: Vec<Field> = (0..slice.methods.len())
         .map(|method| result.field(method, SuccessRate::Counted))
@@ -94,7 +94,7 @@ fn shades(canvas: &mut Canvas, fields: &[Field]) {
             if end == columns - 1 || row[end] != row[begin] {
                 if row[begin] > 0 {
                     let fill = shade(row[begin], fields.len());
-                    canvas.rect(corner(begin, j), corner(end, j + 1), (&fill, "none"));
+                    canvas.rect(corner(begin, j), corner(end, j + 1), &fill, "none");
                 }
                 begin = end;
             }
@@ -112,9 +112,9 @@ fn shade(failing: usize, methods: usize) -> String {
 /// method.
 fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
     let points: Vec<[f64; 2]> = line.iter().map(|shares| place(*shares)).collect();
-    let style = (color(method), 1.8, DASHES[method % DASHES.len()]);
+    let dash = DASHES[method % DASHES.len()];
     let strokes: Vec<Option<[f64; 2]>> = points.iter().copied().map(Some).collect();
-    canvas.curve("contour", &strokes, style);
+    canvas.curve("contour", &strokes, curve_color(method), 1.8, dash);
     let mut next = MARK_SPACING_PX * (0.25 + 0.5 * (method as f64 * 0.37).fract());
     let mut run = 0.0;
     for pair in points.windows(2) {
@@ -123,16 +123,11 @@ fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
         while length > 0.0 && run + length >= next {
             let share = (next - run) / length;
             let at = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
-            mark(canvas, at, (method, color(method)));
+            mark(canvas, at, method);
             next += MARK_SPACING_PX;
         }
         run += length;
     }
-}
-
-fn color(method: usize) -> &'static str {
-    // Black marks the modes of the user.
-    COLORS[method % (COLORS.len() - 1)]
 }
 
 /// Maximum number of labels of user modes.
@@ -151,7 +146,7 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
             Some((_, all)) => all.push(point),
             None => groups.push((at, vec![point])),
         }
-        canvas.dot(at, 3.6, (INK, "#ffffff"));
+        canvas.dot(at, 3.6, INK, "#ffffff");
     }
     let around = |at: &[f64; 2]| [at[0] - 4.0, at[1] - 4.0, at[0] + 4.0, at[1] + 4.0];
     let mut taken: Vec<[f64; 4]> = groups.iter().map(|(at, _)| around(at)).collect();
@@ -188,9 +183,10 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
         canvas.rect(
             [label[0] - 1.0, label[1]],
             [label[2] + 1.0, label[3]],
-            ("#ffffff", "none"),
+            "#ffffff",
+            "none",
         );
-        canvas.text(at, &text, (Anchor::Start, INK));
+        canvas.text(at, &text, Anchor::Start, INK);
     }
 }
 
@@ -226,20 +222,16 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
     for (method, name) in result.slice.methods.iter().enumerate() {
         let y = TOP + 12.0 + 24.0 * method as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
-        let style = (color(method), 1.8, DASHES[method % DASHES.len()]);
-        canvas.curve("legend", &stroke, style);
-        mark(canvas, [x + 20.0, y - 4.0], (method, color(method)));
+        let dash = DASHES[method % DASHES.len()];
+        canvas.curve("legend", &stroke, curve_color(method), 1.8, dash);
+        mark(canvas, [x + 20.0, y - 4.0], method);
         let values = || fields[method].values.iter().flatten();
         let note = match values().any(|v| *v >= MIN_SUCCESS_RATE) {
             false => " (nowhere here)",
             true if values().all(|v| *v >= MIN_SUCCESS_RATE) => " (everywhere here)",
             true => "",
         };
-        canvas.text(
-            [x + 48.0, y],
-            &format!("{name}{note}"),
-            (Anchor::Start, INK),
-        );
+        canvas.text([x + 48.0, y], &format!("{name}{note}"), Anchor::Start, INK);
     }
     let mut y = TOP + 28.0 + 24.0 * result.slice.methods.len() as f64;
     let methods = result.slice.methods.len();
@@ -247,13 +239,14 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
         canvas.rect(
             [x, y - 11.0],
             [x + 40.0, y + 1.0],
-            (&shade(failing, methods), "#8a8a8a"),
+            &shade(failing, methods),
+            "#8a8a8a",
         );
-        canvas.text([x + 48.0, y], text, (Anchor::Start, INK));
+        canvas.text([x + 48.0, y], text, Anchor::Start, INK);
         y += 20.0;
     }
-    canvas.dot([x + 20.0, y - 4.0], 3.6, (INK, "#ffffff"));
-    canvas.text([x + 48.0, y], "user modes", (Anchor::Start, INK));
+    canvas.dot([x + 20.0, y - 4.0], 3.6, INK, "#ffffff");
+    canvas.text([x + 48.0, y], "user modes", Anchor::Start, INK);
 }
 
 const PANEL_HEIGHT_PX: f64 = 300.0;
@@ -264,7 +257,7 @@ pub fn stability_svg(stability: &Stability) -> String {
     let orders = stability.curves.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
-    canvas.text([LEFT, 20.0], title, (Anchor::Start, INK));
+    canvas.text([LEFT, 20.0], title, Anchor::Start, INK);
     let x = Axis::linear((0.0, highest), (LEFT, RIGHT));
     let panels = [
         ((0.0, 18.0), 0.0, "Digits lost (log10 of the condition)"),
@@ -290,10 +283,10 @@ pub fn stability_svg(stability: &Stability) -> String {
                     Some([x.place(point.order as f64), y.place(value)])
                 };
                 let points: Vec<Option<[f64; 2]>> = course.points.iter().map(at).collect();
-                canvas.curve("course", &points, (color(index), 1.6, dash));
+                canvas.curve("course", &points, curve_color(index), 1.6, dash);
                 if dash.is_empty() {
                     let marked = points.iter().skip(index).step_by(4).flatten();
-                    marked.for_each(|at| mark(&mut canvas, *at, (index, color(index))));
+                    marked.for_each(|at| mark(&mut canvas, *at, index));
                 }
             }
         }
@@ -318,15 +311,15 @@ fn stability_legend(canvas: &mut Canvas, stability: &Stability) {
     for (index, course) in stability.curves.iter().enumerate() {
         let y = TOP + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
-        canvas.curve("legend", &stroke, (color(index), 1.8, ""));
-        mark(canvas, [x + 20.0, y - 4.0], (index, color(index)));
-        canvas.text([x + 48.0, y], &course.method, (Anchor::Start, INK));
+        canvas.curve("legend", &stroke, curve_color(index), 1.8, "");
+        mark(canvas, [x + 20.0, y - 4.0], index);
+        canvas.text([x + 48.0, y], &course.method, Anchor::Start, INK);
     }
     let kinds = ["all in f64", "data in f32", "data and equations in f32"];
     for (index, (text, (_, dash))) in kinds.iter().zip(&ERRORS).enumerate() {
         let y = TOP + PANEL_HEIGHT_PX + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
-        canvas.curve("legend", &stroke, (INK, 1.6, dash));
-        canvas.text([x + 48.0, y], text, (Anchor::Start, INK));
+        canvas.curve("legend", &stroke, INK, 1.6, dash);
+        canvas.text([x + 48.0, y], text, Anchor::Start, INK);
     }
 }

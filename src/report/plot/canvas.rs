@@ -87,7 +87,7 @@ impl Canvas {
     }
 
     /// A straight line.
-    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], (color, width): (&str, f64)) {
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], color: &str, width: f64) {
         let _ = writeln!(
             self.body,
             "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{color}\" stroke-width=\"{width}\"/>",
@@ -96,7 +96,7 @@ impl Canvas {
     }
 
     /// A rectangle by two corners; `fill` and `stroke` may be `none`.
-    pub fn rect(&mut self, a: [f64; 2], b: [f64; 2], (fill, stroke): (&str, &str)) {
+    pub fn rect(&mut self, a: [f64; 2], b: [f64; 2], fill: &str, stroke: &str) {
         let _ = writeln!(
             self.body,
             "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\" stroke=\"{stroke}\"/>",
@@ -108,7 +108,7 @@ impl Canvas {
     }
 
     /// A circle.
-    pub fn dot(&mut self, at: [f64; 2], radius: f64, (fill, stroke): (&str, &str)) {
+    pub fn dot(&mut self, at: [f64; 2], radius: f64, fill: &str, stroke: &str) {
         let _ = writeln!(
             self.body,
             "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke=\"{stroke}\"/>",
@@ -121,7 +121,9 @@ impl Canvas {
         &mut self,
         class: &str,
         points: &[Option<[f64; 2]>],
-        (color, width, dash): (&str, f64, &str),
+        color: &str,
+        width: f64,
+        dash: &str,
     ) {
         let mut path = String::new();
         let mut down = false;
@@ -140,8 +142,8 @@ impl Canvas {
     }
 
     /// A text.
-    pub fn text(&mut self, at: [f64; 2], text: &str, (anchor, color): (Anchor, &str)) {
-        self.rotated_text(at, text, (anchor, color), 0.0);
+    pub fn text(&mut self, at: [f64; 2], text: &str, anchor: Anchor, color: &str) {
+        self.rotated_text(at, text, anchor, color, 0.0);
     }
 
     /// A text rotated about its position, degrees.
@@ -149,7 +151,8 @@ impl Canvas {
         &mut self,
         [x, y]: [f64; 2],
         text: &str,
-        (anchor, color): (Anchor, &str),
+        anchor: Anchor,
+        color: &str,
         degrees: f64,
     ) {
         let anchor = match anchor {
@@ -200,8 +203,8 @@ impl Canvas {
             if x > left && x + 21.0 + wide > self.width - 4.0 {
                 (x, y) = (left, y + LEGEND_ROW);
             }
-            self.line([x, y - 4.0], [x + 16.0, y - 4.0], (color, 3.0));
-            self.text([x + 21.0, y], name, (Anchor::Start, INK));
+            self.line([x, y - 4.0], [x + 16.0, y - 4.0], color, 3.0);
+            self.text([x + 21.0, y], name, Anchor::Start, INK);
             x += 39.0 + wide;
         }
     }

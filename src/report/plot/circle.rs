@@ -14,7 +14,7 @@ pub(super) fn circle(figure: &CircleFigure, test: &str) -> String {
         "{test}, mode {}: {:.2} Hz, {}",
         figure.mode, figure.hz, figure.function
     );
-    canvas.text([75.0, 20.0], &title, (Anchor::Start, INK));
+    canvas.text([75.0, 20.0], &title, Anchor::Start, INK);
     plane(&mut canvas, figure);
     surface(&mut canvas, figure);
     canvas.finish()
@@ -45,12 +45,12 @@ fn plane(canvas: &mut Canvas, figure: &CircleFigure) {
         Some([x.place(re), y.place(im)])
     };
     let points: Vec<Option<[f64; 2]>> = (0..=90).map(turn).collect();
-    canvas.curve("circle", &points, (COLORS[1], 1.3, ""));
+    canvas.curve("circle", &points, COLORS[1], 1.3, "");
     for (re, im) in figure.re.iter().zip(&figure.im) {
-        canvas.dot([x.place(*re), y.place(*im)], 2.4, (COLORS[0], "none"));
+        canvas.dot([x.place(*re), y.place(*im)], 2.4, COLORS[0], "none");
     }
     let [re, im] = figure.resonance;
-    canvas.dot([x.place(re), y.place(im)], 4.5, ("none", COLORS[2]));
+    canvas.dot([x.place(re), y.place(im)], 4.5, "none", COLORS[2]);
     canvas.legend(
         [75.0, 430.0],
         &[
@@ -82,10 +82,10 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
             };
             let corner = [left + i as f64 * steps[0], top + SIDE - j as f64 * steps[1]];
             let other = [corner[0] + steps[0], corner[1] - steps[1]];
-            canvas.rect(corner, other, (&heat(0.1 + 0.8 * share), "none"));
+            canvas.rect(corner, other, &heat(0.1 + 0.8 * share), "none");
         }
     }
-    canvas.rect([left, top], [left + SIDE, top + SIDE], ("none", INK));
+    canvas.rect([left, top], [left + SIDE, top + SIDE], "none", INK);
     let x = Axis::linear(below, (left, left + SIDE));
     let y = Axis::linear(above, (top + SIDE, top));
     let labels = ("Line below the resonance (Hz)", "Line above (Hz)");
@@ -93,25 +93,29 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
         canvas.text(
             [x.place(tick.at), top + SIDE + 15.0],
             &tick.text,
-            (Anchor::Middle, INK),
+            Anchor::Middle,
+            INK,
         );
     }
     for tick in y.ticks(6.0) {
         canvas.text(
             [left - 6.0, y.place(tick.at) + 4.0],
             &tick.text,
-            (Anchor::End, INK),
+            Anchor::End,
+            INK,
         );
     }
     canvas.text(
         [left + 0.5 * SIDE, top + SIDE + 32.0],
         labels.0,
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
     );
     canvas.rotated_text(
         [left - 52.0, top + 0.5 * SIDE],
         labels.1,
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
         -90.0,
     );
     let caption = format!(
@@ -119,5 +123,5 @@ fn surface(canvas: &mut Canvas, figure: &CircleFigure) {
         100.0 * lowest,
         100.0 * highest
     );
-    canvas.text([left, 430.0], &caption, (Anchor::Start, INK));
+    canvas.text([left, 430.0], &caption, Anchor::Start, INK);
 }

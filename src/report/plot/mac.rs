@@ -39,49 +39,47 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
     );
     let width = (right + 70.0).max(30.0 + text_width(&title));
     let mut canvas = Canvas::new(width, (bottom + 108.0).max(top + 160.0));
-    canvas.text([18.0, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([18.0, 18.0], &title, Anchor::Start, INK);
     for (i, row) in figure.mac.iter().enumerate() {
         for (j, value) in row.iter().enumerate() {
             let a = [left + j as f64 * wide, top + i as f64 * high];
             let b = [a[0] + wide, a[1] + high];
             let fill = value.map_or_else(|| MISSING_FILL.to_owned(), heat);
-            canvas.rect(a, b, (&fill, GRID));
+            canvas.rect(a, b, &fill, GRID);
             if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
                 let ink = if value > 0.55 { "#ffffff" } else { INK };
                 let at = [a[0] + 0.5 * wide, a[1] + 0.5 * high + 4.0];
-                canvas.text(at, &format!("{value:.2}"), (Anchor::Middle, ink));
+                canvas.text(at, &format!("{value:.2}"), Anchor::Middle, ink);
             }
         }
     }
     for [i, j] in &figure.pairs {
         let a = [left + *j as f64 * wide + 1.0, top + *i as f64 * high + 1.0];
-        canvas.rect(
-            a,
-            [a[0] + wide - 2.0, a[1] + high - 2.0],
-            ("none", COLORS[1]),
-        );
+        canvas.rect(a, [a[0] + wide - 2.0, a[1] + high - 2.0], "none", COLORS[1]);
     }
     for (i, hz) in figure.test_hz.iter().enumerate() {
         let at = [left - 6.0, top + (i as f64 + 0.5) * high + 4.0];
-        canvas.text(at, &format!("{hz:.1}"), (Anchor::End, INK));
+        canvas.text(at, &format!("{hz:.1}"), Anchor::End, INK);
     }
     for (j, hz) in figure.theory_hz.iter().enumerate() {
         let at = [left + (j as f64 + 0.5) * wide + 4.0, bottom + 10.0];
-        canvas.rotated_text(at, &format!("{hz:.1}"), (Anchor::End, INK), -60.0);
+        canvas.rotated_text(at, &format!("{hz:.1}"), Anchor::End, INK, -60.0);
     }
     canvas.text(
         [0.5 * (left + right), bottom + 76.0],
         "Theory (Hz)",
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
     );
     canvas.rotated_text(
         [18.0, 0.5 * (top + bottom)],
         "Test (Hz)",
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
         -90.0,
     );
     legend(&mut canvas, [left, bottom + 98.0], figure);
-    scale(&mut canvas, right + 18.0, (top, top + 110.0));
+    scale(&mut canvas, right + 18.0, top, top + 110.0);
     canvas.finish()
 }
 
@@ -96,27 +94,28 @@ fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
             (MISSING_FILL, GRID),
         ),
     ];
-    for (_, name, style) in names.into_iter().filter(|(wanted, ..)| *wanted) {
-        canvas.rect([x, y - 10.0], [x + 16.0, y + 1.0], style);
-        canvas.text([x + 21.0, y], name, (Anchor::Start, INK));
+    for (_, name, (fill, stroke)) in names.into_iter().filter(|(wanted, ..)| *wanted) {
+        canvas.rect([x, y - 10.0], [x + 16.0, y + 1.0], fill, stroke);
+        canvas.text([x + 21.0, y], name, Anchor::Start, INK);
         x += 39.0 + text_width(name);
     }
 }
 
-fn scale(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64)) {
+fn scale(canvas: &mut Canvas, x: f64, top: f64, bottom: f64) {
     let step = (bottom - top) / 20.0;
     for k in 0..20 {
         let y = bottom - f64::from(k) * step;
         canvas.rect(
             [x, y],
             [x + 12.0, y - step],
-            (&heat((f64::from(k) + 0.5) / 20.0), "none"),
+            &heat((f64::from(k) + 0.5) / 20.0),
+            "none",
         );
     }
-    canvas.rect([x, top], [x + 12.0, bottom], ("none", FAINT));
-    canvas.text([x - 6.0, top - 10.0], "MAC", (Anchor::Start, INK));
+    canvas.rect([x, top], [x + 12.0, bottom], "none", FAINT);
+    canvas.text([x - 6.0, top - 10.0], "MAC", Anchor::Start, INK);
     for (share, text) in [(0.0, "0"), (0.5, "0.5"), (1.0, "1")] {
         let y = bottom + share * (top - bottom) + 4.0;
-        canvas.text([x + 17.0, y], text, (Anchor::Start, INK));
+        canvas.text([x + 17.0, y], text, Anchor::Start, INK);
     }
 }

@@ -6,9 +6,9 @@ use crate::study::{SceneNeeds, TestNeeds};
 
 use super::super::test_title::test_title;
 use super::axis::{Axis, frame, range};
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::canvas::{Anchor, Canvas, FAINT, INK};
 use super::file_name;
-use super::mark::mark;
+use super::mark::{curve_color, mark};
 
 const LEFT: [f64; 2] = [75.0, 475.0];
 const WIDTH: f64 = 320.0;
@@ -31,7 +31,7 @@ pub fn order_figures(needs: &SceneNeeds) -> Vec<(String, String)> {
 struct Curve<'a> {
     name: &'static str,
     value: &'a dyn Fn(&OrderStep) -> Option<f64>,
-    least: Option<usize>,
+    supported: Option<usize>,
 }
 
 fn figure(test: &TestNeeds) -> Option<String> {
@@ -45,18 +45,18 @@ fn figure(test: &TestNeeds) -> Option<String> {
             Curve {
                 name: "held-out lines",
                 value: &prediction,
-                least: support.by_prediction(),
+                supported: support.by_prediction(),
             },
             Curve {
                 name: "reduced chi-square of all lines",
                 value: &residual,
-                least: Some(support.by_residual()),
+                supported: Some(support.by_residual()),
             },
         ],
         vec![Curve {
             name: "BIC",
             value: &bic,
-            least: Some(support.by_bic()),
+            supported: Some(support.by_bic()),
         }],
     ];
     let labels = ["Relative to the noise", "BIC above its minimum + 1"];
@@ -65,31 +65,31 @@ fn figure(test: &TestNeeds) -> Option<String> {
         "{}: number of modes that the data support",
         test_title(&test.name, test.synthetic)
     );
-    canvas.text([LEFT[0], 18.0], &title, (Anchor::Start, INK));
+    canvas.text([LEFT[0], 18.0], &title, Anchor::Start, INK);
     let mut number = 0;
     for ((curves, label), left) in curves.iter().zip(labels).zip(LEFT) {
-        panel(&mut canvas, (support, left, label), (curves, number))?;
+        panel(&mut canvas, support, curves, number, left, label)?;
         number += curves.len();
     }
     let mut x = LEFT[0];
     for (number, curve) in curves.iter().flatten().enumerate() {
-        mark(
-            &mut canvas,
-            [x + 6.0, BOTTOM + 56.0],
-            (number, COLORS[number]),
-        );
-        canvas.text([x + 16.0, BOTTOM + 60.0], curve.name, (Anchor::Start, INK));
+        mark(&mut canvas, [x + 6.0, BOTTOM + 56.0], number);
+        canvas.text([x + 16.0, BOTTOM + 60.0], curve.name, Anchor::Start, INK);
         x += 200.0;
     }
     let note = "Dashed: last identified mode; beyond it, further stable poles. A dot in a mark: the supported number of modes.";
-    canvas.text([LEFT[0], BOTTOM + 82.0], note, (Anchor::Start, FAINT));
+    canvas.text([LEFT[0], BOTTOM + 82.0], note, Anchor::Start, FAINT);
     Some(canvas.finish())
 }
 
+/// `first`: index of the first of the curves in the figure.
 fn panel(
     canvas: &mut Canvas,
-    (support, left, label): (&OrderSelection, f64, &str),
-    (curves, first): (&[Curve], usize),
+    support: &OrderSelection,
+    curves: &[Curve],
+    first: usize,
+    left: f64,
+    label: &str,
 ) -> Option<()> {
     let last = support.tried.len() - 1;
     let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH));
@@ -102,21 +102,21 @@ fn panel(
     frame(canvas, (&x, &y), ("Modes", label));
     let at = x.place(support.identified as f64 + 0.5);
     let ends = [Some([at, TOP]), Some([at, BOTTOM])];
-    canvas.curve("identified", &ends, (INK, 1.0, "7 4"));
+    canvas.curve("identified", &ends, INK, 1.0, "7 4");
     for (number, curve) in curves.iter().enumerate() {
-        let color = COLORS[first + number];
+        let color = curve_color(first + number);
         let offset = MARK_OFFSET_MODES * (number as f64 - 0.5 * (curves.len() - 1) as f64);
         let place = |(roots, tried): (usize, &OrderStep)| {
             let at = x.place(roots as f64 + offset);
             Some([at, y.shown((curve.value)(tried)?)?])
         };
         let points: Vec<Option<[f64; 2]>> = support.tried.iter().enumerate().map(place).collect();
-        canvas.curve("course", &points, (color, 1.1, ""));
+        canvas.curve("course", &points, color, 1.1, "");
         for (roots, at) in points.into_iter().enumerate() {
             if let Some(at) = at {
-                mark(canvas, at, (first + number, color));
-                if Some(roots) == curve.least {
-                    canvas.dot(at, 1.8, (color, "none"));
+                mark(canvas, at, first + number);
+                if Some(roots) == curve.supported {
+                    canvas.dot(at, 1.8, color, "none");
                 }
             }
         }

@@ -26,14 +26,15 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
             test_title(&test.name, test.synthetic),
             figure.method
         ),
-        (Anchor::Start, INK),
+        Anchor::Start,
+        INK,
     );
     frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
     canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
     indicator(&mut canvas, figure, &x);
     for mode in &test.modes {
         let at = x.place(mode.hz);
-        canvas.line([at, TOP], [at, BOTTOM], (FAINT, 0.5));
+        canvas.line([at, TOP], [at, BOTTOM], FAINT, 0.5);
     }
     let styles = [
         (1.6, ("none", COLORS[6])),
@@ -41,11 +42,12 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
         (3.4, (COLORS[2], INK)),
     ];
     for (k, status) in figure.status.iter().enumerate() {
-        let (radius, style) = styles[usize::from(*status).min(2)];
+        let (radius, (fill, stroke)) = styles[usize::from(*status).min(2)];
         canvas.dot(
             [x.place(figure.hz[k]), y.place(figure.order[k] as f64)],
             radius,
-            style,
+            fill,
+            stroke,
         );
     }
     canvas.unclip();
@@ -59,11 +61,13 @@ fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
     let names = ["unstable", "stable", "selected", "identified modes", "CMIF"];
     for (k, name) in names.into_iter().enumerate() {
         match (poles.get(k), name) {
-            (Some((radius, style)), _) => canvas.dot([x + 8.0, y - 4.0], *radius, *style),
-            (None, "CMIF") => canvas.line([x, y - 4.0], [x + 16.0, y - 4.0], ("#b5b5b5", 1.0)),
-            (None, _) => canvas.line([x + 8.0, y - 11.0], [x + 8.0, y + 2.0], (FAINT, 0.5)),
+            (Some((radius, (fill, stroke))), _) => {
+                canvas.dot([x + 8.0, y - 4.0], *radius, fill, stroke)
+            }
+            (None, "CMIF") => canvas.line([x, y - 4.0], [x + 16.0, y - 4.0], "#b5b5b5", 1.0),
+            (None, _) => canvas.line([x + 8.0, y - 11.0], [x + 8.0, y + 2.0], FAINT, 0.5),
         }
-        canvas.text([x + 21.0, y], name, (Anchor::Start, INK));
+        canvas.text([x + 21.0, y], name, Anchor::Start, INK);
         x += 39.0 + text_width(name);
     }
 }
@@ -84,6 +88,6 @@ fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
         let points: Vec<Option<[f64; 2]>> = points
             .map(|(hz, value)| Some([x.place(*hz), y.shown(value.max(lo))?]))
             .collect();
-        canvas.curve("cmif", &points, ("#b5b5b5", 1.0, ""));
+        canvas.curve("cmif", &points, "#b5b5b5", 1.0, "");
     }
 }

@@ -84,13 +84,12 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
         PANEL_WIDTH_PX * COLUMNS as f64,
         PANEL_HEIGHT_PX * rows as f64 + 34.0,
     );
-    for (k, shape) in figure.test.iter().enumerate() {
+    for k in 0..figure.test.len() {
         let corner = [
             (k % COLUMNS) as f64 * PANEL_WIDTH_PX,
             (k / COLUMNS) as f64 * PANEL_HEIGHT_PX,
         ];
-        let partner = figure.partners.get(k).and_then(Option::as_ref);
-        panel(&mut canvas, figure, (&view, corner), (k, shape, partner));
+        panel(&mut canvas, figure, &view, corner, k);
     }
     let names = [
         (test, COLORS[0]),
@@ -101,12 +100,9 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
     canvas.finish()
 }
 
-fn panel(
-    canvas: &mut Canvas,
-    figure: &ShapeFigure,
-    (view, corner): (&View, [f64; 2]),
-    (index, shape, partner): (usize, &ShapeValues, Option<&Partner>),
-) {
+fn panel(canvas: &mut Canvas, figure: &ShapeFigure, view: &View, corner: [f64; 2], index: usize) {
+    let shape = &figure.test[index];
+    let partner = figure.partners.get(index).and_then(Option::as_ref);
     let mac = partner
         .and_then(|partner| partner.mac)
         .map_or_else(String::new, |mac| format!(", MAC {mac:.3}"));
@@ -114,7 +110,8 @@ fn panel(
     canvas.text(
         [corner[0] + 14.0, corner[1] + 18.0],
         &title,
-        (Anchor::Start, INK),
+        Anchor::Start,
+        INK,
     );
     let test = at_maximum_deflection(&complex(shape));
     let theory = partner.and_then(|partner| partner_shape(figure, partner));
@@ -139,12 +136,12 @@ fn panel(
             view.place(at, corner)
         };
         for [a, b] in &figure.lines {
-            canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], (color, width, dash));
+            canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], color, width, dash);
         }
         for n in 0..figure.points.len() {
             let from = view.place(figure.points[n].at_m, corner);
-            canvas.line(from, at(n), (color, 0.4));
-            canvas.dot(at(n), 1.2 * width, (color, "none"));
+            canvas.line(from, at(n), color, 0.4);
+            canvas.dot(at(n), 1.2 * width, color, "none");
         }
     };
     draw(None, (GRID, 1.0, ""));

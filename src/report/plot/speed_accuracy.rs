@@ -4,9 +4,9 @@
 use crate::study::{Condition, DetectionCounts, Method, SpeedAccuracy, TestStudy};
 
 use super::axis::{Axis, frame, range};
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
+use super::canvas::{Anchor, Canvas, FAINT, INK};
 use super::file_name;
-use super::mark::mark;
+use super::mark::{curve_color, mark};
 
 const LEFT: [f64; 2] = [75.0, 475.0];
 const WIDTH: f64 = 320.0;
@@ -149,10 +149,10 @@ fn cost(chart: &Chart) -> Option<String> {
     let times = chart.points.iter().map(|point| point.time_s).chain(limits);
     let (first, last) = range(times.flatten().filter(|time| *time > 0.0))?;
     let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
-    canvas.text([LEFT[0], 18.0], &chart.title, (Anchor::Start, INK));
+    canvas.text([LEFT[0], 18.0], &chart.title, Anchor::Start, INK);
     for (quantity, left) in LEFT.into_iter().enumerate() {
         let x = Axis::log((0.6e3 * first, 2.0e3 * last), (left, left + WIDTH));
-        panel(&mut canvas, chart, (quantity, &x));
+        panel(&mut canvas, chart, quantity, &x);
     }
     method_legend(&mut canvas, [LEFT[0], BOTTOM + 60.0]);
     let names = [
@@ -168,12 +168,12 @@ fn cost(chart: &Chart) -> Option<String> {
     ];
     for (row, note) in (0..).zip(notes) {
         let y = BOTTOM + 100.0 + 16.0 * f64::from(row);
-        canvas.text([LEFT[0], y], note, (Anchor::Start, FAINT));
+        canvas.text([LEFT[0], y], note, Anchor::Start, FAINT);
     }
     Some(canvas.finish())
 }
 
-fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
+fn panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
     let label = ["Frequency error, rms (%)", "Damping error, rms (%)"][quantity];
     let left = LEFT[quantity];
     let bound = chart.accuracy.0[quantity];
@@ -193,11 +193,11 @@ fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
     for (time, color) in [(chart.transform_s, INK), (chart.pass_s, FAINT)] {
         let at = time.and_then(|time| x.shown(1e3 * time));
         let ends = at.map(|at| [Some([at, TOP]), Some([at, BOTTOM])]);
-        canvas.curve("limit", &ends.unwrap_or([None; 2]), (color, 1.2, "2 3"));
+        canvas.curve("limit", &ends.unwrap_or([None; 2]), color, 1.2, "2 3");
     }
     let at = bound.and_then(|bound| y.shown(100.0 * bound));
     let ends = at.map(|at| [Some([left, at]), Some([left + WIDTH, at])]);
-    canvas.curve("bound", &ends.unwrap_or([None; 2]), (INK, 1.2, "7 4"));
+    canvas.curve("bound", &ends.unwrap_or([None; 2]), INK, 1.2, "7 4");
     let place = |point: &Point| {
         let x = x.shown(1e3 * point.time_s?)?;
         Some([x, y.shown(100.0 * point.error[quantity]?.max(lo))?])
@@ -207,13 +207,13 @@ fn panel(canvas: &mut Canvas, chart: &Chart, (quantity, x): (usize, &Axis)) {
     // The front is that of time and frequency error.
     if quantity == 0 {
         let corners: Vec<_> = front.iter().map(|point| place(point)).collect();
-        canvas.curve("front", &corners, (INK, 1.0, ""));
+        canvas.curve("front", &corners, INK, 1.0, "");
     }
     for point in &chart.points {
         if let Some(at) = place(point) {
-            marker(canvas, at, (point.method, point.right));
+            marker(canvas, at, point.method, point.right);
             if point.on_front && quantity == 0 {
-                canvas.dot(at, 8.5, ("none", INK));
+                canvas.dot(at, 8.5, "none", INK);
             }
         }
     }
@@ -245,26 +245,22 @@ fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
             at[1] += 3.0;
         }
         taken.push(at);
-        canvas.text(at, name, (anchor, INK));
+        canvas.text(at, name, anchor, INK);
     }
 }
 
 /// The mark of a method, with a dot in it for one that made no mistake.
-fn marker(canvas: &mut Canvas, at: [f64; 2], (number, right): (usize, bool)) {
-    mark(canvas, at, (number, color(number)));
+fn marker(canvas: &mut Canvas, at: [f64; 2], method: usize, right: bool) {
+    mark(canvas, at, method);
     if right {
-        canvas.dot(at, 1.8, (color(number), "none"));
+        canvas.dot(at, 1.8, curve_color(method), "none");
     }
-}
-
-fn color(number: usize) -> &'static str {
-    COLORS[number % (COLORS.len() - 1)]
 }
 
 fn method_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2]) {
     for (number, method) in Method::all(&[]).into_iter().enumerate() {
-        marker(canvas, [x + 6.0, y - 4.0], (number, false));
-        canvas.text([x + 16.0, y], method.name, (Anchor::Start, INK));
+        marker(canvas, [x + 6.0, y - 4.0], number, false);
+        canvas.text([x + 16.0, y], method.name, Anchor::Start, INK);
         x += 70.0;
     }
 }
@@ -272,8 +268,8 @@ fn method_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2]) {
 fn line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, &str)]) {
     for (name, dash, color) in names {
         let ends = [Some([x, y - 4.0]), Some([x + 24.0, y - 4.0])];
-        canvas.curve("legend", &ends, (color, 1.2, dash));
-        canvas.text([x + 30.0, y], name, (Anchor::Start, INK));
+        canvas.curve("legend", &ends, color, 1.2, dash);
+        canvas.text([x + 30.0, y], name, Anchor::Start, INK);
         x += 48.0 + 6.0 * name.chars().count() as f64;
     }
 }
@@ -297,7 +293,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
         "{}: rms error over its Cramér-Rao bound on the twin",
         test.name
     );
-    canvas.text([75.0, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([75.0, 18.0], &title, Anchor::Start, INK);
     for (quantity, [top, bottom]) in ROWS.into_iter().enumerate() {
         let all = test
             .twin
@@ -312,7 +308,8 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
             canvas.rect(
                 [left, within[0]],
                 [left + COLUMN, within[1]],
-                ("#dcdcdc", "none"),
+                "#dcdcdc",
+                "none",
             );
             let label = ["Frequency error / bound", "Damping error / bound"][quantity];
             let labels = match (column, quantity) {
@@ -326,13 +323,15 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                 canvas.text(
                     [left + 4.0, top - 8.0],
                     condition.name(),
-                    (Anchor::Start, INK),
+                    Anchor::Start,
+                    INK,
                 );
             }
             canvas.line(
                 [left, y.place(1.0)],
                 [left + COLUMN, y.place(1.0)],
-                (INK, 1.0),
+                INK,
+                1.0,
             );
             canvas.clip([left, top], [left + COLUMN, bottom]);
             for (number, method) in Method::all(&[]).into_iter().enumerate() {
@@ -347,9 +346,9 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                 let points: Vec<Option<([f64; 2], bool)>> = points.collect();
                 let curve: Vec<Option<[f64; 2]>> =
                     points.iter().map(|point| Some(point.as_ref()?.0)).collect();
-                canvas.curve("method", &curve, (color(number), 1.1, ""));
+                canvas.curve("method", &curve, curve_color(number), 1.1, "");
                 for (at, right) in points.into_iter().flatten() {
-                    marker(&mut canvas, at, (number, right));
+                    marker(&mut canvas, at, number, right);
                 }
             }
             canvas.unclip();
@@ -359,7 +358,8 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
     canvas.text(
         [75.0, 574.0],
         "Grey: within 20 % of the bound. A dot in a mark: no mode missed or spurious in any draw.",
-        (Anchor::Start, FAINT),
+        Anchor::Start,
+        FAINT,
     );
     Some(canvas.finish())
 }

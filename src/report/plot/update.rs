@@ -42,7 +42,7 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
     )?;
     let mut canvas = Canvas::new(RIGHT + 15.0, 330.0);
     let title = format!("Objective of the update by iteration{mark}");
-    canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
     let every = steps.len().div_ceil(12).max(1);
     let x = Axis::linear((0.5, steps.len() as f64 + 0.5), (LEFT, RIGHT)).stepped(every as f64);
     let y = Axis::log((lo / 1.3, 1.3 * hi), (260.0, 30.0));
@@ -56,11 +56,11 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
     let (objective, data) = (taken(|step| step.objective), taken(|step| step.chi_square));
     let as_it_stands = y.shown(file.before.chi_square);
     let across = [LEFT, RIGHT].map(|x| as_it_stands.map(|y| [x, y]));
-    canvas.curve("as-it-stands", &across, (FAINT, 1.0, "2 3"));
-    canvas.curve("objective", &objective, (COLORS[0], 1.6, ""));
-    canvas.curve("chi-square", &data, (COLORS[1], 1.3, "5 3"));
+    canvas.curve("as-it-stands", &across, FAINT, 1.0, "2 3");
+    canvas.curve("objective", &objective, COLORS[0], 1.6, "");
+    canvas.curve("chi-square", &data, COLORS[1], 1.3, "5 3");
     for at in objective.into_iter().flatten() {
-        canvas.dot(at, 2.4, (COLORS[0], "none"));
+        canvas.dot(at, 2.4, COLORS[0], "none");
     }
     let mut names = vec![
         ("objective: data and prior", COLORS[0]),
@@ -71,7 +71,7 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
     }
     for (k, step) in steps.iter().enumerate().filter(|(_, step)| !step.accepted) {
         if let Some(at) = y.shown(step.objective) {
-            canvas.dot([x.place(k as f64 + 1.0), at], 2.4, ("none", COLORS[6]));
+            canvas.dot([x.place(k as f64 + 1.0), at], 2.4, "none", COLORS[6]);
         }
     }
     if steps.iter().any(|step| !step.accepted) {
@@ -100,26 +100,29 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
     let bottom = 32.0 + ROW_HEIGHT_PX * rows.len() as f64;
     let mut canvas = Canvas::new(RIGHT + 235.0, bottom + 74.0);
     let title = format!("Parameters before and after the update{mark}");
-    canvas.text([left, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([left, 18.0], &title, Anchor::Start, INK);
     let pad = 0.06 * (hi - lo);
     let x = Axis::linear((lo - pad, hi + pad), (left, RIGHT));
     for (k, row) in rows.iter().enumerate() {
         parameter(
             &mut canvas,
             row,
-            (&x, left, 32.0 + ROW_HEIGHT_PX * (k as f64 + 0.5)),
+            &x,
+            left,
+            32.0 + ROW_HEIGHT_PX * (k as f64 + 0.5),
         );
     }
     for tick in x.ticks(8.0) {
         let at = x.place(tick.at);
-        canvas.line([at, bottom], [at, bottom + 4.0], (FAINT, 1.0));
-        canvas.text([at, bottom + 16.0], &tick.text, (Anchor::Middle, INK));
+        canvas.line([at, bottom], [at, bottom + 4.0], FAINT, 1.0);
+        canvas.text([at, bottom + 16.0], &tick.text, Anchor::Middle, INK);
     }
-    canvas.rect([left, 28.0], [RIGHT, bottom], ("none", FAINT));
+    canvas.rect([left, 28.0], [RIGHT, bottom], "none", FAINT);
     canvas.text(
         [0.5 * (left + RIGHT), bottom + 34.0],
         "Change from the model's value (prior standard deviations)",
-        (Anchor::Middle, INK),
+        Anchor::Middle,
+        INK,
     );
     let names = [
         ("prior ±1 std", GRID),
@@ -131,17 +134,18 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
     Some(canvas.finish())
 }
 
-fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, (x, left, y): (&Axis, f64, f64)) {
+fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, left: f64, y: f64) {
     let place = |value: f64| x.place((value - row.initial) / row.prior_std);
     let prior = [
         place(row.initial - row.prior_std),
         place(row.initial + row.prior_std),
     ];
-    canvas.rect([prior[0], y - 7.0], [prior[1], y + 7.0], (GRID, "none"));
+    canvas.rect([prior[0], y - 7.0], [prior[1], y + 7.0], GRID, "none");
     canvas.line(
         [place(row.initial), y - 7.0],
         [place(row.initial), y + 7.0],
-        (FAINT, 1.0),
+        FAINT,
+        1.0,
     );
     let color = match row.verdict {
         ParameterVerdict::Identified => COLORS[0],
@@ -149,12 +153,12 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, (x, left, y): (&Ax
         ParameterVerdict::NotSupported => COLORS[6],
     };
     let ends = [place(row.updated - row.std), place(row.updated + row.std)];
-    canvas.line([ends[0], y], [ends[1], y], (color, 1.6));
+    canvas.line([ends[0], y], [ends[1], y], color, 1.6);
     for end in ends {
-        canvas.line([end, y - 4.0], [end, y + 4.0], (color, 1.2));
+        canvas.line([end, y - 4.0], [end, y + 4.0], color, 1.2);
     }
-    canvas.dot([place(row.updated), y], 3.2, (color, "none"));
-    canvas.text([left - 8.0, y + 4.0], &row.name, (Anchor::End, INK));
+    canvas.dot([place(row.updated), y], 3.2, color, "none");
+    canvas.text([left - 8.0, y + 4.0], &row.name, Anchor::End, INK);
     let unit = match row.unit.as_str() {
         "" | "-" | "1" => String::new(),
         unit => format!(" {unit}"),
@@ -165,7 +169,7 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, (x, left, y): (&Ax
         short(row.updated, 4),
         short(row.std, 2)
     );
-    canvas.text([RIGHT + 10.0, y + 4.0], &values, (Anchor::Start, INK));
+    canvas.text([RIGHT + 10.0, y + 4.0], &values, Anchor::Start, INK);
 }
 
 /// Significant digits; large and small numbers with their power of ten.
@@ -201,7 +205,7 @@ fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
     let below = 0.87 * longest + 30.0;
     let mut canvas = Canvas::new(RIGHT + 15.0, 280.0 + below);
     let title = format!("Frequency errors before and after the update{mark}");
-    canvas.text([LEFT, 18.0], &title, (Anchor::Start, INK));
+    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
     let pad = 0.08 * (hi - lo);
     let x = Axis::linear((0.4, rows.len() as f64 + 0.6), (LEFT, RIGHT)).stepped(1.0);
     let y = Axis::linear((lo - pad, hi + pad), (250.0, 30.0));
@@ -215,12 +219,12 @@ fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
         for (error, from, color) in bars {
             let Some(error) = error else { continue };
             let (a, b) = (x.place(middle + from), x.place(middle + from + 0.36));
-            canvas.rect([a, y.place(0.0)], [b, y.place(error)], (color, "none"));
+            canvas.rect([a, y.place(0.0)], [b, y.place(error)], color, "none");
         }
         let at = [x.place(middle) + 4.0, 264.0];
-        canvas.rotated_text(at, &before.label, (Anchor::End, INK), -60.0);
+        canvas.rotated_text(at, &before.label, Anchor::End, INK, -60.0);
     }
-    canvas.line([LEFT, y.place(0.0)], [RIGHT, y.place(0.0)], (INK, 1.0));
+    canvas.line([LEFT, y.place(0.0)], [RIGHT, y.place(0.0)], INK, 1.0);
     let names = [("before", COLORS[6]), ("after", COLORS[0])];
     canvas.legend([LEFT, 270.0 + below], &names);
     Some(canvas.finish())

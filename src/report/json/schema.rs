@@ -1,0 +1,44 @@
+//! Files of a stated schema are read with the path, line and column of an error.
+
+use serde::de::DeserializeOwned;
+
+use crate::io::IoError;
+
+/// A file; `expected` names its schema as errors state it.
+///
+/// # Errors
+/// [`IoError::Json`] with the path as given, line and column.
+pub(super) fn parsed<T: DeserializeOwned>(
+    text: &str,
+    path: &str,
+    expected: &'static str,
+) -> Result<T, IoError> {
+    serde_json::from_str(text).map_err(|error| IoError::Json {
+        path: path.to_owned(),
+        line: error.line(),
+        column: error.column(),
+        got: error.to_string(),
+        expected,
+    })
+}
+
+/// Checks the schema of a file; `expected` is `schema NAME`.
+///
+/// # Errors
+/// [`IoError::Json`] for another schema.
+pub(super) fn check_schema(
+    schema: &str,
+    path: &str,
+    expected: &'static str,
+) -> Result<(), IoError> {
+    match format!("schema {schema}") == expected {
+        true => Ok(()),
+        false => Err(IoError::Json {
+            path: path.to_owned(),
+            line: 1,
+            column: 1,
+            got: format!("schema {schema:?}"),
+            expected,
+        }),
+    }
+}
