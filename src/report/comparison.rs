@@ -8,6 +8,7 @@ use crate::scene::{LimitCheck, Theory};
 use crate::theory::{ParameterSpec, ParameterStatus};
 
 use super::block::significant;
+use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
 /// A comparison table of some of the tests.
@@ -272,7 +273,7 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::number(cell.mac, 4),
         Cell::number(cell.chance_level.map(|level| level.mac), 3),
         basis_cell(cell),
-        Cell::text(status_text(cell)),
+        Cell::text(verdict(cell).text()),
     ]
 }
 
@@ -288,7 +289,7 @@ fn short_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::signed(cell.error_hz, 2),
         Cell::signed(cell.error_percent, 3),
         basis_cell(cell),
-        Cell::text(status_text(cell)),
+        Cell::text(verdict(cell).text()),
     ]
 }
 
@@ -303,18 +304,18 @@ fn basis_cell(cell: &TestCell) -> Cell {
     })
 }
 
-/// The verdict as printed. `comparison.json` keeps shorter codes, and states in `judged` whether
+/// The verdict on a pair. `comparison.json` keeps shorter codes, and states in `judged` whether
 /// the observability of an unmatched mode is known.
-fn status_text(cell: &TestCell) -> &'static str {
+fn verdict(cell: &TestCell) -> Verdict {
     match cell.status {
-        _ if !cell.is_status_certain() => "unmatched, observability unknown",
-        Status::Paired => "paired",
-        Status::Ambiguous => "ambiguous",
-        Status::MissedExpected => "unmatched, near a paired mode",
-        Status::MissedUnexpected => "unmatched model mode, should have been seen",
-        Status::NotObservable => "not-observable",
-        Status::OutsideBand => "outside-band",
-        Status::Extra => "unmatched test mode",
+        _ if !cell.is_status_certain() => Verdict::UnmatchedUnknown,
+        Status::Paired => Verdict::Paired,
+        Status::Ambiguous => Verdict::Ambiguous,
+        Status::MissedExpected => Verdict::UnmatchedNearPair,
+        Status::MissedUnexpected => Verdict::UnmatchedObservable,
+        Status::NotObservable => Verdict::NotObservable,
+        Status::OutsideBand => Verdict::OutsideBand,
+        Status::Extra => Verdict::UnmatchedTestMode,
     }
 }
 
@@ -439,7 +440,7 @@ pub fn limits_block(checks: &[LimitCheck]) -> Option<Block> {
                 if check.upper { "at most" } else { "at least" },
                 check.limit
             )),
-            Cell::text(if check.is_met() { "met" } else { "MISSED" }),
+            Cell::text(Verdict::of_limit(check.is_met()).text()),
         ]
     };
     (!checks.is_empty()).then(|| {

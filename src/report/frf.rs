@@ -4,6 +4,7 @@ use crate::axis::Band;
 use crate::frf::{FrfSet, HitReport};
 use crate::signal::{Check, Outcome, Rule};
 
+use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
 /// One row per FRF, with the median coherence over the usable band.
@@ -63,7 +64,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
             Cell::text(hit.number.to_string()),
             Cell::text(hit.reference.to_string()),
             Cell::number(Some(hit.peak_n), 2),
-            Cell::text(verdict(hit)),
+            Cell::text(verdict(hit).text()),
             Cell::text(reasons(hit)),
         ]
     };
@@ -86,12 +87,12 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
     })
 }
 
-fn verdict(hit: &HitReport) -> String {
-    let used = if hit.used { "used" } else { "rejected" };
-    if hit.stated {
-        format!("{used} (stated)")
-    } else {
-        used.to_owned()
+fn verdict(hit: &HitReport) -> Verdict {
+    match (hit.used, hit.stated) {
+        (true, false) => Verdict::Used,
+        (true, true) => Verdict::UsedAsStated,
+        (false, false) => Verdict::Rejected,
+        (false, true) => Verdict::RejectedAsStated,
     }
 }
 

@@ -30,6 +30,7 @@ mod sweep;
 mod terminal;
 mod test_title;
 mod update;
+mod verdict;
 mod verdicts;
 
 pub use block::{Align, Block, Cell, Column, Table};

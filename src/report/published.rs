@@ -10,6 +10,7 @@ use crate::theory::ModelQuantity;
 
 use super::comparison::provenance;
 use super::modes::largest_shares;
+use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
 /// The published natural frequencies and those of the model; `None` where none are printed.
@@ -218,24 +219,20 @@ fn where_largest(test: &TestErrors) -> Option<String> {
 
 /// The claims of a publication and whether they are reproduced; `None` without any.
 pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
-    let row = |verdict: &ClaimVerdict| {
+    let row = |claim: &ClaimVerdict| {
         // Two digits more than printed show how close a rounding is; a count has none to show.
-        let counted = verdict.unit.is_empty() && verdict.digits == Digits::Decimals(0);
-        let finer = verdict.digits.finer(if counted { 0 } else { 2 });
-        let found = verdict.recomputed.as_ref();
-        let relation = verdict.relation;
+        let counted = claim.unit.is_empty() && claim.digits == Digits::Decimals(0);
+        let finer = claim.digits.finer(if counted { 0 } else { 2 });
+        let found = claim.recomputed.as_ref();
+        let relation = claim.relation;
         vec![
-            Cell::text(&verdict.text),
-            stated_cell(&verdict.printed, relation, verdict.digits, verdict.unit),
+            Cell::text(&claim.text),
+            stated_cell(&claim.printed, relation, claim.digits, claim.unit),
             found.map_or(Cell::Missing, |found| {
-                stated_cell(found, "", finer, verdict.unit)
+                stated_cell(found, "", finer, claim.unit)
             }),
-            Cell::text(match verdict.confirmed {
-                Some(true) => "reproduced",
-                Some(false) => "NOT reproduced",
-                None => "not checkable",
-            }),
-            verdict.remark.clone().map_or(Cell::Missing, Cell::Text),
+            Cell::text(claim_verdict(claim.confirmed).text()),
+            claim.remark.clone().map_or(Cell::Missing, Cell::Text),
         ]
     };
     (!expected.verdicts.is_empty()).then(|| {
@@ -256,6 +253,14 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
             ],
         })
     })
+}
+
+fn claim_verdict(confirmed: Option<bool>) -> Verdict {
+    match confirmed {
+        Some(true) => Verdict::Reproduced,
+        Some(false) => Verdict::NotReproduced,
+        None => Verdict::NotCheckable,
+    }
 }
 
 /// `7.5 % at f2`, `> 25 Hz`, a count, or labels.

@@ -6,6 +6,7 @@ use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit
 
 use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
+use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
 /// Maximum number of printed changes; `update.json` has all.
@@ -47,9 +48,9 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
             Cell::text(significant(p.prior_std, 3)),
             Cell::deviation(Some(p.posterior_over_prior), 3),
             Cell::text(if p.held {
-                format!("{}; held", p.verdict.name())
+                format!("{}; held", Verdict::from(p.verdict).text())
             } else {
-                p.verdict.name().to_owned()
+                Verdict::from(p.verdict).text().to_owned()
             }),
         ]
     };
@@ -335,7 +336,10 @@ fn row(change: &SubsetFit) -> Vec<Cell> {
         Cell::number(change.fit.rms_percent, 3),
         Cell::number(Some(change.fit.chi_square), 2),
         Cell::number(Some(change.bic), 2),
-        Cell::text(if change.explains() { "yes" } else { "no" }),
+        Cell::text(match change.explains() {
+            true => Verdict::Explains.text(),
+            false => "no",
+        }),
     ]
 }
 

@@ -3,6 +3,7 @@
 use crate::scene::{LimitCheck, RowVerdict};
 
 use super::block::{Block, Cell, Column, Table};
+use super::verdict::Verdict;
 
 /// A line for each check under the name of its row, with the verdict on the row in its first line.
 pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
@@ -29,7 +30,7 @@ pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
 fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
     row.checks.iter().enumerate().map(|(index, check)| {
         let (name, verdict) = match index {
-            0 => (row.row.as_str(), verdict(row.is_met())),
+            0 => (row.row.as_str(), Verdict::of_limit(row.is_met()).text()),
             _ => ("", ""),
         };
         let value = check
@@ -41,13 +42,12 @@ fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
             Cell::text(&check.what),
             value,
             Cell::text(allowed(check)),
-            Cell::text(if check.is_met() { "" } else { "MISSED" }),
+            Cell::text(match check.is_met() {
+                true => "",
+                false => Verdict::Missed.text(),
+            }),
         ]
     })
-}
-
-fn verdict(met: bool) -> &'static str {
-    if met { "met" } else { "MISSED" }
 }
 
 fn allowed(check: &LimitCheck) -> String {

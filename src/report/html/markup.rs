@@ -1,7 +1,10 @@
 //! Blocks of a report as HTML elements.
 
+use std::collections::BTreeMap;
+
 use crate::finding::Finding;
 
+use super::super::verdict::Verdict;
 use super::super::{Align, Block, Cell, Column, Language, Table};
 use super::words::word;
 
@@ -76,10 +79,11 @@ fn table_text(table: &Table, language: Language) -> String {
         let text = escape(&column.head).replace('\n', "<br>");
         format!("<th scope=\"col\"{}>{text}</th>", class(column))
     });
+    let classes = verdict_classes(language);
     let rows = table.rows.iter().map(|row| {
         let cells = row.iter().zip(&table.columns);
         let cells: String = cells
-            .map(|(cell, column)| cell_text(cell, column))
+            .map(|(cell, column)| cell_text(cell, column, &classes))
             .collect();
         format!("<tr>{cells}</tr>\n")
     });
@@ -112,56 +116,39 @@ fn table_text(table: &Table, language: Language) -> String {
     )
 }
 
-fn cell_text(cell: &Cell, column: &Column) -> String {
-    let text = escape(&cell.display()).replace('\n', "<br>");
-    match (cell, verdict_class(&cell.display())) {
-        (Cell::Text(_), Some(kind)) => {
-            format!(
-                "<td{}><span class=\"chip {kind}\">{text}</span></td>",
-                class(column)
-            )
-        }
-        _ => format!("<td{}>{text}</td>", class(column)),
+fn cell_text(cell: &Cell, column: &Column, classes: &BTreeMap<String, &str>) -> String {
+    let shown = cell.display();
+    let text = escape(&shown).replace('\n', "<br>");
+    match classes
+        .get(&shown)
+        .filter(|_| matches!(cell, Cell::Text(_)))
+    {
+        Some(verdict) => format!(
+            "<td{}><span class=\"chip {verdict}\">{text}</span></td>",
+            class(column)
+        ),
+        None => format!("<td{}>{text}</td>", class(column)),
     }
 }
 
-/// Colour of a verdict, in either language; none for other text.
-fn verdict_class(text: &str) -> Option<&'static str> {
-    Some(match text {
-        "paired" | "已配对" | "identified" | "可识别" | "used" | "used (stated)" | "reproduced"
-        | "met" | "yes" | "采用" | "采用(指定)" | "已复现" | "满足" => "good",
-        "ambiguous"
-        | "不明确"
-        | "at bound"
-        | "位于边界"
-        | "unmatched, near a paired mode"
-        | "漏检(预期)"
-        | "not checkable"
-        | "无法核对" => "fair",
-        "MISSED"
-        | "NOT reproduced"
-        | "unmatched model mode, should have been seen"
-        | "漏检(非预期)"
-        | "unmatched test mode"
-        | "多余"
-        | "rejected"
-        | "rejected (stated)"
-        | "missed"
-        | "not reproduced"
-        | "unmatched, observability unknown"
-        | "漏检(未判定)"
-        | "剔除"
-        | "剔除(指定)"
-        | "未复现"
-        | "未满足" => "bad",
-        "not-observable"
-        | "不可观测"
-        | "outside-band"
-        | "频带外"
-        | "not supported by the data"
-        | "数据不支持" => "dim",
-        _ => return None,
-    })
+/// The classes of verdicts by their text, in English and as tables translate it: cells are text,
+/// and `report.json` has no more.
+fn verdict_classes(language: Language) -> BTreeMap<String, &'static str> {
+    let english = vec![Block::Table(Table {
+        columns: vec![Column::text("verdict")],
+        rows: Verdict::ALL
+            .iter()
+            .map(|verdict| vec![Cell::text(verdict.text())])
+            .collect(),
+        ..Table::default()
+    })];
+    let mut classes = BTreeMap::new();
+    for block in [language.translated(english.clone()), english].concat() {
+        let Block::Table(table) = block else { continue };
+        let texts = table.rows.iter().flatten().map(Cell::display);
+        classes.extend(texts.zip(Verdict::ALL.iter().map(|verdict| verdict.class())));
+    }
+    classes
 }
 
 #[cfg(test)]
@@ -185,5 +172,31 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("<code>close-modes</code>") && text.matches("<ul").count() == 1);
+    }
+
+    #[test]
+    fn every_verdict_has_its_class_in_every_language() {
+        for language in [Language::English, Language::Chinese] {
+            for verdict in Verdict::ALL {
+                let table = Block::Table(Table {
+                    columns: vec![Column::text("verdict")],
+                    rows: vec![vec![Cell::text(verdict.text())]],
+                    ..Table::default()
+                });
+                let text = fragment(&language.translated(vec![table]), language);
+                let chip = format!("<span class=\"chip {}\">", verdict.class());
+                assert!(text.contains(&chip), "{verdict:?}: {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_style_has_every_class_of_a_verdict() {
+        // A chip without another class is dim.
+        let colored = |verdict: &&Verdict| verdict.class() != "dim";
+        for verdict in Verdict::ALL.iter().filter(colored) {
+            let rule = format!(".chip.{}", verdict.class());
+            assert!(include_str!("page.css").contains(&rule), "{rule}");
+        }
     }
 }

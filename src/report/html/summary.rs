@@ -13,6 +13,7 @@ use crate::scene::Overview;
 use super::super::Language;
 use super::super::comparison::headline;
 use super::super::json::RunReport;
+use super::super::verdict::Verdict;
 use super::markup::{escape, text_with_code};
 use super::numbers::{round_to_std, short, two_digits};
 use super::update;
@@ -98,20 +99,24 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
         .min_mac
         .map_or_else(|| "—".to_owned(), |mac| format!("{mac:.3}"));
     let counts = [
-        ("unmatched (model)", test.missed),
-        ("not observable", test.not_observable),
-        ("ambiguous", test.ambiguous),
-        ("unmatched (test)", test.extra),
+        (
+            "unmatched (model)",
+            Verdict::UnmatchedObservable,
+            test.missed,
+        ),
+        (
+            "not observable",
+            Verdict::NotObservable,
+            test.not_observable,
+        ),
+        ("ambiguous", Verdict::Ambiguous, test.ambiguous),
+        ("unmatched (test)", Verdict::UnmatchedTestMode, test.extra),
     ];
-    let counted = counts.iter().filter(|(_, count)| *count > 0);
+    let counted = counts.iter().filter(|(.., count)| *count > 0);
     let chips: String = counted
-        .map(|(name, count)| {
-            let kind = match *name {
-                "not observable" => "dim",
-                "ambiguous" => "fair",
-                _ => "bad",
-            };
-            format!("<span class=\"chip {kind}\">{count} {}</span> ", w(name))
+        .map(|(name, verdict, count)| {
+            let class = verdict.class();
+            format!("<span class=\"chip {class}\">{count} {}</span> ", w(name))
         })
         .collect();
     let synthetic = match synthetic {

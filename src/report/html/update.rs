@@ -2,12 +2,13 @@
 
 use serde_json::Value;
 
+use super::super::verdict::Verdict;
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
 use super::numbers::{short, two_digits};
 use super::words::{sentence, word};
 use crate::scene::Figures;
-use crate::update::StopReason;
+use crate::update::{StopReason, Verdict as ParameterVerdict};
 
 /// Maximum number of single parameter changes in the table; `update.json` has all.
 const MAX_LISTED_CHANGES: usize = 10;
@@ -191,12 +192,11 @@ fn change_row(candidate: &Value, language: Language) -> Vec<Cell> {
     ]
 }
 
-/// Translated verdict on a parameter.
-fn verdict(text: Option<&str>, language: Language) -> Cell {
-    let verdicts = ["identified", "at bound", "not supported by the data"];
-    match verdicts.iter().find(|word| Some(**word) == text) {
-        Some(verdict) => Cell::text(word(language, verdict)),
-        None => text.map_or(Cell::Missing, Cell::text),
+/// Translated verdict on a parameter; a text that is none stays as it is.
+fn verdict_cell(verdict: &Value, language: Language) -> Cell {
+    match serde_json::from_value::<ParameterVerdict>(verdict.clone()) {
+        Ok(verdict) => Cell::text(word(language, Verdict::from(verdict).text())),
+        Err(_) => verdict.as_str().map_or(Cell::Missing, Cell::text),
     }
 }
 
@@ -223,7 +223,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
                 change.map(|(before, after)| 100.0 * (after / before - 1.0)),
                 2,
             ),
-            verdict(row["verdict"].as_str(), language),
+            verdict_cell(&row["verdict"], language),
         ]
     };
     let columns = |texts: &[&'static str], numbers: &[&'static str]| -> Vec<Column> {
