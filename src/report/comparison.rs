@@ -7,7 +7,7 @@ use crate::correlate::{
 use crate::scene::{LimitCheck, Theory};
 use crate::theory::{ParameterSpec, ParameterStatus};
 
-use super::block::significant;
+use super::table::significant;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 

@@ -6,9 +6,9 @@
 
 mod block;
 mod breakdown;
-mod compare;
 mod comparison;
 mod csv_text;
+mod details;
 mod frf;
 mod html;
 mod indicators;
@@ -23,26 +23,27 @@ mod phrases;
 mod placement;
 mod plot;
 mod published;
+mod regression_check;
 mod response;
 mod speed_accuracy;
 mod stabilization;
 mod sweep;
+mod table;
 mod terminal;
 mod test_title;
 mod update;
 mod verdict;
-mod verdicts;
 
-pub use block::{Align, Block, Cell, Column, Table};
+pub use block::Block;
 pub use breakdown::{
     breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_times, breakdown_user_modes,
     stability_cells,
 };
-pub use compare::{details_blocks, simplest_details_block};
 pub use comparison::{
     TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
 };
 pub use csv_text::CsvText;
+pub use details::{details_blocks, simplest_details_block};
 pub use frf::{frf_block, hits_block};
 pub use html::{CompanionResults, Html, report_page};
 pub use indicators::{INDICATOR_DEFINITIONS, indicators_block};
@@ -63,13 +64,14 @@ pub use plot::{
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
+pub use regression_check::regression_check_block;
 pub use response::response_blocks;
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
+pub use table::{Align, Cell, Column, Table};
 pub use terminal::Terminal;
 pub use update::update_blocks;
-pub use verdicts::verdicts_block;
 
 /// Turns blocks into the text of one output format.
 pub trait Renderer: Sync {

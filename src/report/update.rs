@@ -4,8 +4,8 @@
 use crate::scene::SceneUpdate;
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
-use super::block::significant;
 use super::comparison::{error_head, whole_comparison};
+use super::table::significant;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 

@@ -1,8 +1,8 @@
 //! The JSON files that others may rely on; a change that breaks a reader raises the number in the
 //! schema's name.
 
-mod compare;
 mod comparison;
+mod details;
 mod hits;
 mod measures;
 mod placement;
@@ -14,11 +14,11 @@ mod sweep;
 mod theory;
 mod update;
 
-pub use compare::{DETAILS_SCHEMA, details_to_json};
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, ExtraResults, JsonError, RowFile, SummaryFile, TestFile,
     TheoryFile, comparison_from_json, comparison_to_json, comparison_with,
 };
+pub use details::{DETAILS_SCHEMA, details_to_json};
 pub use hits::hits;
 pub use measures::{
     AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,

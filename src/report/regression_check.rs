@@ -2,11 +2,11 @@
 
 use crate::scene::{LimitCheck, RowVerdict};
 
-use super::block::{Block, Cell, Column, Table};
 use super::verdict::Verdict;
+use super::{Block, Cell, Column, Table};
 
-/// A line for each check under the name of its row, with the verdict on the row in its first line.
-pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
+/// A row for each check; the first check of a result has its name and the verdict on it.
+pub fn regression_check_block(rows: &[RowVerdict]) -> Block {
     let missed = rows.iter().filter(|row| !row.is_met()).count();
     let caption = match missed {
         0 => format!("{} rows, all met", rows.len()),
@@ -22,12 +22,12 @@ pub fn verdicts_block(rows: &[RowVerdict]) -> Block {
             Column::text("allowed"),
             Column::text(""),
         ],
-        rows: rows.iter().flat_map(lines).collect(),
+        rows: rows.iter().flat_map(check_rows).collect(),
         footnotes: Vec::new(),
     })
 }
 
-fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
+fn check_rows(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
     row.checks.iter().enumerate().map(|(index, check)| {
         let (name, verdict) = match index {
             0 => (row.row.as_str(), Verdict::of_limit(row.is_met()).text()),
@@ -35,13 +35,13 @@ fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
         };
         let value = check
             .value
-            .map_or(Cell::Missing, |value| Cell::text(number(value)));
+            .map_or(Cell::Missing, |value| Cell::text(four_digits(value)));
         vec![
             Cell::text(name),
             Cell::text(verdict),
             Cell::text(&check.what),
             value,
-            Cell::text(allowed(check)),
+            Cell::text(limit_text(check)),
             Cell::text(match check.is_met() {
                 true => "",
                 false => Verdict::Missed.text(),
@@ -50,13 +50,13 @@ fn lines(row: &RowVerdict) -> impl Iterator<Item = Vec<Cell>> + '_ {
     })
 }
 
-fn allowed(check: &LimitCheck) -> String {
+fn limit_text(check: &LimitCheck) -> String {
     let relation = if check.upper { "at most" } else { "at least" };
-    format!("{relation} {}", number(check.limit))
+    format!("{relation} {}", four_digits(check.limit))
 }
 
-/// Four significant digits.
-fn number(value: f64) -> String {
+/// A number with four significant digits.
+fn four_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
         format!("{rounded:e}")
