@@ -12,6 +12,7 @@ use crate::scene::{LimitCheck, PlacedTest};
 
 use super::measures::{measures_value, reversed_value};
 use super::placement::{limits_value, placements_value};
+use super::schema::json_text;
 
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
@@ -180,8 +181,7 @@ pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> Str
         placements: placements_value(extra.placements),
         limits: limits_value(extra.limits),
     };
-    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
-    text + "\n"
+    json_text(&file)
 }
 
 /// Reads `comparison.json`.

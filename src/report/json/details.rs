@@ -6,6 +6,8 @@ use serde::Serialize;
 
 use crate::theory::DetailComparison;
 
+use super::schema::json_text;
+
 /// The schema of [`details_to_json`].
 pub const DETAILS_SCHEMA: &str = "modalign-details/1";
 
@@ -66,6 +68,5 @@ pub fn details_to_json(comparison: &DetailComparison, within: f64) -> String {
         models: models.collect(),
         roots: roots.collect(),
     };
-    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
-    text + "\n"
+    json_text(&file)
 }

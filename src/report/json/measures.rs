@@ -5,6 +5,8 @@ use serde_json::{Value, json};
 
 use crate::correlate::measures::{AutoMac, FrfCorrelation, Measures, ReversedSensor};
 
+use super::schema::json_text;
+
 /// The schema of [`auto_macs_to_json`].
 pub const AUTO_MAC_SCHEMA: &str = "modalign-automac/1";
 
@@ -13,13 +15,13 @@ pub const FRF_CORRELATION_SCHEMA: &str = "modalign-frf-correlation/1";
 
 /// The AutoMAC of several tests as JSON text, ending in a newline.
 pub fn auto_macs_to_json(tests: &[(String, AutoMac)]) -> String {
-    text(&json!({ "schema": AUTO_MAC_SCHEMA, "tests": objects_by_test(tests) }))
+    json_text(&json!({ "schema": AUTO_MAC_SCHEMA, "tests": objects_by_test(tests) }))
 }
 
 /// Correlation of the FRFs of several tests with those of a theory as JSON text, ending in a
 /// newline.
 pub fn frf_correlations_to_json(tests: &[(String, FrfCorrelation)]) -> String {
-    text(&json!({ "schema": FRF_CORRELATION_SCHEMA, "tests": objects_by_test(tests) }))
+    json_text(&json!({ "schema": FRF_CORRELATION_SCHEMA, "tests": objects_by_test(tests) }))
 }
 
 /// The measures of every test, as `measures` of `comparison.json` holds them.
@@ -45,9 +47,4 @@ fn objects_by_test<T: serde::Serialize>(tests: &[(String, T)]) -> Value {
         value
     };
     tests.iter().map(object).collect()
-}
-
-fn text(value: &Value) -> String {
-    let text = serde_json::to_string_pretty(value);
-    text.expect("plain data has no key that is not text") + "\n"
 }

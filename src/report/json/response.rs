@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
 
+use super::schema::json_text;
+
 /// The schema of [`response_to_json`].
 pub const RESPONSE_SCHEMA: &str = "modalign-response/1";
 
@@ -76,6 +78,5 @@ pub fn response_to_json(response: &TimeResponse) -> String {
         recorded_periods: response.span.recorded_periods,
         details: details.collect(),
     };
-    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
-    text + "\n"
+    json_text(&file)
 }

@@ -1,8 +1,16 @@
-//! Files of a stated schema are read with the path, line and column of an error.
+//! Files of a stated schema: text of a result, and reading with the path, line and column of an
+//! error.
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::io::IoError;
+
+/// A result as text, ending in a newline.
+pub(super) fn json_text<T: Serialize>(file: &T) -> String {
+    let text = serde_json::to_string_pretty(file);
+    text.expect("plain data has no key that is not text") + "\n"
+}
 
 /// A file; `expected` names its schema as errors state it.
 ///

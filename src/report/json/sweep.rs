@@ -6,6 +6,8 @@ use serde::Serialize;
 
 use crate::theory::{Locus, LocusEvent, Sweep};
 
+use super::schema::json_text;
+
 /// The schema of [`sweeps_to_json`].
 pub const SWEEP_SCHEMA: &str = "modalign-sweep/1";
 
@@ -54,8 +56,7 @@ pub fn sweeps_to_json(sweeps: &[Sweep]) -> String {
         schema: SWEEP_SCHEMA,
         sweeps: sweeps.iter().map(sweep_file).collect(),
     };
-    let text = serde_json::to_string_pretty(&file).expect("plain data has no key that is not text");
-    text + "\n"
+    json_text(&file)
 }
 
 fn sweep_file(sweep: &Sweep) -> SweepFile<'_> {

@@ -9,6 +9,8 @@ use serde::Serialize;
 use crate::axis::Band;
 use crate::theory::{ModelQuantity, ModelRoot, ParameterSpec, ParameterStatus, RootSensitivity};
 
+use super::schema::json_text;
+
 /// The requested results, without roots outside the band.
 #[derive(Clone, Debug, Default)]
 pub struct TheoryPart<'a> {
@@ -92,12 +94,11 @@ struct QuantityFile<'a> {
 /// The text of a JSON object with the key `theory` appended, ending in a newline; its other keys
 /// are unchanged.
 pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
-    let object =
-        serde_json::to_string_pretty(&file(part)).expect("plain data has no key that is not text");
+    let object = json_text(&file(part));
     let head = json.trim_end();
     let head = head.strip_suffix('}').unwrap_or(head).trim_end();
     let tail = object.strip_prefix('{').unwrap_or(&object);
-    format!("{head},{tail}\n")
+    format!("{head},{tail}")
 }
 
 fn file<'a>(part: &'a TheoryPart<'_>) -> TheoryFile<'a> {

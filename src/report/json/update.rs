@@ -10,6 +10,7 @@ use crate::update::{
 };
 
 use super::comparison::{JsonError, parsed};
+use super::schema::json_text;
 
 /// The schema of [`update_to_json`].
 pub const UPDATE_SCHEMA: &str = "modalign-update/1";
@@ -264,8 +265,7 @@ pub fn update_from_json(text: &str) -> Result<UpdateFile, JsonError> {
 
 /// The text of an update, ending in a newline.
 pub fn update_to_json(scene_update: &SceneUpdate) -> String {
-    let text = serde_json::to_string_pretty(&update_file(scene_update));
-    text.expect("plain data has no key that is not text") + "\n"
+    json_text(&update_file(scene_update))
 }
 
 /// An update as it stands in the file.
