@@ -173,7 +173,7 @@ pub fn breakdown_user_modes(slices: &[SliceResult], user_modes: &[UserMode]) -> 
             rows.push(vec![
                 Cell::text(&slice.slice.name),
                 Cell::text(&point.mode.test),
-                Cell::number(Some(point.mode.number as f64), 0),
+                Cell::count(point.mode.number),
                 Cell::number(Some(point.mode.frequency_hz), 3),
                 Cell::number(Some(point.place[0]), 4),
                 Cell::number(Some(point.place[1]), 4),
@@ -301,7 +301,7 @@ pub fn stability_cells(stability: &Stability) -> Block {
         course.points.iter().map(move |point| {
             vec![
                 Cell::text(&course.method),
-                Cell::number(Some(point.order as f64), 0),
+                Cell::count(point.order),
                 Cell::number(Some(point.condition), 0),
                 Cell::number(Some(point.digits_lost()), 2),
                 Cell::number(point.error, 6),
@@ -328,7 +328,7 @@ fn stability_block(stability: &Stability) -> Block {
             let good = good.take_while(|point| {
                 value(point).is_some_and(|error| error < MAX_POLE_ERROR_BANDWIDTHS)
             });
-            Cell::number(Some(good.last().map_or(0, |point| point.order) as f64), 0)
+            Cell::count(good.last().map_or(0, |point| point.order))
         };
         let digits = |order: usize| {
             let point = course.points.iter().find(|point| point.order == order);

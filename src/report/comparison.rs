@@ -267,7 +267,7 @@ pub(super) fn provenance(theory: &Theory) -> Vec<String> {
 fn full_cells(cell: &TestCell) -> Vec<Cell> {
     vec![
         Cell::number(cell.hz, 2),
-        Cell::deviation(cell.hz_std, 3),
+        Cell::std(cell.hz_std, 3),
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
         Cell::number(cell.mac, 4),

@@ -36,13 +36,13 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         let mut cells = vec![
             Cell::text((index + 1).to_string()),
             Cell::number(Some(mode.frequency_hz), 3),
-            Cell::deviation(mode.frequency_std_hz, 4),
+            Cell::std(mode.frequency_std_hz, 4),
             Cell::number(percent(mode.damping_ratio), 4),
-            Cell::deviation(percent(mode.damping_std), 4),
+            Cell::std(percent(mode.damping_std), 4),
         ];
         if biased {
-            cells.push(Cell::deviation(mode.frequency_bias_hz, 4));
-            cells.push(Cell::deviation(percent(mode.damping_bias), 4));
+            cells.push(Cell::std(mode.frequency_bias_hz, 4));
+            cells.push(Cell::std(percent(mode.damping_bias), 4));
         }
         cells.extend([
             Cell::number(mode.mpc, 4),
@@ -68,14 +68,14 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
     if let Some(band) = model.band {
         footnotes.push(format!(
             "Band searched: {} to {} Hz.",
-            short(band.lo_hz),
-            short(band.hi_hz)
+            round_to_six_digits(band.lo_hz),
+            round_to_six_digits(band.hi_hz)
         ));
     }
     if let Some(decay) = model.added_damping_rad_s.filter(|decay| *decay > 0.0) {
         footnotes.push(format!(
             "The {} rad/s of the exponential window are subtracted from the decay rate of every pole.",
-            short(decay)
+            round_to_six_digits(decay)
         ));
     }
     footnotes.extend(synthetic_note(model));
@@ -299,7 +299,6 @@ fn synthetic_note(model: &ModalModel) -> Option<String> {
     synthetic.then(|| "Synthetic: computed from a model, not measured.".to_owned())
 }
 
-/// Six significant digits without trailing zeros.
-fn short(value: f64) -> f64 {
+fn round_to_six_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -22,10 +22,6 @@ pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
     blocks
 }
 
-fn count(value: usize) -> Cell {
-    Cell::number(Some(value as f64), 0)
-}
-
 /// Three decimals near the noise level, none far above it.
 fn over_noise(value: f64) -> Cell {
     Cell::number(Some(value), if value < 100.0 { 3 } else { 0 })
@@ -77,11 +73,13 @@ fn roots_block(test: &TestNeeds) -> Block {
             (_, false) => "stable pole",
         };
         vec![
-            count(number),
+            Cell::count(number),
             Cell::text(what),
             Cell::number(tried.pole.map(|pole| pole.natural_frequency_hz()), 3),
             Cell::number(tried.pole.map(|pole| 100.0 * pole.damping_ratio()), 4),
-            tried.pole.map_or(Cell::Missing, |_| count(tried.holding)),
+            tried
+                .pole
+                .map_or(Cell::Missing, |_| Cell::count(tried.holding)),
             Cell::number(Some(tried.bic), 0),
             star(0),
             tried
@@ -124,16 +122,16 @@ fn orders_block(test: &TestNeeds) -> Block {
         let all: Vec<String> = method.tried.iter().map(tried).collect();
         vec![
             Cell::text(method.method),
-            method.lowest().map_or(Cell::Missing, count),
+            method.lowest().map_or(Cell::Missing, Cell::count),
             method
-                .chosen
-                .map_or(Cell::Missing, |tried| count(tried.order)),
+                .own
+                .map_or(Cell::Missing, |tried| Cell::count(tried.order)),
             method
-                .chosen
-                .map_or(Cell::Missing, |tried| count(tried.missed)),
+                .own
+                .map_or(Cell::Missing, |tried| Cell::count(tried.missed)),
             method
-                .chosen
-                .map_or(Cell::Missing, |tried| count(tried.spurious)),
+                .own
+                .map_or(Cell::Missing, |tried| Cell::count(tried.spurious)),
             Cell::text(all.join(", ")),
         ]
     };
@@ -204,11 +202,13 @@ pub fn order_table(needs: &SceneNeeds) -> Block {
         let row = |(number, tried): (usize, &OrderStep)| {
             vec![
                 Cell::text(test.name.as_str()),
-                count(number),
+                Cell::count(number),
                 Cell::number(tried.pole.map(|pole| pole.natural_frequency_hz()), 6),
                 Cell::number(tried.pole.map(|pole| pole.damping_ratio()), 9),
                 tried.pole.map_or(Cell::Missing, |_| yes(tried.identified)),
-                tried.pole.map_or(Cell::Missing, |_| count(tried.holding)),
+                tried
+                    .pole
+                    .map_or(Cell::Missing, |_| Cell::count(tried.holding)),
                 Cell::number(Some(tried.bic), 6),
                 Cell::number(tried.predicted.map(|score| score.mean), 9),
                 Cell::number(tried.predicted.map(|score| score.std), 9),

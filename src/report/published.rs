@@ -10,6 +10,7 @@ use crate::theory::ModelQuantity;
 
 use super::comparison::provenance;
 use super::modes::largest_shares;
+use super::table::seven_digits;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
@@ -284,7 +285,7 @@ pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Blo
             Cell::text(quantity.name),
             quantity
                 .value
-                .map_or(Cell::Missing, |value| Cell::text(significant(value))),
+                .map_or(Cell::Missing, |value| Cell::text(seven_digits(value))),
             Cell::text(quantity.unit),
             Cell::text(&quantity.meaning),
         ]
@@ -302,17 +303,4 @@ pub fn quantities_block(model: &str, quantities: &[ModelQuantity]) -> Option<Blo
             footnotes: Vec::new(),
         })
     })
-}
-
-/// Seven significant digits, in scientific notation for very large and very small values.
-pub(super) fn significant(value: f64) -> String {
-    let magnitude = value.abs().log10().floor();
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !(-4.0..9.0).contains(&magnitude) {
-        return format!("{value:.6e}");
-    }
-    let decimals = (6.0 - magnitude).max(0.0) as usize;
-    format!("{value:.decimals$}")
 }

@@ -3,7 +3,7 @@
 
 use crate::theory::{DetailResponse, ResponseSignal, TimeResponse};
 
-use super::published::significant;
+use super::table::seven_digits;
 use super::{Block, Cell, Column, Table};
 
 /// Harmonics in the table; the JSON file has all.
@@ -45,7 +45,7 @@ fn signals_block(model: &str, response: &TimeResponse) -> Block {
         let names = [detail.detail, signal.name, signal.unit].map(Cell::text);
         let cells = names.into_iter();
         cells
-            .chain(figures.map(|figure| Cell::text(significant(figure))))
+            .chain(figures.map(|figure| Cell::text(seven_digits(figure))))
             .collect()
     };
     let mut footnotes = vec![format!(
@@ -115,7 +115,7 @@ fn details_block(model: &str, response: &TimeResponse) -> Block {
         cells.extend(compared.iter().map(|name| {
             let distance = response.difference(name, detail.detail, last);
             distance.map_or(Cell::Missing, |distance| {
-                Cell::text(significant(100.0 * distance))
+                Cell::text(seven_digits(100.0 * distance))
             })
         }));
         cells

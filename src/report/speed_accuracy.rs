@@ -105,17 +105,13 @@ fn front_row(
         Cell::number(timing.median_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.spread_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.peak_bytes.map(|bytes| bytes as f64 / 1_048_576.0), 2),
-        Cell::deviation(counts.frequency().map(|v| 100.0 * v), 6),
-        percent(counts.damping(), 4),
-        percent(counts.shape(), 4),
-        count(counts.found),
-        count(counts.observable),
-        count(counts.spurious),
+        Cell::std(tally.frequency().map(|v| 100.0 * v), 6),
+        percent(tally.damping(), 4),
+        percent(tally.shape(), 4),
+        Cell::count(tally.found),
+        Cell::count(tally.observable),
+        Cell::count(tally.spurious),
     ]
-}
-
-fn count(value: usize) -> Cell {
-    Cell::number(Some(value as f64), 0)
 }
 
 /// Every row of every test without measured times: the same on every run.
@@ -186,7 +182,7 @@ fn whole_row(keys: [Cell; 5], method: Method, counts: &DetectionCounts) -> Vec<C
         counts.found,
         counts.spurious,
     ];
-    row.extend(numbers.map(count));
+    row.extend(counts.map(Cell::count));
     let errors = [
         counts.frequency(),
         counts.damping(),
@@ -260,7 +256,7 @@ fn time_row(keys: [Cell; 4], method: Method, timing: &Timing, on_front: bool) ->
     row.extend([
         Cell::text(method.name),
         Cell::number(method.order.map(|order| order as f64), 0),
-        count(timing.repeats),
+        Cell::count(timing.repeats),
         Cell::number(timing.median_s, 9),
         Cell::number(timing.spread_s, 9),
         Cell::number(timing.peak_bytes.map(|bytes| bytes as f64), 0),

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::axis::Band;
 use crate::theory::{Locus, LocusEvent, Sweep, SweepRange};
 
-use super::published::significant;
+use super::table::seven_digits;
 use super::{Block, Cell, Column, Table};
 
 /// The loci of a sweep that enter a band, and the crossings and veerings in it, where modes are
@@ -60,7 +60,7 @@ fn loci_block(model: &str, sweep: &Sweep, shown: &[(usize, &Locus)]) -> Block {
         let cells =
             cells.map(|(_, locus)| Cell::number(locus.omega_rad_s[i].map(|omega| omega / TAU), 4));
         let value = match sweep.followed {
-            true => significant(*value),
+            true => seven_digits(*value),
             false => format!("{value}"),
         };
         std::iter::once(Cell::text(value)).chain(cells).collect()
@@ -123,12 +123,12 @@ fn events_block(model: &str, sweep: &Sweep, events: &[&LocusEvent]) -> Block {
         vec![
             Cell::text(event.kind.name()),
             Cell::text(format!("{a} {b}")),
-            Cell::text(significant(event.place)),
+            Cell::text(seven_digits(event.place)),
             Cell::number(Some(event.frequency_hz[0]), 6),
             Cell::number(Some(event.frequency_hz[1]), 6),
             Cell::number(Some(event.gap_hz), 6),
             Cell::number(Some(event.coupling), 6),
-            width.map_or(Cell::Missing, |width| Cell::text(significant(width))),
+            width.map_or(Cell::Missing, |width| Cell::text(seven_digits(width))),
         ]
     };
     Block::Table(Table {

@@ -41,10 +41,10 @@ impl Column {
 /// Maximum decimals of a printed standard deviation.
 const MAX_STD_DECIMALS: i32 = 9;
 
-/// One field of a table.
+/// Content of one row in one column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Cell {
-    /// Text as it is.
+    /// Text.
     Text(String),
     /// A number with fixed decimals.
     Number {
@@ -55,7 +55,7 @@ pub enum Cell {
         /// Whether a positive value carries its sign.
         signed: bool,
     },
-    /// Unknown: a dash for people, an empty field for programs.
+    /// No value: a dash for people, an empty field for programs.
     Missing,
 }
 
@@ -74,7 +74,7 @@ impl Cell {
         })
     }
 
-    /// A number that always carries its sign, or missing.
+    /// A number whose positive values carry a sign, too, or missing.
     pub fn signed(value: Option<f64>, decimals: usize) -> Self {
         value.map_or(Cell::Missing, |value| Cell::Number {
             value,
@@ -83,13 +83,18 @@ impl Cell {
         })
     }
 
-    /// A standard deviation, or missing: two digits of it, where fixed decimals would leave fewer
-    /// or print 0.
-    pub fn deviation(value: Option<f64>, decimals: usize) -> Self {
-        let second = |std: f64| 1 - std.log10().floor() as i32;
+    /// A count.
+    pub fn count(value: usize) -> Self {
+        Cell::number(Some(value as f64), 0)
+    }
+
+    /// A standard deviation, or missing; with more decimals where these leave fewer than two digits
+    /// of it.
+    pub fn std(value: Option<f64>, decimals: usize) -> Self {
+        let two_digits = |std: f64| 1 - std.log10().floor() as i32;
         let wanted = value
             .filter(|std| *std > 0.0 && std.is_finite())
-            .map_or(0, |std| second(std).clamp(0, MAX_STD_DECIMALS) as usize);
+            .map_or(0, |std| two_digits(std).clamp(0, MAX_STD_DECIMALS) as usize);
         Cell::number(value, decimals.max(wanted))
     }
 
@@ -135,8 +140,8 @@ fn without_sign_of_zero(text: String) -> String {
     }
 }
 
-/// A number with at most `digits` significant digits and no trailing zeros: plain between
-/// 0.001 and a million, else with a power of ten.
+/// A number with at most `digits` significant digits and no trailing zeros; with a power of ten
+/// below 0.001 and from a million.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits.max(1) - 1);
     let value = rounded.parse().unwrap_or(value);
@@ -147,16 +152,30 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with seven significant digits and its trailing zeros; with a power of ten below 0.0001
+/// and from 10⁹.
+pub(super) fn seven_digits(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(-4.0..9.0).contains(&magnitude) {
+        return format!("{value:.6e}");
+    }
+    let decimals = (6.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
 /// A table with its caption and footnotes.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Table {
     /// Caption.
     pub caption: String,
-    /// Heads.
+    /// Columns.
     pub columns: Vec<Column>,
-    /// Fields, each row as long as `columns`.
+    /// Cells, each row as long as `columns`.
     pub rows: Vec<Vec<Cell>>,
-    /// Lines under the table.
+    /// Paragraphs under the table.
     pub footnotes: Vec<String>,
 }
 
@@ -186,7 +205,7 @@ mod tests {
             (Some(1e-12), "0.000000000"),
             (None, "—"),
         ] {
-            assert_eq!(Cell::deviation(std, 3).display(), expected);
+            assert_eq!(Cell::std(std, 3).display(), expected);
         }
     }
 

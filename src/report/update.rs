@@ -46,7 +46,7 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
             ),
             Cell::text(significant(p.std, 3)),
             Cell::text(significant(p.prior_std, 3)),
-            Cell::deviation(Some(p.posterior_over_prior), 3),
+            Cell::std(Some(p.posterior_over_prior), 3),
             Cell::text(if p.held {
                 format!("{}; held", Verdict::from(p.verdict).text())
             } else {
@@ -67,7 +67,7 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
     columns.push(Column::text("verdict"));
     let mut footnotes = vec![format!(
         "Weights: the standard deviations of the test, and a model error of {} % of each frequency (assumed).",
-        short(100.0 * scene_update.options.frequency_floor)
+        without_round_off(100.0 * scene_update.options.frequency_floor)
     )];
     footnotes.extend(shapes(scene_update));
     footnotes.extend(residuals(scene_update));
@@ -91,7 +91,7 @@ fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
     };
     let mut all = vec![format!(
         "Weights of shapes: the standard deviations of the test, and a model error of {} % of the root mean square of the shape (assumed); complex shapes are rotated to the phase at which they are most real.",
-        short(100.0 * floor)
+        without_round_off(100.0 * floor)
     )];
     let rows = &scene_update.result.after.rows;
     let assumed = |row: &&FitRow| row.shape_weights == Some(ShapeWeights::Assumed);
@@ -108,7 +108,7 @@ fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
         };
         all.push(format!(
             "The test states no standard deviations of the shapes of {which}: {} % of their root mean square is assumed.",
-            short(100.0 * scene_update.options.assumed_shape_std)
+            without_round_off(100.0 * scene_update.options.assumed_shape_std)
         ));
     }
     all
@@ -116,7 +116,7 @@ fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
 
 /// Footnote on the kind of residual, unless it is frequencies and shapes.
 fn residuals(scene_update: &SceneUpdate) -> Option<String> {
-    let floor = short(100.0 * scene_update.options.frf_floor);
+    let floor = without_round_off(100.0 * scene_update.options.frf_floor);
     let count = scene_update.result.frfs.map(|counts| {
         let (compared, given, lines) = (counts.compared, counts.given, counts.lines);
         format!("{compared} of {given}, {lines} lines in all, ")
@@ -158,7 +158,7 @@ fn combinations(result: &UpdateResult) -> Block {
     let row = |c: &crate::update::Combination| {
         vec![
             Cell::text(significant(c.singular_value, 4)),
-            Cell::deviation(Some(c.posterior_over_prior), 4),
+            Cell::std(Some(c.posterior_over_prior), 4),
             Cell::text(&c.text),
         ]
     };
@@ -186,7 +186,7 @@ fn fits(scene_update: &SceneUpdate) -> Block {
             Cell::signed(b.error_percent, 3),
             Cell::number(b.mac, 4),
             Cell::number(a.model_hz, 3),
-            Cell::deviation(a.model_std_hz, 3),
+            Cell::std(a.model_std_hz, 3),
             Cell::signed(a.error_percent, 3),
             Cell::number(a.mac, 4),
         ]
@@ -360,7 +360,7 @@ fn changes(caption: &str, rows: Vec<Vec<Cell>>) -> Block {
     })
 }
 
-/// The value without round-off in its last digits.
-fn short(value: f64) -> String {
+/// A value without its round-off: nine decimals, less trailing zeros.
+fn without_round_off(value: f64) -> String {
     format!("{}", (value * 1e9).round() / 1e9)
 }

@@ -1,7 +1,7 @@
 //! The page writes numbers with the digits that their standard deviation supports.
 
 /// Whether a number is written without a power of ten.
-fn plain(size: f64) -> bool {
+fn is_plain(size: f64) -> bool {
     size == 0.0 || (1e-3..1e5).contains(&size)
 }
 
@@ -17,7 +17,7 @@ fn second_digit_power(std: f64) -> i32 {
 
 /// A standard deviation with two digits.
 pub(super) fn two_digits(std: f64) -> String {
-    match plain(std) && std < 100.0 {
+    match is_plain(std) && std < 100.0 {
         true => format!("{std:.*}", (-second_digit_power(std)).max(0) as usize),
         false => format!("{std:.1e}"),
     }
@@ -29,20 +29,20 @@ pub(super) fn round_to_std(value: f64, std: f64) -> String {
         return "0".to_owned();
     }
     let last = second_digit_power(std);
-    if plain(value.abs()) && last <= 0 {
+    if is_plain(value.abs()) && last <= 0 {
         return format!("{value:.*}", (-last).min(12) as usize);
     }
     let first = value.abs().log10().floor() as i32;
     format!("{value:.*e}", (first - last).clamp(0, 12) as usize)
 }
 
-/// Four digits, with a power of ten where that is shorter.
-pub(super) fn short(value: f64) -> String {
+/// A number with four digits, with a power of ten where that is shorter.
+pub(super) fn four_digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         return "0".to_owned();
     }
-    if !plain(size) {
+    if !is_plain(size) {
         return format!("{value:.3e}");
     }
     let decimals = 3 - size.log10().floor() as i32;
@@ -62,7 +62,7 @@ mod tests {
             (-2.1e11, "-2.100e11"),
             (5e-4, "5.000e-4"),
         ] {
-            assert_eq!(short(value), expected);
+            assert_eq!(four_digits(value), expected);
         }
     }
 

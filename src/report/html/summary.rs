@@ -15,7 +15,7 @@ use super::super::comparison::headline;
 use super::super::json::RunReport;
 use super::super::verdict::Verdict;
 use super::markup::{escape, text_with_code};
-use super::numbers::{round_to_std, short, two_digits};
+use super::numbers::{four_digits, round_to_std, two_digits};
 use super::update;
 use super::words::{sentence, word};
 
@@ -275,7 +275,7 @@ fn change_sentence(parameter: &Value, language: Language) -> String {
             |value| match std {
                 Some(std) if key != "std" => round_to_std(value, std),
                 Some(std) => two_digits(std),
-                None => short(value),
+                None => four_digits(value),
             },
         )
     };

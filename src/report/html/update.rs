@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::super::verdict::Verdict;
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
-use super::numbers::{short, two_digits};
+use super::numbers::{four_digits, two_digits};
 use super::words::{sentence, word};
 use crate::scene::Figures;
 use crate::update::{StopReason, Verdict as ParameterVerdict};
@@ -208,7 +208,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
     let number = |row: &Value, key: &str| {
         row[key]
             .as_f64()
-            .map_or(Cell::Missing, |v| Cell::text(short(v)))
+            .map_or(Cell::Missing, |v| Cell::text(four_digits(v)))
     };
     let parameter = |row: &Value| {
         let change = row["initial"].as_f64().zip(row["updated"].as_f64());

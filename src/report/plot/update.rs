@@ -165,15 +165,15 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, left: f6
     };
     let values = format!(
         "{} → {} ± {}{unit}",
-        short(row.initial, 4),
-        short(row.updated, 4),
-        short(row.std, 2)
+        significant_digits(row.initial, 4),
+        significant_digits(row.updated, 4),
+        significant_digits(row.std, 2)
     );
     canvas.text([RIGHT + 10.0, y + 4.0], &values, Anchor::Start, INK);
 }
 
-/// Significant digits; large and small numbers with their power of ten.
-fn short(value: f64, digits: i32) -> String {
+/// A number with this many digits; a large or small one with its power of ten.
+fn significant_digits(value: f64, digits: i32) -> String {
     let power = if value == 0.0 {
         0
     } else {
@@ -318,7 +318,7 @@ mod tests {
             (0.0, 2, "0.0"),
             (-3.2e-7, 2, "-3.2e-7"),
         ] {
-            assert_eq!(short(value, digits), text);
+            assert_eq!(significant_digits(value, digits), text);
         }
     }
 }
