@@ -15,8 +15,8 @@ use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
-    alignment_block, auto_mac_blocks, json, measures_blocks, orthogonality_blocks, reversed_block,
-    whole_comparison,
+    alignment_block, auto_mac_blocks, comparison_of_all_tests, json, measures_blocks,
+    orthogonality_blocks, reversed_sensors_block,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
@@ -123,7 +123,7 @@ fn compare_with_theory(
         let measures = requested.measures(&test.modes, pairing, output)?;
         all.extend(measures.map(|measures| (name.clone(), measures)));
     }
-    let mut blocks = whole_comparison(&comparison.table, &theory);
+    let mut blocks = comparison_of_all_tests(&comparison.table, &theory);
     for (name, measures) in &all {
         blocks.extend(if args.measures {
             measures_blocks(name, measures)
@@ -132,7 +132,7 @@ fn compare_with_theory(
         });
     }
     blocks.extend(alignment.as_ref().map(alignment_block));
-    blocks.extend(reversed_block(&reversed, args.turn_reversed));
+    blocks.extend(reversed_sensors_block(&reversed, args.turn_reversed));
     let json = json::comparison_with(
         &comparison.table,
         &json::ExtraResults {

@@ -8,8 +8,8 @@ use crate::finding::Finding;
 use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs};
 use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
-    energies_block, json, limits_block, modes_block, parameters_block, placement_blocks,
-    published_comparison_block, published_roots_block, quantities_block, whole_comparison,
+    comparison_of_all_tests, energies_block, json, limits_block, modes_block, parameters_block,
+    placement_blocks, published_comparison_block, published_roots_block, quantities_block,
 };
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
@@ -74,7 +74,7 @@ pub(super) fn add_folder_files(
 
 /// `comparison.json` with the placements and limits of the scene.
 fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
-    let extra = json::ExtraResults {
+    let more = json::ExtraResults {
         placements: &result.placements,
         limits: &result.limits,
         ..json::ExtraResults::default()
@@ -197,7 +197,7 @@ fn files(
         .collect();
     for renderer in RENDERERS {
         // A program that reads CSV expects one table, with its heads as they always are.
-        let comparison = whole_comparison(table, &result.theory);
+        let comparison = comparison_of_all_tests(table, &result.theory);
         let part = if renderer.name() == "csv" {
             &comparison[..1]
         } else {

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::modes_to_json;
 use crate::report::json::{
-    TheoryPart, details_to_json, response_to_json, sweeps_to_json, with_theory,
+    TheoryResults, details_to_json, response_to_json, sweeps_to_json, with_theory,
 };
 use crate::report::{
     Block, details_blocks, energies_block, parameters_block, quantities_block, response_blocks,
@@ -171,12 +171,12 @@ fn details<'a>(
     result: &'a Theory,
     blocks: &mut Vec<Block>,
     output: &mut Output,
-) -> Result<TheoryPart<'a>, Error> {
+) -> Result<TheoryResults<'a>, Error> {
     let name = &args.model.display().to_string();
-    let mut part = TheoryPart {
+    let mut part = TheoryResults {
         parameters: &result.parameters,
         band: args.band,
-        ..TheoryPart::default()
+        ..TheoryResults::default()
     };
     if args.energies {
         let caption = format!("Energy of the roots of {name}");

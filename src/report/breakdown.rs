@@ -70,7 +70,7 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
 /// Failure boundaries of every slice, and the digits lost by order.
 pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
     let slices = file.slices.iter();
-    let slices = slices.map(|slice| breakdown_block(slice, &file.user_modes));
+    let slices = slices.map(|slice| slice_block(slice, &file.user_modes));
     slices
         .chain(file.stability.as_ref().map(stability_block))
         .collect()
@@ -78,7 +78,7 @@ pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
 
 /// Failure boundaries of a slice: the range in which each method meets the stated error, its most
 /// frequent failure mode, and the distance of the user's modes to the boundary.
-fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
+fn slice_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
     let slice = &result.slice;
     let ranges: Vec<Vec<SuccessRange>> = (0..slice.methods.len())
         .map(|method| result.success_ranges(method))
@@ -113,7 +113,7 @@ fn breakdown_block(result: &SliceResult, user_modes: &[UserMode]) -> Block {
         "Where {x} is as stated, the method meets the stated error in 95 % of {} draws; in brackets the limits of that value by \
          the 95 % interval of the share (Wilson; ?: too few draws). {}",
         slice.draws,
-        stated_text(result)
+        stated_error_text(result)
     )];
     footnotes.extend(user_mode_sentences(&result.locate_modes(user_modes)));
     Block::Table(Table {
@@ -191,7 +191,7 @@ pub fn breakdown_user_modes(slices: &[SliceResult], user_modes: &[UserMode]) -> 
     })
 }
 
-fn stated_text(result: &SliceResult) -> String {
+fn stated_error_text(result: &SliceResult) -> String {
     let stated = &result.slice.stated;
     let percent = stated.frequency_percent;
     let percent = percent.map_or(String::new(), |limit| format!(" and {limit} %"));
@@ -322,8 +322,8 @@ const MAX_POLE_ERROR_BANDWIDTHS: f64 = 0.1;
 
 /// The highest order up to which each method keeps all poles, in f64 and in f32.
 fn stability_block(stability: &Stability) -> Block {
-    let row = |course: &crate::study::breakdown::StabilityCurve| {
-        let upto = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
+    let row = |course: &crate::study::breakdown::StabilityCourse| {
+        let highest_order = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
             let good = course.points.iter();
             let good = good.take_while(|point| {
                 value(point).is_some_and(|error| error < MAX_POLE_ERROR_BANDWIDTHS)
@@ -339,9 +339,9 @@ fn stability_block(stability: &Stability) -> Block {
             digits(10),
             digits(20),
             digits(30),
-            upto(|point| point.error),
-            upto(|point| point.error_f32_data),
-            upto(|point| point.error_f32_matrix),
+            highest_order(|point| point.error),
+            highest_order(|point| point.error_f32_data),
+            highest_order(|point| point.error_f32_matrix),
         ]
     };
     Block::Table(Table {

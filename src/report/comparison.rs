@@ -11,7 +11,7 @@ use super::table::significant;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
-/// A comparison table of some of the tests.
+/// A group of tests with a comparison table.
 #[derive(Clone, Copy, Debug)]
 pub struct TableGroup<'a> {
     /// Caption.
@@ -47,8 +47,8 @@ pub fn comparison_blocks(
     blocks
 }
 
-/// One table of all tests.
-pub fn whole_comparison(table: &ComparisonTable, theory: &Theory) -> Vec<Block> {
+/// The comparison with all tests in one table.
+pub fn comparison_of_all_tests(table: &ComparisonTable, theory: &Theory) -> Vec<Block> {
     let tests: Vec<String> = table.summary.iter().map(|s| s.test.clone()).collect();
     let group = TableGroup {
         caption: "Theory and test compared",
@@ -65,7 +65,7 @@ pub(super) fn error_head(reference: ErrorReference) -> &'static str {
     }
 }
 
-/// The rows and columns of some tests.
+/// The rows and columns of a group of tests.
 struct TestGroupTable<'a> {
     table: &'a ComparisonTable,
     tests: Vec<&'a str>,
@@ -90,7 +90,7 @@ impl TestGroupTable<'_> {
             footnotes.push(format!("Outside the band of every test here: {labels}."));
         }
         footnotes.extend(self.reasons(&rows));
-        footnotes.extend(provenance(theory));
+        footnotes.extend(theory_sources(theory));
         Table {
             caption: caption.to_owned(),
             columns: self.columns(),
@@ -148,7 +148,7 @@ impl TestGroupTable<'_> {
         columns
     }
 
-    /// A cell for every test, empty where the row has none of it.
+    /// The cells of a row for every test; missing where a test has no entry.
     fn row_cells(&self, row: &Row) -> Vec<Cell> {
         let multiplicity = row.theory.as_ref().map_or(1, |theory| theory.modes.len());
         let label = if multiplicity > 1 {
@@ -229,8 +229,8 @@ fn is_set(spec: &ParameterSpec, value: f64) -> bool {
     value.to_bits() != spec.nominal.to_bits()
 }
 
-/// Sources of the numbers of the theory: parameters by status, and assumptions.
-pub(super) fn provenance(theory: &Theory) -> Vec<String> {
+/// Footnotes on the sources of the theory: parameters by status, and assumptions.
+pub(super) fn theory_sources(theory: &Theory) -> Vec<String> {
     let named = |of: &dyn Fn(&ParameterSpec, bool) -> bool| -> Vec<&str> {
         let parameters = theory.parameters.iter();
         parameters
@@ -293,8 +293,7 @@ fn short_cells(cell: &TestCell) -> Vec<Cell> {
     ]
 }
 
-/// The evidence on which a pair rests, in the words of `comparison.json`; missing without a
-/// partner.
+/// The evidence of a pair, in the words of `comparison.json`; missing without a partner.
 fn basis_cell(cell: &TestCell) -> Cell {
     cell.basis.map_or(Cell::Missing, |basis| {
         Cell::text(match basis {
@@ -379,7 +378,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
     }
 }
 
-/// Printed digits of a parameter; stated values have no more, updated ones do.
+/// Printed digits of a parameter: the stated value has fewer, an updated one more.
 const MAX_PARAMETER_DIGITS: usize = 8;
 
 /// The model's parameters with the values used and their sources; `None` for a model without

@@ -17,7 +17,7 @@ const MIN_LISTED_MAC: f64 = 0.3;
 /// column in a matrix.
 const COLUMN_FREQUENCY_FACTORS: [f64; 2] = [0.8, 1.25];
 
-const MAC: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";
+const MAC_DEFINITION: &str = "MAC = |a^H b|²/(a^H a · b^H b) (Allemang and Brown 1982)";
 
 /// Every measure of one test against one theory.
 pub fn measures_blocks(test: &str, measures: &Measures) -> Vec<Block> {
@@ -88,7 +88,10 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
 }
 
 /// Sign-reversed sensors compared with the theory; `None` without any.
-pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> Option<Block> {
+pub fn reversed_sensors_block(
+    tests: &[(String, Vec<ReversedSensor>)],
+    signs_reversed: bool,
+) -> Option<Block> {
     let row = |test: &str, group: &[ReversedSensor]| {
         let sensor = group.first()?;
         Some(vec![
@@ -106,7 +109,7 @@ pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> 
     let rows: Vec<_> = rows.collect();
     let mut columns = vec![Column::text("test"), Column::text("sensor")];
     columns.extend(["direction", "mean MAC", "mean MAC, reversed"].map(Column::number));
-    let state = match turned {
+    let state = match signs_reversed {
         true => "Their signs were reversed.",
         false => "Their signs were not changed.",
     };
@@ -125,11 +128,11 @@ pub fn reversed_block(tests: &[(String, Vec<ReversedSensor>)], turned: bool) -> 
 /// AutoMAC of a set of modes, with its duplicates.
 pub fn auto_mac_blocks(name: &str, auto_mac: &AutoMac) -> Vec<Block> {
     let mut table = mac_table(format!("AutoMAC of {name}"), &auto_mac.matrix);
-    let (mac, part) = (
+    let (mac, percent) = (
         auto_mac.limits.min_mac,
         100.0 * auto_mac.limits.max_frequency_difference,
     );
-    let rule = format!("Duplicates: a MAC of {mac} or more within {part} % in frequency");
+    let rule = format!("Duplicates: a MAC of {mac} or more within {percent} % in frequency");
     table.footnotes.push(if auto_mac.duplicates.is_empty() {
         format!("{rule}: none.")
     } else {
@@ -320,7 +323,7 @@ fn mac_table(caption: String, matrix: &MacMatrix) -> Table {
     let mut table = matrix_table(caption, &matrix.rows, &matrix.columns, &matrix.mac);
     table
         .footnotes
-        .insert(0, format!("{MAC}; {}.", dofs_text(matrix.dofs)));
+        .insert(0, format!("{MAC_DEFINITION}; {}.", dofs_text(matrix.dofs)));
     table
 }
 

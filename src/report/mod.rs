@@ -40,7 +40,7 @@ pub use breakdown::{
     stability_cells,
 };
 pub use comparison::{
-    TableGroup, comparison_blocks, limits_block, parameters_block, whole_comparison,
+    TableGroup, comparison_blocks, comparison_of_all_tests, limits_block, parameters_block,
 };
 pub use csv_text::CsvText;
 pub use details::{details_blocks, simplest_details_block};
@@ -52,7 +52,7 @@ pub use latex::Latex;
 pub use markdown::Markdown;
 pub use measures::{
     alignment_block, auto_mac_blocks, frf_correlation_blocks, frf_lines_block, measures_blocks,
-    orthogonality_blocks, reversed_block,
+    orthogonality_blocks, reversed_sensors_block,
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
 pub use order::{order_blocks, order_table};

@@ -133,7 +133,7 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
             Cell::number(Some(root.omega_rad_s / std::f64::consts::TAU), 6),
             Cell::number(Some(root.omega_rad_s), 6),
             root.class.clone().map_or(Cell::Missing, Cell::Text),
-            Cell::text(largest_shares(root)),
+            Cell::text(largest_energy_fractions(root)),
         ]
     };
     Block::Table(Table {
@@ -267,7 +267,7 @@ const MAX_NAMED_BODIES: usize = 3;
 
 /// The largest fractions of the kinetic energy, as `planet-disc 0.62, ball 0.30`, without those
 /// that print as 0.00.
-pub(super) fn largest_shares(root: &ModelRoot) -> String {
+pub(super) fn largest_energy_fractions(root: &ModelRoot) -> String {
     let shares = root.energy_by_kind();
     let texts = shares.iter().filter(|(_, share)| *share >= 0.005);
     let texts: Vec<String> = texts

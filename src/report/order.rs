@@ -15,19 +15,19 @@ pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(heading)];
     blocks.extend(summarise_needs(needs).into_iter().map(Block::Text));
     for test in &needs.tests {
-        blocks.push(roots_block(test));
-        blocks.extend((!test.orders.is_empty()).then(|| orders_block(test)));
-        blocks.extend((!test.single.is_empty()).then(|| single_block(test, needs)));
+        blocks.push(supported_modes_block(test));
+        blocks.extend((!test.orders.is_empty()).then(|| lowest_orders_block(test)));
+        blocks.extend((!test.single.is_empty()).then(|| single_mode_block(test, needs)));
     }
     blocks
 }
 
-/// Three decimals near the noise level, none far above it.
-fn over_noise(value: f64) -> Cell {
+/// A multiple of the noise level: with three decimals near it, with none far above it.
+fn noise_ratio_cell(value: f64) -> Cell {
     Cell::number(Some(value), if value < 100.0 { 3 } else { 0 })
 }
 
-fn roots_block(test: &TestNeeds) -> Block {
+fn supported_modes_block(test: &TestNeeds) -> Block {
     let support = &test.support;
     let functions = match support.functions {
         1 => "1 FRF".to_owned(),
@@ -84,9 +84,9 @@ fn roots_block(test: &TestNeeds) -> Block {
             star(0),
             tried
                 .predicted
-                .map_or(Cell::Missing, |score| over_noise(score.mean)),
+                .map_or(Cell::Missing, |score| noise_ratio_cell(score.mean)),
             star(1),
-            over_noise(tried.rest),
+            noise_ratio_cell(tried.rest),
             star(2),
         ]
     };
@@ -113,7 +113,7 @@ fn roots_block(test: &TestNeeds) -> Block {
     })
 }
 
-fn orders_block(test: &TestNeeds) -> Block {
+fn lowest_orders_block(test: &TestNeeds) -> Block {
     let row = |method: &LowestOrder| {
         let tried = |tried: &TriedOrder| match tried.is_correct() {
             true => format!("{}: right", tried.order),
@@ -156,7 +156,7 @@ fn orders_block(test: &TestNeeds) -> Block {
     })
 }
 
-fn single_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
+fn single_mode_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
     let mut columns = vec![Column::number("f (Hz)"), Column::number("ζ (%)")];
     for method in test.single.iter().take(1).flat_map(|mode| &mode.single) {
         columns.push(Column::number(format!("{} Δf (%)", method.method)));

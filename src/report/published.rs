@@ -8,8 +8,8 @@ use crate::correlate::published::{
 use crate::scene::{ExpectedResult, Source, Theory};
 use crate::theory::ModelQuantity;
 
-use super::comparison::provenance;
-use super::modes::largest_shares;
+use super::comparison::theory_sources;
+use super::modes::largest_energy_fractions;
 use super::table::seven_digits;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
@@ -45,7 +45,7 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
             .collect(),
         footnotes: root_footnotes(roots, shown, &expected.source)
             .into_iter()
-            .chain(provenance(theory))
+            .chain(theory_sources(theory))
             .collect(),
     }))
 }
@@ -63,7 +63,7 @@ fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
         Some(hz) => hz.to_string(),
         None => root.omega_rad_s.to_string(),
     };
-    let energy = model.map(largest_shares);
+    let energy = model.map(largest_energy_fractions);
     let label = published.map_or_else(
         || format!("root {number}: not printed"),
         |root| root.label.clone(),
@@ -164,7 +164,7 @@ pub fn published_comparison_block(expected: &ExpectedResult) -> Option<Block> {
         "Theory and test as printed, errors recomputed. —: missed by the test, or unknown."
             .to_owned(),
     ];
-    footnotes.extend(table.tests.iter().filter_map(where_largest));
+    footnotes.extend(table.tests.iter().filter_map(largest_errors_note));
     Some(Block::Table(Table {
         caption: "The published comparison, recomputed".to_owned(),
         columns,
@@ -191,7 +191,7 @@ fn comparison_cells(row: &RecomputedRow) -> Vec<Cell> {
     cells
 }
 
-/// A row of one number in Hz and one in percent for each test.
+/// A closing row: a number in Hz and one in percent for each test.
 fn summary_cells(
     label: &str,
     table: &RecomputedTable,
@@ -206,7 +206,7 @@ fn summary_cells(
 }
 
 /// The largest errors of a test with their rows.
-fn where_largest(test: &TestErrors) -> Option<String> {
+fn largest_errors_note(test: &TestErrors) -> Option<String> {
     let (hz, percent) = (test.largest_hz.as_ref()?, test.largest_percent.as_ref()?);
     Some(format!(
         "{}: largest error {} Hz at {}, {:.2} % at {}.",

@@ -126,7 +126,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::number(Some(row.step_hz), 6),
                 Cell::Missing,
             ];
-            let mut cells = whole_row(keys, row.method, &row.counts);
+            let mut cells = accuracy_row(keys, row.method, &row.counts);
             cells.push(Cell::text(if row.is_reference { "yes" } else { "no" }));
             cells
         }));
@@ -138,7 +138,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
                 Cell::Missing,
                 Cell::number(Some(row.snr_db), 1),
             ];
-            let mut cells = whole_row(keys, row.method, &row.counts);
+            let mut cells = accuracy_row(keys, row.method, &row.counts);
             cells.push(Cell::Missing);
             cells
         }));
@@ -171,7 +171,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn whole_row(keys: [Cell; 5], method: Method, counts: &DetectionCounts) -> Vec<Cell> {
+fn accuracy_row(keys: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
     let mut row: Vec<Cell> = keys.into();
     row.push(Cell::text(method.name));
     row.push(Cell::number(method.order.map(|order| order as f64), 0));

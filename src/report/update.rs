@@ -4,7 +4,7 @@
 use crate::scene::SceneUpdate;
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
-use super::comparison::{error_head, whole_comparison};
+use super::comparison::{comparison_of_all_tests, error_head};
 use super::table::significant;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
@@ -16,24 +16,24 @@ const MAX_PRINTED_CHANGES: usize = 10;
 pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(title.to_owned())];
     blocks.push(Block::Text("Before".to_owned()));
-    blocks.extend(whole_comparison(
+    blocks.extend(comparison_of_all_tests(
         &scene_update.before,
         &scene_update.theory_before,
     ));
     blocks.push(Block::Text("After".to_owned()));
-    blocks.extend(whole_comparison(
+    blocks.extend(comparison_of_all_tests(
         &scene_update.after,
         &scene_update.theory_after,
     ));
-    blocks.push(parameters(scene_update));
-    blocks.push(combinations(&scene_update.result));
-    blocks.push(fits(scene_update));
-    blocks.push(Block::Text(convergence(&scene_update.result)));
-    blocks.extend(scene_update.explanation.iter().flat_map(explanation));
+    blocks.push(updated_parameters_block(scene_update));
+    blocks.push(combinations_block(&scene_update.result));
+    blocks.push(fits_block(scene_update));
+    blocks.push(Block::Text(convergence_text(&scene_update.result)));
+    blocks.extend(scene_update.explanation.iter().flat_map(explanation_blocks));
     blocks
 }
 
-fn parameters(scene_update: &SceneUpdate) -> Block {
+fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     let row = |p: &crate::update::UpdatedParameter| {
         vec![
             Cell::text(&p.name),
@@ -69,9 +69,9 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
         "Weights: the standard deviations of the test, and a model error of {} % of each frequency (assumed).",
         without_round_off(100.0 * scene_update.options.frequency_floor)
     )];
-    footnotes.extend(shapes(scene_update));
-    footnotes.extend(residuals(scene_update));
-    footnotes.push(misfit(&scene_update.result));
+    footnotes.extend(shape_footnotes(scene_update));
+    footnotes.extend(residual_footnote(scene_update));
+    footnotes.push(misfit_footnote(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
@@ -82,7 +82,7 @@ fn parameters(scene_update: &SceneUpdate) -> Block {
 }
 
 /// Footnotes on the standard deviations of the mode shapes.
-fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
+fn shape_footnotes(scene_update: &SceneUpdate) -> Vec<String> {
     let Some(floor) = scene_update.options.shape_floor else {
         return vec![
             "Mode shapes serve pairing and mode tracking alone; they are not part of the residual."
@@ -115,7 +115,7 @@ fn shapes(scene_update: &SceneUpdate) -> Vec<String> {
 }
 
 /// Footnote on the kind of residual, unless it is frequencies and shapes.
-fn residuals(scene_update: &SceneUpdate) -> Option<String> {
+fn residual_footnote(scene_update: &SceneUpdate) -> Option<String> {
     let floor = without_round_off(100.0 * scene_update.options.frf_floor);
     let count = scene_update.result.frfs.map(|counts| {
         let (compared, given, lines) = (counts.compared, counts.given, counts.lines);
@@ -138,7 +138,7 @@ fn residuals(scene_update: &SceneUpdate) -> Option<String> {
 }
 
 /// Reduced chi-square, and its consequence for the standard deviations.
-fn misfit(result: &UpdateResult) -> String {
+fn misfit_footnote(result: &UpdateResult) -> String {
     let ratio = result.reduced_chi_square();
     let figures = format!(
         "Chi-square per degree of freedom {ratio:.3} ({:.1} degrees; noise alone reaches {:.2})",
@@ -154,7 +154,7 @@ fn misfit(result: &UpdateResult) -> String {
     )
 }
 
-fn combinations(result: &UpdateResult) -> Block {
+fn combinations_block(result: &UpdateResult) -> Block {
     let row = |c: &crate::update::Combination| {
         vec![
             Cell::text(significant(c.singular_value, 4)),
@@ -175,7 +175,7 @@ fn combinations(result: &UpdateResult) -> Block {
     })
 }
 
-fn fits(scene_update: &SceneUpdate) -> Block {
+fn fits_block(scene_update: &SceneUpdate) -> Block {
     let (before, after) = (&scene_update.result.before, &scene_update.result.after);
     let error = error_head(scene_update.options.pair.error_reference);
     let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
@@ -233,7 +233,7 @@ fn fits(scene_update: &SceneUpdate) -> Block {
     })
 }
 
-fn convergence(result: &UpdateResult) -> String {
+fn convergence_text(result: &UpdateResult) -> String {
     let mut text = format!(
         "{} after {} iterations. {} of {} starts (seed {}) reach {}",
         result.stop_reason.sentence(),
@@ -272,10 +272,15 @@ fn convergence(result: &UpdateResult) -> String {
     text
 }
 
-fn explanation(explanation: &Explanation) -> Vec<Block> {
-    let printed =
-        |changes: &[SubsetFit]| changes.iter().take(MAX_PRINTED_CHANGES).map(row).collect();
-    let mut single: Vec<Vec<Cell>> = vec![row(&explanation.none)];
+fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
+    let printed = |changes: &[Change]| {
+        changes
+            .iter()
+            .take(MAX_PRINTED_CHANGES)
+            .map(change_row)
+            .collect()
+    };
+    let mut single: Vec<Vec<Cell>> = vec![change_row(&explanation.none)];
     single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
     let proposed = if explanation.proposed.parameters.is_empty() {
         "no change".to_owned()
@@ -300,8 +305,8 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
         ]
     });
     vec![
-        changes("One parameter changed at a time", single),
-        changes(
+        changes_block("One parameter changed at a time", single),
+        changes_block(
             "Two parameters changed at a time",
             printed(&explanation.pairs),
         ),
@@ -322,7 +327,7 @@ fn explanation(explanation: &Explanation) -> Vec<Block> {
     ]
 }
 
-fn row(change: &SubsetFit) -> Vec<Cell> {
+fn change_row(change: &Change) -> Vec<Cell> {
     let values: Vec<String> = change.values.iter().map(|v| significant(*v, 6)).collect();
     let name = if change.parameters.is_empty() {
         "none".to_owned()
@@ -343,7 +348,7 @@ fn row(change: &SubsetFit) -> Vec<Cell> {
     ]
 }
 
-fn changes(caption: &str, rows: Vec<Vec<Cell>>) -> Block {
+fn changes_block(caption: &str, rows: Vec<Vec<Cell>>) -> Block {
     Block::Table(Table {
         caption: caption.to_owned(),
         columns: vec![

@@ -26,7 +26,7 @@ const FREQUENCY_TOLERANCE: f64 = 1e-6;
 
 /// Content of the tab, and the data that the script draws.
 #[derive(Default)]
-pub(super) struct Methods {
+pub(super) struct MethodsTab {
     /// Text, tables and containers of the figures; empty without a study.
     pub content: String,
     /// Data of the figures, by study.
@@ -38,8 +38,8 @@ pub(super) fn methods(
     report: &RunReport,
     companions: &CompanionResults,
     language: Language,
-) -> Methods {
-    let mut tab = Methods::default();
+) -> MethodsTab {
+    let mut tab = MethodsTab::default();
     let w = |text: &'static str| escape(word(language, text));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
     if let Some(study) = &companions.order {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::CompanionResults;
-use super::methods::{Methods, methods};
+use super::methods::{MethodsTab, methods};
 use super::words::word;
 use crate::report::Language;
 use crate::report::json::{BREAKDOWN_SCHEMA, BreakdownFile, REPORT_SCHEMA, RunReport};
@@ -113,7 +113,7 @@ fn speed() -> Value {
     })
 }
 
-fn methods_tab(companions: &CompanionResults) -> Methods {
+fn methods_tab(companions: &CompanionResults) -> MethodsTab {
     methods(&run(), companions, Language::English)
 }
 

@@ -61,14 +61,14 @@ impl Renderer for Html {
         });
         format!(
             "<!doctype html>\n<html lang=\"en\">\n{}<body>\n<main class=\"plain\">\n{}</main>\n</body>\n</html>\n",
-            head(title.unwrap_or("modalign")),
+            document_head(title.unwrap_or("modalign")),
             fragment(blocks, Language::English)
         )
     }
 }
 
-/// The head of a page.
-fn head(title: &str) -> String {
+/// The `head` element of a page.
+fn document_head(title: &str) -> String {
     format!(
         "<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n",
         escape(title)

@@ -7,7 +7,7 @@ use super::super::Language;
 use super::super::json::RunReport;
 use super::markup::{escape, fragment};
 use super::words::{page_words, sentence, word};
-use super::{CompanionResults, head};
+use super::{CompanionResults, document_head};
 use super::{methods, provenance, summary, update};
 
 /// The script, in the order in which its parts need each other.
@@ -81,7 +81,7 @@ pub fn report_page(
     let w = |text| escape(word(language, text));
     let mut page = format!(
         "<!doctype html>\n<html lang=\"{code}\">\n{}<body>\n",
-        head(&report.title)
+        document_head(&report.title)
     );
     page += &format!(
         "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{}</p>\n</header>\n",
@@ -200,8 +200,9 @@ fn tabs(
             "update",
             "Update",
             updated.map_or_else(String::new, |result| {
-                let head = update::head(result, language);
-                head + &update::tables(result, language)
+                let verdict = update::verdict_paragraph(result, language);
+                verdict
+                    + &update::tables(result, language)
                     + &update::identifiability_tables(result, language)
             }),
             updated.is_some(),

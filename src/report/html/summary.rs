@@ -77,7 +77,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
 
 /// Heading of the advice; a failed update recommends no change.
 fn advice_head(updated: Option<&Value>) -> &'static str {
-    match updated.is_some_and(update::failed) {
+    match updated.is_some_and(update::has_failed) {
         true => "Update result",
         false => "Recommended changes",
     }

@@ -21,7 +21,7 @@ const TEST_FREQUENCY_TOLERANCE: f64 = 1e-6;
 const MODEL_FREQUENCY_TOLERANCE: f64 = 1e-3;
 
 /// Whether an update does not explain the test or did not converge.
-pub(super) fn failed(updated: &Value) -> bool {
+pub(super) fn has_failed(updated: &Value) -> bool {
     let stopped = stop_reason(updated).is_some_and(|reason| !reason.converged());
     updated["fits"].as_bool() == Some(false) || stopped
 }
@@ -114,14 +114,14 @@ pub(super) fn belongs_to_run(updated: &Value, figures: &Figures) -> bool {
 }
 
 /// The verdict above the tables of the tab.
-pub(super) fn head(updated: &Value, language: Language) -> String {
-    let kind = match failed(updated) {
+pub(super) fn verdict_paragraph(updated: &Value, language: Language) -> String {
+    let class = match has_failed(updated) {
         true => "bad",
         false => "good",
     };
     let line = verdict_line(updated, language);
     line.map_or_else(String::new, |line| {
-        format!("<p class=\"verdict {kind}\">{}</p>\n", escape(&line))
+        format!("<p class=\"verdict {class}\">{}</p>\n", escape(&line))
     })
 }
 
@@ -306,11 +306,14 @@ mod tests {
         ] {
             assert!(line.contains(part), "{part}: {line}");
         }
-        assert!(failed(&updated) && head(&updated, Language::English).contains("verdict bad"));
-        assert!(!failed(&value(
+        assert!(
+            has_failed(&updated)
+                && verdict_paragraph(&updated, Language::English).contains("verdict bad")
+        );
+        assert!(!has_failed(&value(
             r#"{"fits": true, "stop_reason": "no-decrease"}"#
         )));
-        assert!(failed(&value(
+        assert!(has_failed(&value(
             r#"{"fits": true, "stop_reason": "iteration-limit"}"#
         )));
     }

@@ -31,7 +31,7 @@ pub use study::{
     speed_accuracy_to_json,
 };
 pub use sweep::{SWEEP_SCHEMA, sweeps_to_json};
-pub use theory::{TheoryPart, with_theory};
+pub use theory::{TheoryResults, with_theory};
 pub use update::{
     AssumedFile, ChangeFile, ExplanationFile, FitFile, FitRowFile, IterationFile, LeftOutFile,
     OtherOptimumFile, PredictionFile, StartsFile, UPDATE_SCHEMA, UpdateFile, UpdatedParameterFile,

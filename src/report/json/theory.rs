@@ -13,7 +13,7 @@ use super::schema::json_text;
 
 /// The requested results, without roots outside the band.
 #[derive(Clone, Debug, Default)]
-pub struct TheoryPart<'a> {
+pub struct TheoryResults<'a> {
     /// Parameters with their values.
     pub parameters: &'a [(ParameterSpec, f64)],
     /// The band of the roots that are written.
@@ -26,7 +26,7 @@ pub struct TheoryPart<'a> {
     pub quantities: Option<Vec<ModelQuantity>>,
 }
 
-impl TheoryPart<'_> {
+impl TheoryResults<'_> {
     /// Whether nothing was requested.
     pub fn is_empty(&self) -> bool {
         self.energies.is_none() && self.sensitivities.is_none() && self.quantities.is_none()
@@ -93,7 +93,7 @@ struct QuantityFile<'a> {
 
 /// The text of a JSON object with the key `theory` appended, ending in a newline; its other keys
 /// are unchanged.
-pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
+pub fn with_theory(json: &str, part: &TheoryResults<'_>) -> String {
     let object = json_text(&file(part));
     let head = json.trim_end();
     let head = head.strip_suffix('}').unwrap_or(head).trim_end();
@@ -101,7 +101,7 @@ pub fn with_theory(json: &str, part: &TheoryPart<'_>) -> String {
     format!("{head},{tail}")
 }
 
-fn file<'a>(part: &'a TheoryPart<'_>) -> TheoryFile<'a> {
+fn file<'a>(part: &'a TheoryResults<'_>) -> TheoryFile<'a> {
     let parameters = part.parameters.iter().map(|(spec, value)| ParameterFile {
         name: &spec.name,
         unit: &spec.unit,
@@ -143,7 +143,7 @@ fn by_name(shares: &[(String, f64)]) -> BTreeMap<&str, f64> {
     pairs.map(|(name, share)| (name.as_str(), *share)).collect()
 }
 
-fn sensitivity<'a>(part: &'a TheoryPart<'_>, root: &'a RootSensitivity) -> SensitivityFile<'a> {
+fn sensitivity<'a>(part: &'a TheoryResults<'_>, root: &'a RootSensitivity) -> SensitivityFile<'a> {
     let slope = |(j, (spec, value)): (usize, &'a (ParameterSpec, f64))| {
         let derivatives = (!spec.whole).then(|| SlopeFile {
             relative: root.scaled(j, *value).filter(|_| value.abs() > 0.0),
