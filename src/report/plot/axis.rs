@@ -58,7 +58,7 @@ impl Axis {
     }
 
     /// Ticks at multiples of this step.
-    pub fn stepped(self, step: f64) -> Self {
+    pub fn with_step(self, step: f64) -> Self {
         Self {
             step: Some(step),
             ..self
@@ -66,24 +66,24 @@ impl Axis {
     }
 
     /// Position of a value on the page, px.
-    pub fn place(&self, value: f64) -> f64 {
-        let share = match self.log {
+    pub fn position(&self, value: f64) -> f64 {
+        let fraction = match self.log {
             true => (value / self.lo).ln() / (self.hi / self.lo).ln(),
             false => (value - self.lo) / (self.hi - self.lo),
         };
-        self.from + share * (self.to - self.from)
+        self.from + fraction * (self.to - self.from)
     }
 
     /// Position of a value that the axis can show; `None` for 0 and below on a logarithmic axis.
-    pub fn shown(&self, value: f64) -> Option<f64> {
-        (value.is_finite() && (!self.log || value > 0.0)).then(|| self.place(value))
+    pub fn visible_position(&self, value: f64) -> Option<f64> {
+        (value.is_finite() && (!self.log || value > 0.0)).then(|| self.position(value))
     }
 
     /// About `count` ticks.
     pub fn ticks(&self, count: f64) -> Vec<Tick> {
         match self.log && self.hi / self.lo > 8.0 {
-            true => self.decades(),
-            false => self.steps(count),
+            true => self.decade_ticks(),
+            false => self.step_ticks(count),
         }
     }
 
@@ -122,7 +122,7 @@ impl Axis {
         (ticks, label)
     }
 
-    fn steps(&self, count: f64) -> Vec<Tick> {
+    fn step_ticks(&self, count: f64) -> Vec<Tick> {
         let step = self.step.unwrap_or_else(|| {
             let raw = (self.hi - self.lo) / count.max(1.0);
             let power = 10f64.powf(raw.log10().floor());
@@ -134,12 +134,12 @@ impl Axis {
         let last = (self.hi / step + 1e-9).floor() as i64;
         let tick = |n: i64| Tick {
             at: n as f64 * step,
-            text: number(n as f64 * step, step),
+            text: tick_text(n as f64 * step, step),
         };
         (first..=last).map(tick).collect()
     }
 
-    fn decades(&self) -> Vec<Tick> {
+    fn decade_ticks(&self) -> Vec<Tick> {
         let (first, last) = (
             self.lo.log10().floor() as i32,
             self.hi.log10().ceil() as i32,
@@ -165,7 +165,7 @@ impl Axis {
     }
 }
 
-fn number(value: f64, step: f64) -> String {
+fn tick_text(value: f64, step: f64) -> String {
     let value = if value.abs() < 1e-9 * step {
         0.0
     } else {
@@ -201,11 +201,15 @@ fn power_of_ten(n: i32) -> String {
 
 /// A frame with grid, ticks and labels around a plot of two axes; an axis with an empty label has
 /// no numbers.
-pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_label): (&str, &str)) {
+pub(super) fn draw_frame(
+    canvas: &mut Canvas,
+    (x, y): (&Axis, &Axis),
+    (x_label, y_label): (&str, &str),
+) {
     let (left, right, bottom, top) = (x.from, x.to, y.from, y.to);
     let (ticks, x_title) = x.labelled_ticks((right - left) / 80.0, x_label);
     for tick in ticks {
-        let at = x.place(tick.at);
+        let at = x.position(tick.at);
         canvas.line([at, top], [at, bottom], GRID, 0.6);
         if !x_label.is_empty() {
             canvas.text([at, bottom + 15.0], &tick.text, Anchor::Middle, INK);
@@ -213,7 +217,7 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
     }
     let (ticks, y_title) = y.labelled_ticks((bottom - top) / 40.0, y_label);
     for tick in ticks {
-        let at = y.place(tick.at);
+        let at = y.position(tick.at);
         canvas.line([left, at], [right, at], GRID, 0.6);
         canvas.text([left - 6.0, at + 4.0], &tick.text, Anchor::End, INK);
     }
@@ -233,7 +237,7 @@ pub(super) fn frame(canvas: &mut Canvas, (x, y): (&Axis, &Axis), (x_label, y_lab
     );
 }
 
-/// Smallest and largest of the finite values; `None` of none.
+/// Smallest and largest of the finite values; `None` without any.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let finite = values.filter(|value| value.is_finite());
     finite.fold(None, |range, value| match range {
@@ -289,11 +293,11 @@ mod tests {
     #[test]
     fn positions_run_from_end_to_end() {
         let axis = Axis::log((1.0, 100.0), (200.0, 0.0));
-        for (value, place) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0)] {
-            assert!((axis.place(value) - place).abs() < 1e-9);
+        for (value, position) in [(1.0, 200.0), (10.0, 100.0), (100.0, 0.0)] {
+            assert!((axis.position(value) - position).abs() < 1e-9);
         }
-        assert!(axis.shown(0.0).is_none() && axis.shown(f64::NAN).is_none());
+        assert!(axis.visible_position(0.0).is_none() && axis.visible_position(f64::NAN).is_none());
         let flat = Axis::linear((3.0, 3.0), (0.0, 10.0));
-        assert!((flat.place(3.0) - 5.0).abs() < 1e-12);
+        assert!((flat.position(3.0) - 5.0).abs() < 1e-12);
     }
 }

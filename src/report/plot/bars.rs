@@ -4,15 +4,15 @@ use crate::correlate::Status;
 use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
 
 use super::super::test_title::test_title;
-use super::axis::{Axis, frame, range};
-use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW, legend_rows};
+use super::axis::{Axis, draw_frame, range};
+use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, LEGEND_ROW_PX, legend_rows};
 
 /// Maximum number of kinds of bodies with an individual colour.
 const MAX_COLORED_BODIES: usize = 6;
 
 /// Error of every natural frequency in the band of a test, with its standard deviation, and a cross
 /// where the test has no partner; `None` without any.
-pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<String> {
+pub(super) fn frequency_errors(overview: &Overview, figures: &[TestFigures]) -> Option<String> {
     let inside = |row: &&OverviewRow| {
         let seen = row
             .cells
@@ -39,23 +39,23 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
     if any_missed(&rows) {
         names.push(("× unmatched", INK));
     }
-    let more = LEGEND_ROW * (legend_rows(70.0, 735.0, &names) - 1) as f64;
+    let more = LEGEND_ROW_PX * (legend_rows(70.0, 735.0, &names) - 1) as f64;
     let mut canvas = Canvas::new(735.0, 320.0 + more);
     let pad = 0.08 * (hi - lo);
     let count = rows.len() as f64;
-    let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0)).stepped(1.0);
+    let x = Axis::linear((0.4, count + 0.6), (70.0, 720.0)).with_step(1.0);
     let y = Axis::linear((lo - pad, hi + pad), (260.0, 34.0));
     let label = match overview.of_theory {
         true => "(test−theory)/theory (%), line ±1 std",
         false => "(theory−test)/test (%), line ±1 std",
     };
-    frame(&mut canvas, (&x, &y), ("", label));
+    draw_frame(&mut canvas, (&x, &y), ("", label));
     let wide = 0.8 / tests.len().max(1) as f64;
     let every = rows.len().div_ceil(24).max(1);
     for (k, row) in rows.iter().enumerate() {
         let middle = k as f64 + 1.0;
         if k % every == 0 {
-            canvas.text([x.place(middle), 276.0], &row.label, Anchor::Middle, INK);
+            canvas.text([x.position(middle), 276.0], &row.label, Anchor::Middle, INK);
         }
         for cell in &row.cells {
             let Some(n) = tests.iter().position(|test| *test == cell.test) else {
@@ -64,29 +64,29 @@ pub(super) fn errors(overview: &Overview, figures: &[TestFigures]) -> Option<Str
             let at = middle + (n as f64 - 0.5 * (tests.len() as f64 - 1.0)) * wide;
             let Some(error) = cell.error_percent else {
                 if is_missed(cell) {
-                    cross(&mut canvas, [x.place(at), 255.0]);
+                    draw_cross(&mut canvas, [x.position(at), 255.0]);
                 }
                 continue;
             };
-            let (a, b) = (x.place(at - 0.45 * wide), x.place(at + 0.45 * wide));
+            let (a, b) = (x.position(at - 0.45 * wide), x.position(at + 0.45 * wide));
             canvas.rect(
-                [a, y.place(0.0)],
-                [b, y.place(error)],
+                [a, y.position(0.0)],
+                [b, y.position(error)],
                 COLORS[n % COLORS.len()],
                 "none",
             );
             if let Some(std) = cell.error_std_percent {
-                let x = x.place(at);
+                let x = x.position(at);
                 canvas.line(
-                    [x, y.place(error - std)],
-                    [x, y.place(error + std)],
+                    [x, y.position(error - std)],
+                    [x, y.position(error + std)],
                     INK,
                     1.0,
                 );
             }
         }
     }
-    canvas.line([70.0, y.place(0.0)], [720.0, y.place(0.0)], INK, 1.0);
+    canvas.line([70.0, y.position(0.0)], [720.0, y.position(0.0)], INK, 1.0);
     canvas.legend([70.0, 306.0], &names);
     Some(canvas.finish())
 }
@@ -117,7 +117,7 @@ fn is_missed(cell: &OverviewCell) -> bool {
 }
 
 /// Marks an unmatched natural frequency, which has no error on the axis.
-fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
+fn draw_cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
     for rise in [-3.5, 3.5] {
         canvas.line([x - 3.5, y - rise], [x + 3.5, y + rise], INK, 1.2);
     }

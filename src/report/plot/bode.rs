@@ -4,11 +4,11 @@
 use crate::scene::{Curve, FrfFigure, TestFigures};
 
 use super::super::test_title::test_title;
-use super::axis::{Axis, frame, range};
+use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK};
 
-const LEFT: f64 = 70.0;
-const RIGHT: f64 = 700.0;
+const LEFT_PX: f64 = 70.0;
+const RIGHT_PX: f64 = 700.0;
 /// Minimum phase difference between lines that counts as a wrap, degrees.
 const MIN_PHASE_WRAP_DEG: f64 = 180.0;
 
@@ -16,7 +16,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     let coherent = !curve.coherence.is_empty();
     let bottoms = [260.0, 400.0, 490.0];
     let last = if coherent { 2 } else { 1 };
-    let mut canvas = Canvas::new(RIGHT + 22.0, bottoms[last] + 44.0);
+    let mut canvas = Canvas::new(RIGHT_PX + 22.0, bottoms[last] + 44.0);
     let hz: Vec<f64> = curve
         .lines
         .iter()
@@ -24,7 +24,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
         .collect();
     let x = Axis::linear(
         range(hz.iter().copied()).unwrap_or((0.0, 1.0)),
-        (LEFT, RIGHT),
+        (LEFT_PX, RIGHT_PX),
     );
     let title = format!(
         "{}: {} / {}, {}",
@@ -33,11 +33,11 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
         curve.reference,
         curve.kind
     );
-    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
+    canvas.text([LEFT_PX, 18.0], &title, Anchor::Start, INK);
     let fitted = !curve.fit_magnitude.is_empty();
     let names: &[(&str, &str)] = &[("data", COLORS[0]), ("fit", COLORS[1])];
     canvas.legend(
-        [RIGHT - 110.0, 18.0],
+        [RIGHT_PX - 110.0, 18.0],
         if fitted { names } else { &names[..1] },
     );
 
@@ -49,7 +49,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     let (lo, hi) = range(all.filter(|value| *value > 0.0)).unwrap_or((1.0, 10.0));
     let y = Axis::log((lo / 1.4, 1.4 * hi), (bottoms[0], 28.0));
     let label = |index: usize| if index == last { "Frequency (Hz)" } else { "" };
-    frame(
+    draw_frame(
         &mut canvas,
         (&x, &y),
         (
@@ -57,7 +57,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
             &format!("Magnitude ({})", curve.unit.replace("/s2", "/s²")),
         ),
     );
-    canvas.clip([LEFT, 28.0], [RIGHT, bottoms[0]]);
+    canvas.clip([LEFT_PX, 28.0], [RIGHT_PX, bottoms[0]]);
     mark_modes(&mut canvas, test, &x, 28.0, bottoms[0]);
     let measured: Vec<Option<f64>> = curve.magnitude.iter().copied().map(Some).collect();
     let data = points(&hz, &measured, &x, &y);
@@ -66,8 +66,8 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
     canvas.curve("magnitude-fit", &fit, COLORS[1], 1.3, "5 3");
     canvas.unclip();
 
-    let y = Axis::linear((-190.0, 190.0), (bottoms[1], 280.0)).stepped(90.0);
-    frame(&mut canvas, (&x, &y), (label(1), "Phase (°)"));
+    let y = Axis::linear((-190.0, 190.0), (bottoms[1], 280.0)).with_step(90.0);
+    draw_frame(&mut canvas, (&x, &y), (label(1), "Phase (°)"));
     let measured: Vec<Option<f64>> = curve.phase_deg.iter().copied().map(Some).collect();
     let data = phase_points(&hz, &measured, &x, &y);
     let fit = phase_points(&hz, &curve.fit_phase_deg, &x, &y);
@@ -76,11 +76,11 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
 
     if coherent {
         let y = Axis::linear((0.0, 1.05), (bottoms[2], 420.0));
-        frame(&mut canvas, (&x, &y), (label(2), "Coherence"));
+        draw_frame(&mut canvas, (&x, &y), (label(2), "Coherence"));
         let points: Vec<Option<[f64; 2]>> = hz
             .iter()
             .zip(&curve.coherence)
-            .map(|(hz, value)| Some([x.place(*hz), y.place(*value)]))
+            .map(|(hz, value)| Some([x.position(*hz), y.position(*value)]))
             .collect();
         canvas.curve("coherence", &points, COLORS[2], 1.0, "");
     }
@@ -90,7 +90,7 @@ pub(super) fn bode(test: &TestFigures, set: &FrfFigure, curve: &Curve) -> String
 /// Lines at the natural frequencies, with the numbers of the modes.
 fn mark_modes(canvas: &mut Canvas, test: &TestFigures, x: &Axis, top: f64, bottom: f64) {
     for (index, mode) in test.modes.iter().enumerate() {
-        let at = x.place(mode.hz);
+        let at = x.position(mode.hz);
         canvas.line([at, top], [at, bottom], FAINT, 0.5);
         canvas.text(
             [at + 2.0, top + 10.0],
@@ -103,7 +103,8 @@ fn mark_modes(canvas: &mut Canvas, test: &TestFigures, x: &Axis, top: f64, botto
 
 /// Positions of values at frequencies; the pen is lifted where there is none.
 fn points(hz: &[f64], values: &[Option<f64>], x: &Axis, y: &Axis) -> Vec<Option<[f64; 2]>> {
-    let point = |(hz, value): (&f64, &Option<f64>)| Some([x.place(*hz), y.shown((*value)?)?]);
+    let point =
+        |(hz, value): (&f64, &Option<f64>)| Some([x.position(*hz), y.visible_position((*value)?)?]);
     hz.iter().zip(values).map(point).collect()
 }
 

@@ -9,15 +9,15 @@ use crate::study::breakdown::{
     UserModePosition,
 };
 
-use super::axis::{Axis, frame};
+use super::axis::{Axis, draw_frame};
 use super::canvas::{Anchor, Canvas, INK};
-use super::mark::{DASHES, curve_color, mark};
+use super::mark::{DASHES, curve_color, draw_mark};
 
-const LEFT: f64 = 70.0;
-const RIGHT: f64 = 530.0;
-const TOP: f64 = 46.0;
-const BOTTOM: f64 = 416.0;
-const WIDTH: f64 = 740.0;
+const LEFT_PX: f64 = 70.0;
+const RIGHT_PX: f64 = 530.0;
+const TOP_PX: f64 = 46.0;
+const BOTTOM_PX: f64 = 416.0;
+const WIDTH_PX: f64 = 740.0;
 /// Distance of marks along a contour, px.
 const MARK_SPACING_PX: f64 = 70.0;
 /// Darkness where every method fails.
@@ -27,49 +27,57 @@ const MAX_DARKENING: f64 = 72.0;
 /// in fewer than 95 % of the draws.
 pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> String {
     let slice = &result.slice;
-    let mut canvas = Canvas::new(WIDTH, BOTTOM + 50.0);
+    let mut canvas = Canvas::new(WIDTH_PX, BOTTOM_PX + 50.0);
     let title = format!(
         "{}: where methods meet the stated error in 95 % of {} draws",
         slice.name, slice.draws
     );
-    canvas.text([LEFT, 20.0], &title, Anchor::Start, INK);
-    let (x, y) = (axis(&slice.x, (LEFT, RIGHT)), axis(&slice.y, (BOTTOM, TOP)));
+    canvas.text([LEFT_PX, 20.0], &title, Anchor::Start, INK);
+    let (x, y) = (
+        axis(&slice.x, (LEFT_PX, RIGHT_PX)),
+        axis(&slice.y, (BOTTOM_PX, TOP_PX)),
+    );
     let fields: Vec<Field> = (0..slice.methods.len())
         .map(|method| result.field(method, SuccessRate::Counted))
         .collect();
-    shades(&mut canvas, &fields);
+    draw_shades(&mut canvas, &fields);
     let in_test = slice.needs_test();
     let labels = (slice.x.factor.label(in_test), slice.y.factor.label(in_test));
-    frame(&mut canvas, (&x, &y), labels);
-    canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
+    draw_frame(&mut canvas, (&x, &y), labels);
+    canvas.clip([LEFT_PX, TOP_PX], [RIGHT_PX, BOTTOM_PX]);
     for (method, field) in fields.iter().enumerate() {
-        for line in field.contour(MIN_SUCCESS_RATE) {
-            contour(&mut canvas, method, &line);
+        for line in field.contour(LEVEL) {
+            draw_contour(&mut canvas, method, &line);
         }
     }
     canvas.unclip();
-    user_modes(&mut canvas, points);
-    legend(&mut canvas, result, &fields);
+    draw_user_modes(&mut canvas, points);
+    draw_legend(&mut canvas, result, &fields);
     canvas.finish()
 }
 
-fn axis(factor_axis: &crate::study::breakdown::Axis, places: (f64, f64)) -> Axis {
+fn axis(factor_axis: &crate::study::breakdown::Axis, ends_px: (f64, f64)) -> Axis {
     let few = factor_axis.factor.is_whole() && factor_axis.hi - factor_axis.lo <= 10.0;
     match factor_axis.scale {
-        Scale::Linear if few => Axis::linear((factor_axis.lo, factor_axis.hi), places).stepped(1.0),
-        Scale::Linear => Axis::linear((factor_axis.lo, factor_axis.hi), places),
-        Scale::Log => Axis::log((factor_axis.lo, factor_axis.hi), places),
+        Scale::Linear if few => {
+            Axis::linear((factor_axis.lo, factor_axis.hi), ends_px).with_step(1.0)
+        }
+        Scale::Linear => Axis::linear((factor_axis.lo, factor_axis.hi), ends_px),
+        Scale::Log => Axis::log((factor_axis.lo, factor_axis.hi), ends_px),
     }
 }
 
 /// Position on the page, px, of fractions of both axes.
-fn place([x, y]: [f64; 2]) -> [f64; 2] {
-    [LEFT + x * (RIGHT - LEFT), BOTTOM + y * (TOP - BOTTOM)]
+fn map_position([x, y]: [f64; 2]) -> [f64; 2] {
+    [
+        LEFT_PX + x * (RIGHT_PX - LEFT_PX),
+        BOTTOM_PX + y * (TOP_PX - BOTTOM_PX),
+    ]
 }
 
 /// Shades each element of the map by the number of methods that fail there; equal neighbours of a
 /// row share a rectangle.
-fn shades(canvas: &mut Canvas, fields: &[Field]) {
+fn draw_shades(canvas: &mut Canvas, fields: &[Field]) {
     let (columns, rows) = (fields[0].values.len(), fields[0].values[0].len());
     let failing = |i: usize, j: usize| {
         let middle = [
@@ -82,7 +90,7 @@ fn shades(canvas: &mut Canvas, fields: &[Field]) {
             .count()
     };
     let corner = |i: usize, j: usize| {
-        place([
+        map_position([
             i as f64 / (columns - 1) as f64,
             j as f64 / (rows - 1) as f64,
         ])
@@ -110,8 +118,11 @@ fn shade(failing: usize, methods: usize) -> String {
 
 /// A contour with marks at a constant distance; the first mark is at a different distance for each
 /// method.
-fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
-    let points: Vec<[f64; 2]> = line.iter().map(|shares| place(*shares)).collect();
+fn draw_contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
+    let points: Vec<[f64; 2]> = line
+        .iter()
+        .map(|fractions| map_position(*fractions))
+        .collect();
     let dash = DASHES[method % DASHES.len()];
     let strokes: Vec<Option<[f64; 2]>> = points.iter().copied().map(Some).collect();
     canvas.curve("contour", &strokes, curve_color(method), 1.8, dash);
@@ -123,7 +134,7 @@ fn contour(canvas: &mut Canvas, method: usize, line: &[[f64; 2]]) {
         while length > 0.0 && run + length >= next {
             let share = (next - run) / length;
             let at = [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
-            mark(canvas, at, method);
+            draw_mark(canvas, at, method);
             next += MARK_SPACING_PX;
         }
         run += length;
@@ -135,10 +146,10 @@ const MAX_LABELS: usize = 6;
 
 /// Draws the modes of the user as black points. Coincident points share a label. The points nearest
 /// to a failure boundary are labelled, as far as there is room.
-fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
+fn draw_user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     let mut groups: Vec<([f64; 2], Vec<&UserModePosition>)> = Vec::new();
-    for point in points.iter().filter(|point| point.is_inside()) {
-        let at = place(point.place);
+    for point in points.iter().filter(|point| point.inside()) {
+        let at = map_position(point.location);
         let near = |group: &&mut ([f64; 2], Vec<&UserModePosition>)| {
             (group.0[0] - at[0]).hypot(group.0[1] - at[1]) < 8.0
         };
@@ -165,7 +176,10 @@ fn user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
         };
         let free = |corner: &[f64; 2]| {
             let label = area(corner);
-            let inside = label[0] > LEFT && label[2] < RIGHT && label[1] > TOP && label[3] < BOTTOM;
+            let inside = label[0] > LEFT_PX
+                && label[2] < RIGHT_PX
+                && label[1] > TOP_PX
+                && label[3] < BOTTOM_PX;
             inside && !taken.iter().any(|other| overlap(&label, other))
         };
         let offers = [-6.0, 14.0, -20.0, 28.0, -34.0, 42.0].into_iter();
@@ -217,14 +231,14 @@ fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
-    let x = RIGHT + 18.0;
+fn draw_legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
+    let x = RIGHT_PX + 18.0;
     for (method, name) in result.slice.methods.iter().enumerate() {
-        let y = TOP + 12.0 + 24.0 * method as f64;
+        let y = TOP_PX + 12.0 + 24.0 * method as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         let dash = DASHES[method % DASHES.len()];
         canvas.curve("legend", &stroke, curve_color(method), 1.8, dash);
-        mark(canvas, [x + 20.0, y - 4.0], method);
+        draw_mark(canvas, [x + 20.0, y - 4.0], method);
         let values = || fields[method].values.iter().flatten();
         let note = match values().any(|v| *v >= MIN_SUCCESS_RATE) {
             false => " (nowhere here)",
@@ -233,7 +247,7 @@ fn legend(canvas: &mut Canvas, result: &SliceResult, fields: &[Field]) {
         };
         canvas.text([x + 48.0, y], &format!("{name}{note}"), Anchor::Start, INK);
     }
-    let mut y = TOP + 28.0 + 24.0 * result.slice.methods.len() as f64;
+    let mut y = TOP_PX + 28.0 + 24.0 * result.slice.methods.len() as f64;
     let methods = result.slice.methods.len();
     for (failing, text) in [(0, "no method fails"), (methods, "every method fails")] {
         canvas.rect(
@@ -253,12 +267,12 @@ const PANEL_HEIGHT_PX: f64 = 300.0;
 
 /// Condition number, and error of the poles in f64 and f32, over the order.
 pub fn stability_svg(stability: &Stability) -> String {
-    let mut canvas = Canvas::new(WIDTH, 2.0 * PANEL_HEIGHT_PX + 60.0);
-    let orders = stability.curves.iter().flat_map(|course| &course.points);
+    let mut canvas = Canvas::new(WIDTH_PX, 2.0 * PANEL_HEIGHT_PX + 60.0);
+    let orders = stability.courses.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
-    canvas.text([LEFT, 20.0], title, Anchor::Start, INK);
-    let x = Axis::linear((0.0, highest), (LEFT, RIGHT));
+    canvas.text([LEFT_PX, 20.0], title, Anchor::Start, INK);
+    let x = Axis::linear((0.0, highest), (LEFT_PX, RIGHT_PX));
     let panels = [
         ((0.0, 18.0), 0.0, "Digits lost (log10 of the condition)"),
         (
@@ -268,11 +282,11 @@ pub fn stability_svg(stability: &Stability) -> String {
         ),
     ];
     for (range, shift, label) in panels {
-        let (bottom, top) = (TOP + PANEL_HEIGHT_PX - 50.0 + shift, TOP + shift);
-        let y = Axis::linear(range, (bottom, top)).stepped(2.0);
-        frame(&mut canvas, (&x, &y), ("Order", label));
-        canvas.clip([LEFT, top], [RIGHT, bottom]);
-        for (index, course) in stability.curves.iter().enumerate() {
+        let (bottom, top) = (TOP_PX + PANEL_HEIGHT_PX - 50.0 + shift, TOP_PX + shift);
+        let y = Axis::linear(range, (bottom, top)).with_step(2.0);
+        draw_frame(&mut canvas, (&x, &y), ("Order", label));
+        canvas.clip([LEFT_PX, top], [RIGHT_PX, bottom]);
+        for (index, course) in stability.courses.iter().enumerate() {
             let courses: &[(Value, &str)] = match shift > 0.0 {
                 true => &ERRORS,
                 false => &CONDITION,
@@ -280,19 +294,19 @@ pub fn stability_svg(stability: &Stability) -> String {
             for (value, dash) in courses {
                 let at = |point: &StabilityPoint| {
                     let value = value(point)?.log10().clamp(range.0, range.1);
-                    Some([x.place(point.order as f64), y.place(value)])
+                    Some([x.position(point.order as f64), y.position(value)])
                 };
                 let points: Vec<Option<[f64; 2]>> = course.points.iter().map(at).collect();
                 canvas.curve("course", &points, curve_color(index), 1.6, dash);
                 if dash.is_empty() {
                     let marked = points.iter().skip(index).step_by(4).flatten();
-                    marked.for_each(|at| mark(&mut canvas, *at, index));
+                    marked.for_each(|at| draw_mark(&mut canvas, *at, index));
                 }
             }
         }
         canvas.unclip();
     }
-    stability_legend(&mut canvas, stability);
+    draw_stability_legend(&mut canvas, stability);
     canvas.finish()
 }
 
@@ -306,18 +320,18 @@ const ERRORS: [(Value, &str); 3] = [
     (|point| point.error_f32_matrix, "2 3"),
 ];
 
-fn stability_legend(canvas: &mut Canvas, stability: &Stability) {
-    let x = RIGHT + 18.0;
-    for (index, course) in stability.curves.iter().enumerate() {
-        let y = TOP + 12.0 + 24.0 * index as f64;
+fn draw_stability_legend(canvas: &mut Canvas, stability: &Stability) {
+    let x = RIGHT_PX + 18.0;
+    for (index, course) in stability.courses.iter().enumerate() {
+        let y = TOP_PX + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, curve_color(index), 1.8, "");
-        mark(canvas, [x + 20.0, y - 4.0], index);
+        draw_mark(canvas, [x + 20.0, y - 4.0], index);
         canvas.text([x + 48.0, y], &course.method, Anchor::Start, INK);
     }
     let kinds = ["all in f64", "data in f32", "data and equations in f32"];
     for (index, (text, (_, dash))) in kinds.iter().zip(&ERRORS).enumerate() {
-        let y = TOP + PANEL_HEIGHT_PX + 12.0 + 24.0 * index as f64;
+        let y = TOP_PX + PANEL_HEIGHT_PX + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, INK, 1.6, dash);
         canvas.text([x + 48.0, y], text, Anchor::Start, INK);

@@ -15,9 +15,9 @@ pub(super) const GRID: &str = "#e2e2e2";
 pub(super) const FAINT: &str = "#8a8a8a";
 
 /// Size of letters, px.
-const FONT_SIZE: f64 = 11.0;
+const FONT_SIZE_PX: f64 = 11.0;
 /// Distance of the rows of a legend, px.
-pub(super) const LEGEND_ROW: f64 = 16.0;
+pub(super) const LEGEND_ROW_PX: f64 = 16.0;
 
 /// About the width of a text, px; by classes of letters of Helvetica.
 pub(super) fn text_width(text: &str) -> f64 {
@@ -29,7 +29,7 @@ pub(super) fn text_width(text: &str) -> f64 {
         c if c > '\u{2e7f}' => 1.0,
         _ => 0.56,
     };
-    FONT_SIZE * text.chars().map(part).sum::<f64>()
+    FONT_SIZE_PX * text.chars().map(part).sum::<f64>()
 }
 
 /// Rows of a legend that begins at a place of a canvas of this width.
@@ -81,7 +81,7 @@ impl Canvas {
     pub fn finish(self) -> String {
         let (width, height) = (self.width, self.height);
         format!(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{FONT_SIZE}\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"{FONT_SIZE_PX}\">\n<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>\n{}</svg>\n",
             self.body
         )
     }
@@ -201,7 +201,7 @@ impl Canvas {
         for (name, color) in names {
             let wide = text_width(name);
             if x > left && x + 21.0 + wide > self.width - 4.0 {
-                (x, y) = (left, y + LEGEND_ROW);
+                (x, y) = (left, y + LEGEND_ROW_PX);
             }
             self.line([x, y - 4.0], [x + 16.0, y - 4.0], color, 3.0);
             self.text([x + 21.0, y], name, Anchor::Start, INK);

@@ -5,7 +5,7 @@ use crate::scene::MacFigure;
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
 
 /// Colours from 0 to 1: white to dark blue.
-const SCALE: [[f64; 3]; 5] = [
+const HEAT_COLORS: [[f64; 3]; 5] = [
     [255.0, 255.0, 255.0],
     [198.0, 219.0, 239.0],
     [107.0, 174.0, 214.0],
@@ -17,12 +17,14 @@ const SCALE: [[f64; 3]; 5] = [
 const MISSING_FILL: &str = "#f2f2f2";
 
 /// The colour of a value from 0 to 1.
-pub(super) fn heat(share: f64) -> String {
-    let position = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
-    let low = (position.floor() as usize).min(SCALE.len() - 2);
-    let mixed = [0, 1, 2]
-        .map(|k| SCALE[low][k] + (position - low as f64) * (SCALE[low + 1][k] - SCALE[low][k]));
-    let [red, green, blue] = mixed.map(|part| part.round() as u8);
+pub(super) fn heat_color(value: f64) -> String {
+    let position = value.clamp(0.0, 1.0) * (HEAT_COLORS.len() - 1) as f64;
+    let low = (position.floor() as usize).min(HEAT_COLORS.len() - 2);
+    let mixed = [0, 1, 2].map(|k| {
+        HEAT_COLORS[low][k]
+            + (position - low as f64) * (HEAT_COLORS[low + 1][k] - HEAT_COLORS[low][k])
+    });
+    let [red, green, blue] = mixed.map(|level| level.round() as u8);
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
@@ -44,7 +46,7 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
         for (j, value) in row.iter().enumerate() {
             let a = [left + j as f64 * wide, top + i as f64 * high];
             let b = [a[0] + wide, a[1] + high];
-            let fill = value.map_or_else(|| MISSING_FILL.to_owned(), heat);
+            let fill = value.map_or_else(|| MISSING_FILL.to_owned(), heat_color);
             canvas.rect(a, b, &fill, GRID);
             if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
                 let ink = if value > 0.55 { "#ffffff" } else { INK };
@@ -78,13 +80,13 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
         INK,
         -90.0,
     );
-    legend(&mut canvas, [left, bottom + 98.0], figure);
-    scale(&mut canvas, right + 18.0, top, top + 110.0);
+    draw_legend(&mut canvas, [left, bottom + 98.0], figure);
+    draw_color_scale(&mut canvas, right + 18.0, top, top + 110.0);
     canvas.finish()
 }
 
 /// Legend of the frames and of cells without a value.
-fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
+fn draw_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
     let some_missing = figure.mac.iter().flatten().any(Option::is_none);
     let names = [
         (!figure.pairs.is_empty(), "pair", ("none", COLORS[1])),
@@ -101,14 +103,14 @@ fn legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], figure: &MacFigure) {
     }
 }
 
-fn scale(canvas: &mut Canvas, x: f64, top: f64, bottom: f64) {
+fn draw_color_scale(canvas: &mut Canvas, x: f64, top: f64, bottom: f64) {
     let step = (bottom - top) / 20.0;
     for k in 0..20 {
         let y = bottom - f64::from(k) * step;
         canvas.rect(
             [x, y],
             [x + 12.0, y - step],
-            &heat((f64::from(k) + 0.5) / 20.0),
+            &heat_color((f64::from(k) + 0.5) / 20.0),
             "none",
         );
     }

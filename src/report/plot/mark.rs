@@ -23,7 +23,7 @@ const HALF_MARK_PX: f64 = 3.6;
 
 /// The mark of a curve: circle, square, triangle, diamond, cross, plus, triangle upside down, in
 /// turn.
-pub(super) fn mark(canvas: &mut Canvas, [x, y]: [f64; 2], curve: usize) {
+pub(super) fn draw_mark(canvas: &mut Canvas, [x, y]: [f64; 2], curve: usize) {
     let s = HALF_MARK_PX;
     let color = curve_color(curve);
     let mut draw = |points: &[[f64; 2]]| {

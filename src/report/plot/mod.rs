@@ -36,7 +36,7 @@ pub use update::update_figures_svg;
 pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = Vec::new();
     let overview = figures.overview.as_ref();
-    let errors = overview.and_then(|overview| bars::errors(overview, &figures.tests));
+    let errors = overview.and_then(|overview| bars::frequency_errors(overview, &figures.tests));
     all.extend(errors.map(|text| ("errors".to_owned(), text)));
     let energies = bars::energies(&figures.energies);
     all.extend(energies.map(|text| ("energies".to_owned(), text)));
@@ -132,7 +132,7 @@ fn figures_of_test(test: &TestFigures) -> Vec<(String, String)> {
     for circle in &test.circles {
         all.push((
             format!("{stem}-circle-{}", circle.mode),
-            circle::circle(circle, &title),
+            circle::circle_fit(circle, &title),
         ));
     }
     let set = test.shapes.as_ref();

@@ -5,16 +5,16 @@ use crate::identify::{OrderSelection, OrderStep};
 use crate::study::{SceneNeeds, TestNeeds};
 
 use super::super::test_title::test_title;
-use super::axis::{Axis, frame, range};
+use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, Canvas, FAINT, INK};
 use super::file_name;
-use super::mark::{curve_color, mark};
+use super::mark::{curve_color, draw_mark};
 
-const LEFT: [f64; 2] = [75.0, 475.0];
-const WIDTH: f64 = 320.0;
-const SIZE: [f64; 2] = [815.0, 400.0];
-const TOP: f64 = 48.0;
-const BOTTOM: f64 = 300.0;
+const LEFT_PX: [f64; 2] = [75.0, 475.0];
+const WIDTH_PX: f64 = 320.0;
+const SIZE_PX: [f64; 2] = [815.0, 400.0];
+const TOP_PX: f64 = 48.0;
+const BOTTOM_PX: f64 = 300.0;
 /// Distance of the marks of two curves at one number of modes, so that neither hides the other.
 const MARK_OFFSET_MODES: f64 = 0.3;
 
@@ -60,30 +60,30 @@ fn figure(test: &TestNeeds) -> Option<String> {
         }],
     ];
     let labels = ["Relative to the noise", "BIC above its minimum + 1"];
-    let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
+    let mut canvas = Canvas::new(SIZE_PX[0], SIZE_PX[1]);
     let title = format!(
         "{}: number of modes that the data support",
         test_title(&test.name, test.synthetic)
     );
-    canvas.text([LEFT[0], 18.0], &title, Anchor::Start, INK);
+    canvas.text([LEFT_PX[0], 18.0], &title, Anchor::Start, INK);
     let mut number = 0;
-    for ((curves, label), left) in curves.iter().zip(labels).zip(LEFT) {
-        panel(&mut canvas, support, curves, number, left, label)?;
+    for ((curves, label), left) in curves.iter().zip(labels).zip(LEFT_PX) {
+        draw_panel(&mut canvas, support, curves, number, left, label)?;
         number += curves.len();
     }
-    let mut x = LEFT[0];
+    let mut x = LEFT_PX[0];
     for (number, curve) in curves.iter().flatten().enumerate() {
-        mark(&mut canvas, [x + 6.0, BOTTOM + 56.0], number);
-        canvas.text([x + 16.0, BOTTOM + 60.0], curve.name, Anchor::Start, INK);
+        draw_mark(&mut canvas, [x + 6.0, BOTTOM_PX + 56.0], number);
+        canvas.text([x + 16.0, BOTTOM_PX + 60.0], curve.name, Anchor::Start, INK);
         x += 200.0;
     }
     let note = "Dashed: last identified mode; beyond it, further stable poles. A dot in a mark: the supported number of modes.";
-    canvas.text([LEFT[0], BOTTOM + 82.0], note, Anchor::Start, FAINT);
+    canvas.text([LEFT_PX[0], BOTTOM_PX + 82.0], note, Anchor::Start, FAINT);
     Some(canvas.finish())
 }
 
 /// `first`: index of the first of the curves in the figure.
-fn panel(
+fn draw_panel(
     canvas: &mut Canvas,
     support: &OrderSelection,
     curves: &[Curve],
@@ -92,29 +92,29 @@ fn panel(
     label: &str,
 ) -> Option<()> {
     let last = support.tried.len() - 1;
-    let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH));
-    let x = x.stepped((last as f64 / 12.0).ceil().max(1.0));
+    let x = Axis::linear((-0.5, last as f64 + 0.5), (left, left + WIDTH_PX));
+    let x = x.with_step((last as f64 / 12.0).ceil().max(1.0));
     let all = curves
         .iter()
         .flat_map(|curve| support.tried.iter().filter_map(curve.value));
     let (lo, hi) = range(all.filter(|value| *value > 0.0))?;
-    let y = Axis::log((0.7 * lo, 1.5 * hi), (BOTTOM, TOP));
-    frame(canvas, (&x, &y), ("Modes", label));
-    let at = x.place(support.identified as f64 + 0.5);
-    let ends = [Some([at, TOP]), Some([at, BOTTOM])];
+    let y = Axis::log((0.7 * lo, 1.5 * hi), (BOTTOM_PX, TOP_PX));
+    draw_frame(canvas, (&x, &y), ("Modes", label));
+    let at = x.position(support.identified as f64 + 0.5);
+    let ends = [Some([at, TOP_PX]), Some([at, BOTTOM_PX])];
     canvas.curve("identified", &ends, INK, 1.0, "7 4");
     for (number, curve) in curves.iter().enumerate() {
         let color = curve_color(first + number);
         let offset = MARK_OFFSET_MODES * (number as f64 - 0.5 * (curves.len() - 1) as f64);
         let place = |(roots, tried): (usize, &OrderStep)| {
-            let at = x.place(roots as f64 + offset);
-            Some([at, y.shown((curve.value)(tried)?)?])
+            let at = x.position(roots as f64 + offset);
+            Some([at, y.visible_position((curve.value)(tried)?)?])
         };
         let points: Vec<Option<[f64; 2]>> = support.tried.iter().enumerate().map(place).collect();
         canvas.curve("course", &points, color, 1.1, "");
         for (roots, at) in points.into_iter().enumerate() {
             if let Some(at) = at {
-                mark(canvas, at, first + number);
+                draw_mark(canvas, at, first + number);
                 if Some(roots) == curve.supported {
                     canvas.dot(at, 1.8, color, "none");
                 }

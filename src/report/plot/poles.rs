@@ -3,24 +3,24 @@
 use crate::scene::{StabilizationFigure, TestFigures};
 
 use super::super::test_title::test_title;
-use super::axis::{Axis, frame, range};
+use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, INK, text_width};
 
-const LEFT: f64 = 64.0;
-const RIGHT: f64 = 720.0;
-const TOP: f64 = 30.0;
-const BOTTOM: f64 = 420.0;
+const LEFT_PX: f64 = 64.0;
+const RIGHT_PX: f64 = 720.0;
+const TOP_PX: f64 = 30.0;
+const BOTTOM_PX: f64 = 420.0;
 /// Lower end of the shown CMIF, relative to its peak.
 const MIN_SHOWN_OVER_PEAK: f64 = 1e-6;
 
 pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) -> String {
-    let mut canvas = Canvas::new(RIGHT + 16.0, BOTTOM + 64.0);
+    let mut canvas = Canvas::new(RIGHT_PX + 16.0, BOTTOM_PX + 64.0);
     let orders = range(figure.order.iter().map(|order| *order as f64)).unwrap_or((0.0, 1.0));
     let pad = f64::max(1.0, 0.06 * (orders.1 - orders.0));
-    let x = Axis::linear((figure.band_hz[0], figure.band_hz[1]), (LEFT, RIGHT));
-    let y = Axis::linear((orders.0 - pad, orders.1 + pad), (BOTTOM, TOP));
+    let x = Axis::linear((figure.band_hz[0], figure.band_hz[1]), (LEFT_PX, RIGHT_PX));
+    let y = Axis::linear((orders.0 - pad, orders.1 + pad), (BOTTOM_PX, TOP_PX));
     canvas.text(
-        [LEFT, 18.0],
+        [LEFT_PX, 18.0],
         &format!(
             "{}: poles of {} over the CMIF",
             test_title(&test.name, test.synthetic),
@@ -29,12 +29,12 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
         Anchor::Start,
         INK,
     );
-    frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
-    canvas.clip([LEFT, TOP], [RIGHT, BOTTOM]);
-    indicator(&mut canvas, figure, &x);
+    draw_frame(&mut canvas, (&x, &y), ("Frequency (Hz)", "Model order"));
+    canvas.clip([LEFT_PX, TOP_PX], [RIGHT_PX, BOTTOM_PX]);
+    draw_cmif(&mut canvas, figure, &x);
     for mode in &test.modes {
-        let at = x.place(mode.hz);
-        canvas.line([at, TOP], [at, BOTTOM], FAINT, 0.5);
+        let at = x.position(mode.hz);
+        canvas.line([at, TOP_PX], [at, BOTTOM_PX], FAINT, 0.5);
     }
     let styles = [
         (1.6, ("none", COLORS[6])),
@@ -44,20 +44,20 @@ pub(super) fn stabilization(test: &TestFigures, figure: &StabilizationFigure) ->
     for (k, status) in figure.status.iter().enumerate() {
         let (radius, (fill, stroke)) = styles[usize::from(*status).min(2)];
         canvas.dot(
-            [x.place(figure.hz[k]), y.place(figure.order[k] as f64)],
+            [x.position(figure.hz[k]), y.position(figure.order[k] as f64)],
             radius,
             fill,
             stroke,
         );
     }
     canvas.unclip();
-    legend(&mut canvas, &styles);
+    draw_legend(&mut canvas, &styles);
     canvas.finish()
 }
 
 /// Legend of the poles, of the line of an identified mode, and of the CMIF.
-fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
-    let (mut x, y) = (LEFT, BOTTOM + 56.0);
+fn draw_legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
+    let (mut x, y) = (LEFT_PX, BOTTOM_PX + 56.0);
     let names = ["unstable", "stable", "selected", "identified modes", "CMIF"];
     for (k, name) in names.into_iter().enumerate() {
         match (poles.get(k), name) {
@@ -72,7 +72,7 @@ fn legend(canvas: &mut Canvas, poles: &[(f64, (&str, &str))]) {
     }
 }
 
-fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
+fn draw_cmif(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
     let all = figure
         .cmif
         .values
@@ -82,11 +82,11 @@ fn indicator(canvas: &mut Canvas, figure: &StabilizationFigure, x: &Axis) {
         .filter(|value| *value > 0.0);
     let Some((lo, hi)) = range(all) else { return };
     let lo = lo.max(MIN_SHOWN_OVER_PEAK * hi);
-    let y = Axis::log((lo, 1.3 * hi), (BOTTOM, TOP));
+    let y = Axis::log((lo, 1.3 * hi), (BOTTOM_PX, TOP_PX));
     for curve in &figure.cmif.values {
         let points = figure.cmif.hz.iter().zip(curve);
         let points: Vec<Option<[f64; 2]>> = points
-            .map(|(hz, value)| Some([x.place(*hz), y.shown(value.max(lo))?]))
+            .map(|(hz, value)| Some([x.position(*hz), y.visible_position(value.max(lo))?]))
             .collect();
         canvas.curve("cmif", &points, "#b5b5b5", 1.0, "");
     }

@@ -68,7 +68,7 @@ impl View {
         }
     }
 
-    fn place(&self, at: [f64; 3], [left, top]: [f64; 2]) -> [f64; 2] {
+    fn position(&self, at: [f64; 3], [left, top]: [f64; 2]) -> [f64; 2] {
         let [right, up] = self.projected(at);
         [
             left + 0.5 * PANEL_WIDTH_PX + self.unit * right,
@@ -89,7 +89,7 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
             (k % COLUMNS) as f64 * PANEL_WIDTH_PX,
             (k / COLUMNS) as f64 * PANEL_HEIGHT_PX,
         ];
-        panel(&mut canvas, figure, &view, corner, k);
+        draw_panel(&mut canvas, figure, &view, corner, k);
     }
     let names = [
         (test, COLORS[0]),
@@ -100,7 +100,13 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
     canvas.finish()
 }
 
-fn panel(canvas: &mut Canvas, figure: &ShapeFigure, view: &View, corner: [f64; 2], index: usize) {
+fn draw_panel(
+    canvas: &mut Canvas,
+    figure: &ShapeFigure,
+    view: &View,
+    corner: [f64; 2],
+    index: usize,
+) {
     let shape = &figure.test[index];
     let partner = figure.partners.get(index).and_then(Option::as_ref);
     let mac = partner
@@ -133,13 +139,13 @@ fn panel(canvas: &mut Canvas, figure: &ShapeFigure, view: &View, corner: [f64; 2
             let point = &figure.points[n];
             let shift = moved.map_or([0.0; 3], |moved| moved[n]);
             let at = [0, 1, 2].map(|k| point.at_m[k] + scale * shift[k]);
-            view.place(at, corner)
+            view.position(at, corner)
         };
         for [a, b] in &figure.lines {
             canvas.curve("shape", &[Some(at(*a)), Some(at(*b))], color, width, dash);
         }
         for n in 0..figure.points.len() {
-            let from = view.place(figure.points[n].at_m, corner);
+            let from = view.position(figure.points[n].at_m, corner);
             canvas.line(from, at(n), color, 0.4);
             canvas.dot(at(n), 1.2 * width, color, "none");
         }

@@ -3,16 +3,16 @@
 
 use crate::study::{Condition, DetectionCounts, Method, SpeedAccuracy, TestStudy};
 
-use super::axis::{Axis, frame, range};
+use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, Canvas, FAINT, INK};
 use super::file_name;
-use super::mark::{curve_color, mark};
+use super::mark::{curve_color, draw_mark};
 
-const LEFT: [f64; 2] = [75.0, 475.0];
-const WIDTH: f64 = 320.0;
-const SIZE: [f64; 2] = [815.0, 446.0];
-const TOP: f64 = 48.0;
-const BOTTOM: f64 = 320.0;
+const LEFT_PX: [f64; 2] = [75.0, 475.0];
+const WIDTH_PX: f64 = 320.0;
+const SIZE_PX: [f64; 2] = [815.0, 446.0];
+const TOP_PX: f64 = 48.0;
+const BOTTOM_PX: f64 = 320.0;
 /// Minimum drawn error over the accuracy limit; smaller errors are drawn there.
 const MIN_DRAWN_OVER_LIMIT: f64 = 0.1;
 
@@ -21,30 +21,35 @@ pub fn speed_accuracy_figures(study: &SpeedAccuracy) -> Vec<(String, String)> {
     let of_test = |test: &TestStudy| {
         let stem = format!("speed-accuracy-{}", file_name(&test.name));
         [
-            (format!("{stem}-data"), cost(&data_chart(test))),
-            (format!("{stem}-twin"), cost(&twin_chart(study, test))),
-            (format!("{stem}-bound"), over_bound(study, test)),
+            (format!("{stem}-data"), cost_figure(&data_chart(test))),
+            (
+                format!("{stem}-twin"),
+                cost_figure(&twin_chart(study, test)),
+            ),
+            (format!("{stem}-bound"), errors_over_bound(study, test)),
         ]
     };
     let all = study.tests.iter().flat_map(of_test);
     all.filter_map(|(name, text)| Some((name, text?))).collect()
 }
 
-/// A point of a chart of costs.
+/// Time and errors of a method on some data.
 struct Point {
     method: usize,
     label: String,
     time_s: Option<f64>,
     error: [Option<f64>; 2],
-    right: bool,
+    is_faultless: bool,
     on_front: bool,
 }
 
-/// A chart of costs.
+/// CPU time against error for every method.
 struct Chart {
     title: String,
     points: Vec<Point>,
-    accuracy: ([Option<f64>; 2], &'static str),
+    /// Limit of the accuracy of the errors of frequency and damping.
+    accuracy_limit: [Option<f64>; 2],
+    accuracy_limit_name: &'static str,
     transform_s: Option<f64>,
     pass_s: Option<f64>,
 }
@@ -81,7 +86,7 @@ fn data_chart(test: &TestStudy) -> Chart {
             label: format!("{}{estimator}{shorter}", row.method),
             time_s: row.timing.median_s,
             error: errors(&row.counts),
-            right: row.counts.mistakes() == 0,
+            is_faultless: row.counts.mistakes() == 0,
             on_front: row.on_front,
         }
     });
@@ -91,10 +96,8 @@ fn data_chart(test: &TestStudy) -> Chart {
             test.name
         ),
         points: points.collect(),
-        accuracy: (
-            [test.frequency_std, test.damping_std],
-            "standard deviation of the refined solution",
-        ),
+        accuracy_limit: [test.frequency_std, test.damping_std],
+        accuracy_limit_name: "standard deviation of the refined solution",
         transform_s: test.limits[0].transform_s,
         pass_s: test.limits[0].pass_s,
     }
@@ -109,8 +112,8 @@ fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
             method: method_index(cost.method),
             label: cost.method.to_string(),
             time_s: cost.timing.median_s,
-            error: errors(counts),
-            right: counts.mistakes() == 0,
+            error: errors(tally),
+            is_faultless: tally.mistakes() == 0,
             on_front: cost.on_front,
         })
     });
@@ -131,52 +134,50 @@ fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
             test.name
         ),
         points: points.collect(),
-        accuracy: (
-            [
-                highest(&DetectionCounts::frequency_bound),
-                highest(&DetectionCounts::damping_bound),
-            ],
-            "Cramér-Rao bound",
-        ),
+        accuracy_limit: [
+            highest(&DetectionCounts::frequency_bound),
+            highest(&DetectionCounts::damping_bound),
+        ],
+        accuracy_limit_name: "Cramér-Rao bound",
         transform_s: test.limits[1].transform_s,
         pass_s: test.limits[1].pass_s,
     }
 }
 
 /// Time and error, with frequency and damping in adjacent panels; `None` without a measured time.
-fn cost(chart: &Chart) -> Option<String> {
+fn cost_figure(chart: &Chart) -> Option<String> {
     let limits = [chart.transform_s, chart.pass_s];
     let times = chart.points.iter().map(|point| point.time_s).chain(limits);
     let (first, last) = range(times.flatten().filter(|time| *time > 0.0))?;
-    let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
-    canvas.text([LEFT[0], 18.0], &chart.title, Anchor::Start, INK);
-    for (quantity, left) in LEFT.into_iter().enumerate() {
-        let x = Axis::log((0.6e3 * first, 2.0e3 * last), (left, left + WIDTH));
-        panel(&mut canvas, chart, quantity, &x);
+    let mut canvas = Canvas::new(SIZE_PX[0], SIZE_PX[1]);
+    canvas.text([LEFT_PX[0], 18.0], &chart.title, Anchor::Start, INK);
+    for (quantity, left) in LEFT_PX.into_iter().enumerate() {
+        let x = Axis::log((0.6e3 * first, 2.0e3 * last), (left, left + WIDTH_PX));
+        draw_panel(&mut canvas, chart, quantity, &x);
     }
-    method_legend(&mut canvas, [LEFT[0], BOTTOM + 60.0]);
+    draw_method_legend(&mut canvas, [LEFT_PX[0], BOTTOM_PX + 60.0]);
     let names = [
         ("Pareto front", "", INK),
-        (chart.accuracy.1, "7 4", INK),
+        (chart.accuracy_limit_name, "7 4", INK),
         ("one transform", "2 3", INK),
         ("one pass over the data", "2 3", FAINT),
     ];
-    line_legend(&mut canvas, [LEFT[0], BOTTOM + 80.0], &names);
+    draw_line_legend(&mut canvas, [LEFT_PX[0], BOTTOM_PX + 80.0], &names);
     let notes = [
         "A dot in a mark: every observable mode is found and none is spurious. A ring: on the Pareto front of the methods with the fewest mistakes.",
         "CPU time of one machine, all threads. Errors under a tenth of the dashed line are drawn at a tenth.",
     ];
     for (row, note) in (0..).zip(notes) {
-        let y = BOTTOM + 100.0 + 16.0 * f64::from(row);
-        canvas.text([LEFT[0], y], note, Anchor::Start, FAINT);
+        let y = BOTTOM_PX + 100.0 + 16.0 * f64::from(row);
+        canvas.text([LEFT_PX[0], y], note, Anchor::Start, FAINT);
     }
     Some(canvas.finish())
 }
 
-fn panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
+fn draw_panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
     let label = ["Frequency error, rms (%)", "Damping error, rms (%)"][quantity];
-    let left = LEFT[quantity];
-    let bound = chart.accuracy.0[quantity];
+    let left = LEFT_PX[quantity];
+    let bound = chart.accuracy_limit[quantity];
     let all = chart
         .points
         .iter()
@@ -188,19 +189,22 @@ fn panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
     };
     // Differences far below the accuracy limit have no significance.
     let lo = bound.map_or(lo, |bound| lo.max(MIN_DRAWN_OVER_LIMIT * bound));
-    let y = Axis::log((80.0 * lo, 200.0 * hi), (BOTTOM, TOP));
-    frame(canvas, (x, &y), ("CPU time (ms)", label));
+    let y = Axis::log((80.0 * lo, 200.0 * hi), (BOTTOM_PX, TOP_PX));
+    draw_frame(canvas, (x, &y), ("CPU time (ms)", label));
     for (time, color) in [(chart.transform_s, INK), (chart.pass_s, FAINT)] {
-        let at = time.and_then(|time| x.shown(1e3 * time));
-        let ends = at.map(|at| [Some([at, TOP]), Some([at, BOTTOM])]);
+        let at = time.and_then(|time| x.visible_position(1e3 * time));
+        let ends = at.map(|at| [Some([at, TOP_PX]), Some([at, BOTTOM_PX])]);
         canvas.curve("limit", &ends.unwrap_or([None; 2]), color, 1.2, "2 3");
     }
-    let at = bound.and_then(|bound| y.shown(100.0 * bound));
-    let ends = at.map(|at| [Some([left, at]), Some([left + WIDTH, at])]);
+    let at = bound.and_then(|bound| y.visible_position(100.0 * bound));
+    let ends = at.map(|at| [Some([left, at]), Some([left + WIDTH_PX, at])]);
     canvas.curve("bound", &ends.unwrap_or([None; 2]), INK, 1.2, "7 4");
     let place = |point: &Point| {
-        let x = x.shown(1e3 * point.time_s?)?;
-        Some([x, y.shown(100.0 * point.error[quantity]?.max(lo))?])
+        let x = x.visible_position(1e3 * point.time_s?)?;
+        Some([
+            x,
+            y.visible_position(100.0 * point.error[quantity]?.max(lo))?,
+        ])
     };
     let mut front: Vec<&Point> = chart.points.iter().filter(|point| point.on_front).collect();
     front.sort_by(|a, b| a.time_s.unwrap_or(0.0).total_cmp(&b.time_s.unwrap_or(0.0)));
@@ -211,7 +215,7 @@ fn panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
     }
     for point in &chart.points {
         if let Some(at) = place(point) {
-            marker(canvas, at, point.method, point.right);
+            draw_method_mark(canvas, at, point.method, point.is_faultless);
             if point.on_front && quantity == 0 {
                 canvas.dot(at, 8.5, "none", INK);
             }
@@ -221,13 +225,13 @@ fn panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
         let named = front
             .iter()
             .filter_map(|point| Some((place(point)?, point.label.as_str())));
-        labels(canvas, &named.collect::<Vec<_>>(), left + 0.6 * WIDTH);
+        draw_labels(canvas, &named.collect::<Vec<_>>(), left + 0.6 * WIDTH_PX);
     }
 }
 
 /// Names below their points, one below the other where they would meet; to the left of points
 /// beyond `turn`.
-fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
+fn draw_labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for ([x, y], name) in named {
         let (dx, anchor) = match *x > turn {
@@ -249,23 +253,23 @@ fn labels(canvas: &mut Canvas, named: &[([f64; 2], &str)], turn: f64) {
     }
 }
 
-/// The mark of a method, with a dot in it for one that made no mistake.
-fn marker(canvas: &mut Canvas, at: [f64; 2], method: usize, right: bool) {
-    mark(canvas, at, method);
-    if right {
+/// The mark of a method; a dot in it shows that the method made no mistake.
+fn draw_method_mark(canvas: &mut Canvas, at: [f64; 2], method: usize, is_faultless: bool) {
+    draw_mark(canvas, at, method);
+    if is_faultless {
         canvas.dot(at, 1.8, curve_color(method), "none");
     }
 }
 
-fn method_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2]) {
+fn draw_method_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2]) {
     for (number, method) in Method::all(&[]).into_iter().enumerate() {
-        marker(canvas, [x + 6.0, y - 4.0], number, false);
+        draw_method_mark(canvas, [x + 6.0, y - 4.0], number, false);
         canvas.text([x + 16.0, y], method.name, Anchor::Start, INK);
         x += 70.0;
     }
 }
 
-fn line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, &str)]) {
+fn draw_line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, &str)]) {
     for (name, dash, color) in names {
         let ends = [Some([x, y - 4.0]), Some([x + 24.0, y - 4.0])];
         canvas.curve("legend", &ends, color, 1.2, dash);
@@ -276,7 +280,7 @@ fn line_legend(canvas: &mut Canvas, [mut x, y]: [f64; 2], names: &[(&str, &str, 
 
 /// Errors over their Cramér-Rao bound against noise, a column for each condition, frequency above
 /// damping.
-fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
+fn errors_over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
     const COLUMN: f64 = 240.0;
     const GAP: f64 = 45.0;
     const ROWS: [[f64; 2]; 2] = [[52.0, 262.0], [282.0, 492.0]];
@@ -304,7 +308,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
             let left = 75.0 + (COLUMN + GAP) * column as f64;
             let x = Axis::linear((first - 2.0, last + 2.0), (left, left + COLUMN));
             let y = Axis::log((0.4, 1.5 * hi.max(10.0)), (bottom, top));
-            let within = [y.place(1.2), y.place(0.8)];
+            let within = [y.position(1.2), y.position(0.8)];
             canvas.rect(
                 [left, within[0]],
                 [left + COLUMN, within[1]],
@@ -318,7 +322,7 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                 (_, 0) => ("", ""),
                 _ => ("Signal-to-noise ratio (dB)", ""),
             };
-            frame(&mut canvas, (&x, &y), labels);
+            draw_frame(&mut canvas, (&x, &y), labels);
             if quantity == 0 {
                 canvas.text(
                     [left + 4.0, top - 8.0],
@@ -328,8 +332,8 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                 );
             }
             canvas.line(
-                [left, y.place(1.0)],
-                [left + COLUMN, y.place(1.0)],
+                [left, y.position(1.0)],
+                [left + COLUMN, y.position(1.0)],
                 INK,
                 1.0,
             );
@@ -340,21 +344,24 @@ fn over_bound(study: &SpeedAccuracy, test: &TestStudy) -> Option<String> {
                     .map(|level| test.twin_row(*condition, *level, method));
                 let points = rows.map(|row| {
                     let row = row?;
-                    let at = [x.place(row.snr_db), y.shown(value(&row.counts, quantity)?)?];
+                    let at = [
+                        x.position(row.snr_db),
+                        y.visible_position(value(&row.counts, quantity)?)?,
+                    ];
                     Some((at, row.counts.mistakes() == 0))
                 });
                 let points: Vec<Option<([f64; 2], bool)>> = points.collect();
                 let curve: Vec<Option<[f64; 2]>> =
                     points.iter().map(|point| Some(point.as_ref()?.0)).collect();
                 canvas.curve("method", &curve, curve_color(number), 1.1, "");
-                for (at, right) in points.into_iter().flatten() {
-                    marker(&mut canvas, at, number, right);
+                for (at, is_faultless) in points.into_iter().flatten() {
+                    draw_method_mark(&mut canvas, at, number, is_faultless);
                 }
             }
             canvas.unclip();
         }
     }
-    method_legend(&mut canvas, [75.0, 552.0]);
+    draw_method_legend(&mut canvas, [75.0, 552.0]);
     canvas.text(
         [75.0, 574.0],
         "Grey: within 20 % of the bound. A dot in a mark: no mode missed or spurious in any draw.",

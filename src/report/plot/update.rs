@@ -4,11 +4,11 @@
 use super::super::json::{UpdateFile, UpdatedParameterFile};
 use crate::update::ParameterVerdict;
 
-use super::axis::{Axis, frame, range};
+use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
 
-const LEFT: f64 = 75.0;
-const RIGHT: f64 = 720.0;
+const LEFT_PX: f64 = 75.0;
+const RIGHT_PX: f64 = 720.0;
 /// Height of the row of a parameter, px.
 const ROW_HEIGHT_PX: f64 = 26.0;
 
@@ -18,7 +18,7 @@ pub fn update_figures_svg(file: &UpdateFile, synthetic: bool) -> Vec<(String, St
     let drawn = [
         ("update-history", history(file, mark)),
         ("update-parameters", parameters(file, mark)),
-        ("update-errors", errors(file, mark)),
+        ("update-errors", frequency_errors(file, mark)),
     ];
     let drawn = drawn.into_iter();
     drawn
@@ -40,22 +40,24 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
         all.chain([file.before.chi_square])
             .filter(|value| *value > 0.0),
     )?;
-    let mut canvas = Canvas::new(RIGHT + 15.0, 330.0);
+    let mut canvas = Canvas::new(RIGHT_PX + 15.0, 330.0);
     let title = format!("Objective of the update by iteration{mark}");
-    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
+    canvas.text([LEFT_PX, 18.0], &title, Anchor::Start, INK);
     let every = steps.len().div_ceil(12).max(1);
-    let x = Axis::linear((0.5, steps.len() as f64 + 0.5), (LEFT, RIGHT)).stepped(every as f64);
+    let x =
+        Axis::linear((0.5, steps.len() as f64 + 0.5), (LEFT_PX, RIGHT_PX)).with_step(every as f64);
     let y = Axis::log((lo / 1.3, 1.3 * hi), (260.0, 30.0));
-    frame(&mut canvas, (&x, &y), ("Iteration", "Objective"));
+    draw_frame(&mut canvas, (&x, &y), ("Iteration", "Objective"));
     let taken = |value: fn(&super::super::json::IterationFile) -> f64| {
         let all = steps.iter().enumerate();
         let taken = all.filter(|(_, step)| step.accepted);
-        let points = taken.map(|(k, step)| Some([x.place(k as f64 + 1.0), y.shown(value(step))?]));
+        let points = taken
+            .map(|(k, step)| Some([x.position(k as f64 + 1.0), y.visible_position(value(step))?]));
         points.collect::<Vec<_>>()
     };
     let (objective, data) = (taken(|step| step.objective), taken(|step| step.chi_square));
-    let as_it_stands = y.shown(file.before.chi_square);
-    let across = [LEFT, RIGHT].map(|x| as_it_stands.map(|y| [x, y]));
+    let as_it_stands = y.visible_position(file.before.chi_square);
+    let across = [LEFT_PX, RIGHT_PX].map(|x| as_it_stands.map(|y| [x, y]));
     canvas.curve("as-it-stands", &across, FAINT, 1.0, "2 3");
     canvas.curve("objective", &objective, COLORS[0], 1.6, "");
     canvas.curve("chi-square", &data, COLORS[1], 1.3, "5 3");
@@ -70,14 +72,14 @@ fn history(file: &UpdateFile, mark: &str) -> Option<String> {
         names.push(("χ² of the initial model", FAINT));
     }
     for (k, step) in steps.iter().enumerate().filter(|(_, step)| !step.accepted) {
-        if let Some(at) = y.shown(step.objective) {
-            canvas.dot([x.place(k as f64 + 1.0), at], 2.4, "none", COLORS[6]);
+        if let Some(at) = y.visible_position(step.objective) {
+            canvas.dot([x.position(k as f64 + 1.0), at], 2.4, "none", COLORS[6]);
         }
     }
     if steps.iter().any(|step| !step.accepted) {
         names.push(("step not taken", COLORS[6]));
     }
-    canvas.legend([LEFT, 318.0], &names);
+    canvas.legend([LEFT_PX, 318.0], &names);
     Some(canvas.finish())
 }
 
@@ -96,15 +98,15 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
         return None;
     }
     let named = rows.iter().map(|row| text_width(&row.name));
-    let left = (named.fold(0.0, f64::max) + 24.0).clamp(LEFT, 260.0);
+    let left = (named.fold(0.0, f64::max) + 24.0).clamp(LEFT_PX, 260.0);
     let bottom = 32.0 + ROW_HEIGHT_PX * rows.len() as f64;
-    let mut canvas = Canvas::new(RIGHT + 235.0, bottom + 74.0);
+    let mut canvas = Canvas::new(RIGHT_PX + 235.0, bottom + 74.0);
     let title = format!("Parameters before and after the update{mark}");
     canvas.text([left, 18.0], &title, Anchor::Start, INK);
     let pad = 0.06 * (hi - lo);
-    let x = Axis::linear((lo - pad, hi + pad), (left, RIGHT));
+    let x = Axis::linear((lo - pad, hi + pad), (left, RIGHT_PX));
     for (k, row) in rows.iter().enumerate() {
-        parameter(
+        draw_parameter(
             &mut canvas,
             row,
             &x,
@@ -113,13 +115,13 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
         );
     }
     for tick in x.ticks(8.0) {
-        let at = x.place(tick.at);
+        let at = x.position(tick.at);
         canvas.line([at, bottom], [at, bottom + 4.0], FAINT, 1.0);
         canvas.text([at, bottom + 16.0], &tick.text, Anchor::Middle, INK);
     }
-    canvas.rect([left, 28.0], [RIGHT, bottom], "none", FAINT);
+    canvas.rect([left, 28.0], [RIGHT_PX, bottom], "none", FAINT);
     canvas.text(
-        [0.5 * (left + RIGHT), bottom + 34.0],
+        [0.5 * (left + RIGHT_PX), bottom + 34.0],
         "Change from the model's value (prior standard deviations)",
         Anchor::Middle,
         INK,
@@ -134,8 +136,8 @@ fn parameters(file: &UpdateFile, mark: &str) -> Option<String> {
     Some(canvas.finish())
 }
 
-fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, left: f64, y: f64) {
-    let place = |value: f64| x.place((value - row.initial) / row.prior_std);
+fn draw_parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, left: f64, y: f64) {
+    let place = |value: f64| x.position((value - row.initial) / row.prior_std);
     let prior = [
         place(row.initial - row.prior_std),
         place(row.initial + row.prior_std),
@@ -169,7 +171,7 @@ fn parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, left: f6
         significant_digits(row.updated, 4),
         significant_digits(row.std, 2)
     );
-    canvas.text([RIGHT + 10.0, y + 4.0], &values, Anchor::Start, INK);
+    canvas.text([RIGHT_PX + 10.0, y + 4.0], &values, Anchor::Start, INK);
 }
 
 /// A number with this many digits; a large or small one with its power of ten.
@@ -189,7 +191,7 @@ fn significant_digits(value: f64, digits: i32) -> String {
 }
 
 /// Error of the frequency of every mode before and after; `None` where no mode has a partner.
-fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
+fn frequency_errors(file: &UpdateFile, mark: &str) -> Option<String> {
     let rows: Vec<_> = file.before.rows.iter().zip(&file.after.rows).collect();
     let values = rows
         .iter()
@@ -203,13 +205,13 @@ fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
         .map(|(row, _)| text_width(&row.label))
         .fold(0.0, f64::max);
     let below = 0.87 * longest + 30.0;
-    let mut canvas = Canvas::new(RIGHT + 15.0, 280.0 + below);
+    let mut canvas = Canvas::new(RIGHT_PX + 15.0, 280.0 + below);
     let title = format!("Frequency errors before and after the update{mark}");
-    canvas.text([LEFT, 18.0], &title, Anchor::Start, INK);
+    canvas.text([LEFT_PX, 18.0], &title, Anchor::Start, INK);
     let pad = 0.08 * (hi - lo);
-    let x = Axis::linear((0.4, rows.len() as f64 + 0.6), (LEFT, RIGHT)).stepped(1.0);
+    let x = Axis::linear((0.4, rows.len() as f64 + 0.6), (LEFT_PX, RIGHT_PX)).with_step(1.0);
     let y = Axis::linear((lo - pad, hi + pad), (250.0, 30.0));
-    frame(&mut canvas, (&x, &y), ("", "Frequency error (%)"));
+    draw_frame(&mut canvas, (&x, &y), ("", "Frequency error (%)"));
     for (k, (before, after)) in rows.iter().enumerate() {
         let middle = k as f64 + 1.0;
         let bars = [
@@ -218,15 +220,20 @@ fn errors(file: &UpdateFile, mark: &str) -> Option<String> {
         ];
         for (error, from, color) in bars {
             let Some(error) = error else { continue };
-            let (a, b) = (x.place(middle + from), x.place(middle + from + 0.36));
-            canvas.rect([a, y.place(0.0)], [b, y.place(error)], color, "none");
+            let (a, b) = (x.position(middle + from), x.position(middle + from + 0.36));
+            canvas.rect([a, y.position(0.0)], [b, y.position(error)], color, "none");
         }
-        let at = [x.place(middle) + 4.0, 264.0];
+        let at = [x.position(middle) + 4.0, 264.0];
         canvas.rotated_text(at, &before.label, Anchor::End, INK, -60.0);
     }
-    canvas.line([LEFT, y.place(0.0)], [RIGHT, y.place(0.0)], INK, 1.0);
+    canvas.line(
+        [LEFT_PX, y.position(0.0)],
+        [RIGHT_PX, y.position(0.0)],
+        INK,
+        1.0,
+    );
     let names = [("before", COLORS[6]), ("after", COLORS[0])];
-    canvas.legend([LEFT, 270.0 + below], &names);
+    canvas.legend([LEFT_PX, 270.0 + below], &names);
     Some(canvas.finish())
 }
 
