@@ -19,7 +19,7 @@ mod shapes;
 mod speed_accuracy;
 mod update;
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use crate::scene::{Figures, TestFigures};
 
@@ -43,18 +43,8 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     for test in &figures.tests {
         all.extend(figures_of_test(test));
     }
-    let mut named: Vec<(String, String)> = Vec::with_capacity(all.len());
-    for (name, text) in all {
-        let taken = |name: &str| named.iter().any(|(used, _)| used == name);
-        let mut free = name.clone();
-        let mut number = 2;
-        while taken(&free) {
-            free = format!("{name}-{number}");
-            number += 1;
-        }
-        named.push((free, text));
-    }
-    named
+    number_repeated_names(&mut all);
+    all
 }
 
 /// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn
@@ -96,13 +86,15 @@ pub fn png_lacks_letters(_svg: &str) -> bool {
 /// Appends -2, -3 and so on to repeated names: two tests may differ only in letters that file names
 /// cannot have.
 fn number_repeated_names(figures: &mut [(String, String)]) {
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    let mut used: BTreeSet<String> = BTreeSet::new();
     for (name, _) in figures {
-        let count = seen.entry(name.clone()).or_default();
-        *count += 1;
-        if *count > 1 {
-            *name = format!("{name}-{count}");
+        let mut free = name.clone();
+        let mut number = 2;
+        while !used.insert(free.clone()) {
+            free = format!("{name}-{number}");
+            number += 1;
         }
+        *name = free;
     }
 }
 
