@@ -269,7 +269,7 @@ fn set_json(set: &FrfSet, usable: Band, hits: &[HitReport]) -> String {
         "usable_band_hz": [usable.lo_hz, usable.hi_hz],
         "added_damping_rad_s": set.added_damping_rad_s,
         "functions": functions,
-        "hits": json::hits(hits),
+        "hits": json::hits_value(hits),
         "findings": set.findings,
     });
     format!("{result:#}")

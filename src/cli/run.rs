@@ -154,7 +154,7 @@ fn files(
         let stem = test_stem(result, index);
         files.push((format!("{stem}.modes.json"), test.modes_json().into_bytes()));
         if !test.hits.is_empty() {
-            let text = format!("{:#}\n", json::hits(&test.hits));
+            let text = format!("{:#}\n", json::hits_value(&test.hits));
             files.push((format!("{stem}.hits.json"), text.into_bytes()));
         }
         for (number, set) in test.frfs.iter().enumerate() {

@@ -317,10 +317,10 @@ pub fn stability_cells(stability: &Stability) -> Block {
     })
 }
 
-/// Maximum error of a pole that counts as kept, in half-power bandwidths.
+/// Maximum error of an accurate pole, in half-power bandwidths.
 const MAX_POLE_ERROR_BANDWIDTHS: f64 = 0.1;
 
-/// The highest order up to which each method keeps all poles, in f64 and in f32.
+/// The highest order up to which all poles of each method are accurate, in f64 and in f32.
 fn stability_block(stability: &Stability) -> Block {
     let row = |course: &crate::study::breakdown::StabilityCourse| {
         let highest_order = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {

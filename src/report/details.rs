@@ -6,8 +6,8 @@ use crate::theory::{DetailComparison, ModelRoot, SimplerModel, TimeResponse, sim
 
 use super::{Block, Cell, Column, Table};
 
-/// Errors of every natural frequency in every model, and the simplest model within an error for
-/// each.
+/// Errors of every natural frequency in every model, with the simplest model within an error; and
+/// detail and cost of the models.
 pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -> Vec<Block> {
     let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
     let head =

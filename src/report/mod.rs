@@ -1,8 +1,8 @@
 //! The report stage writes results as blocks, with one renderer per output format, and as JSON
 //! files.
 //!
-//! A renderer renders blocks, so that a new result needs no new renderer and a new format no new
-//! result. This stage computes no results; it only rounds them.
+//! Renderers know blocks alone, so that a new result needs no new renderer, and a new format no
+//! change of results. This stage computes no results; it only rounds them.
 
 mod block;
 mod breakdown;

@@ -87,7 +87,7 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
     })
 }
 
-/// Modes of a model or a truth.
+/// Modes of a model, or the true modes of a synthetic test.
 pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
     let columns = vec![
         Column::number("mode"),

@@ -195,7 +195,7 @@ fn single_mode_block(test: &TestNeeds, needs: &SceneNeeds) -> Block {
     })
 }
 
-/// Every number of modes of every test, for programs.
+/// All numbers of modes of every test, as `order.csv` and `order.json` hold them.
 pub fn order_table(needs: &SceneNeeds) -> Block {
     let yes = |value: bool| Cell::text(if value { "yes" } else { "no" });
     let of_test = |test: &TestNeeds| {

@@ -5,7 +5,7 @@ use crate::scene::{LimitCheck, RowVerdict};
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
-/// A row for each check; the first check of a result has its name and the verdict on it.
+/// A row for each check; the first check of a result has the name of the result and its verdict.
 pub fn regression_check_block(rows: &[RowVerdict]) -> Block {
     let missed = rows.iter().filter(|row| !row.is_met()).count();
     let caption = match missed {

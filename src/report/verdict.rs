@@ -1,4 +1,4 @@
-//! Verdicts as tables state them, each with the class that gives it a colour on a page.
+//! A verdict of a table has a text, and a class that gives it a colour on a page.
 
 use crate::update;
 
@@ -29,7 +29,7 @@ macro_rules! verdicts {
 verdicts! {
     /// Test and model mode are a pair.
     Paired: "paired", "good";
-    /// The pair has a rival within chance.
+    /// Another partner of the mode is as good within chance.
     Ambiguous: "ambiguous", "fair";
     /// The unmatched model mode shares a peak with a paired one.
     UnmatchedNearPair: "unmatched, near a paired mode", "fair";

@@ -1,4 +1,4 @@
-//! Blocks of a report as HTML elements.
+//! Blocks of a report become HTML elements.
 
 use std::collections::BTreeMap;
 
@@ -131,8 +131,8 @@ fn cell_text(cell: &Cell, column: &Column, classes: &BTreeMap<String, &str>) -> 
     }
 }
 
-/// The classes of verdicts by their text, in English and as tables translate it: cells are text,
-/// and `report.json` has no more.
+/// The class of each verdict by its text, in English and as tables translate it: a cell is text, in
+/// `report.json`, too.
 fn verdict_classes(language: Language) -> BTreeMap<String, &'static str> {
     let english = vec![Block::Table(Table {
         columns: vec![Column::text("verdict")],

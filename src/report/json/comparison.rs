@@ -1,4 +1,4 @@
-//! `comparison.json`, schema `modalign-comparison/1`.
+//! `comparison.json`, schema `modalign-comparison/1`, holds the pairs of test and model modes.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ pub struct ComparisonFile {
     pub error_reference: String,
     /// Rows of the table.
     pub rows: Vec<RowFile>,
-    /// Figures over all rows, one per test.
+    /// Totals over all rows, for each test.
     pub summary: SummaryFile,
     /// Correlation measures, if requested: an object for each test.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! Writer of the comparison of models of increasing detail, schema `modalign-details/1`.
+//! Models of increasing detail are compared in files of the schema `modalign-details/1`.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Writer of hits with the outcomes of their checks.
+//! Hits are written with the outcomes of their checks.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use crate::frf::HitReport;
 
 /// One object per hit: number, origin, point, peak, whether it is used and who decided that, and
 /// every check.
-pub fn hits(hits: &[HitReport]) -> Value {
+pub fn hits_value(hits: &[HitReport]) -> Value {
     hits.iter().map(hit).collect()
 }
 

@@ -1,4 +1,4 @@
-//! Writers of `automac.json`, `frf-correlation.json`, and the correlation measures of
+//! Correlation measures are written to `automac.json`, `frf-correlation.json` and
 //! `comparison.json`.
 
 use serde_json::{Value, json};

@@ -19,7 +19,7 @@ pub use comparison::{
     TheoryFile, comparison_from_json, comparison_to_json, comparison_with,
 };
 pub use details::{DETAILS_SCHEMA, details_to_json};
-pub use hits::hits;
+pub use hits::hits_value;
 pub use measures::{
     AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,
 };

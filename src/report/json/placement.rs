@@ -1,4 +1,4 @@
-//! Writers of the recommended test points and the limits in `comparison.json`.
+//! Recommended test points and limits are written to `comparison.json`.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Writer of time responses, schema `modalign-response/1`.
+//! Time responses are written with the schema `modalign-response/1`.
 
 use serde::Serialize;
 

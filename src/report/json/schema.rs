@@ -1,4 +1,4 @@
-//! Files of a stated schema: text of a result, and reading with the path, line and column of an
+//! A result becomes the text of a file, and a file is read with the path, line and column of an
 //! error.
 
 use serde::Serialize;

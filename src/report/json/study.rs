@@ -1,5 +1,4 @@
-//! Writers and readers of the study results `speed-accuracy.json`, `breakdown.json` and
-//! `order.json`.
+//! `speed-accuracy.json`, `breakdown.json` and `order.json` hold the results of studies.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};

@@ -1,4 +1,4 @@
-//! Writer of parameter sweeps, schema `modalign-sweep/1`.
+//! Parameter sweeps are written with the schema `modalign-sweep/1`.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! Energies, sensitivities and further quantities of a model under the key `theory` of an existing
-//! JSON object.
+//! Energies, sensitivities and further quantities of a model are added to an existing JSON object
+//! under the key `theory`.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! `update.json`, schema `modalign-update/1`.
+//! `update.json`, schema `modalign-update/1`, holds an update of a model to tests.
 
 use serde::{Deserialize, Serialize};
 

@@ -19,7 +19,7 @@ const FONT_SIZE_PX: f64 = 11.0;
 /// Distance of the rows of a legend, px.
 pub(super) const LEGEND_ROW_PX: f64 = 16.0;
 
-/// About the width of a text, px; by classes of letters of Helvetica.
+/// Approximate width of a text, px, by classes of letters of Helvetica.
 pub(super) fn text_width(text: &str) -> f64 {
     let part = |c: char| match c {
         'i' | 'j' | 'l' | '\'' | '|' | '.' | ',' | ':' | ';' | ' ' | '/' | 't' | 'f' | '('
@@ -32,7 +32,7 @@ pub(super) fn text_width(text: &str) -> f64 {
     FONT_SIZE_PX * text.chars().map(part).sum::<f64>()
 }
 
-/// Rows of a legend that begins at a place of a canvas of this width.
+/// Number of rows of a legend that begins at `left` on a canvas of this width, px.
 pub(super) fn legend_rows(left: f64, width: f64, names: &[(&str, &str)]) -> usize {
     let (mut x, mut rows) = (left, 1);
     for (name, _) in names {
@@ -67,7 +67,7 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// An empty one of this size, px.
+    /// An empty canvas of this size, px.
     pub fn new(width: f64, height: f64) -> Self {
         Self {
             width,
@@ -77,7 +77,7 @@ impl Canvas {
         }
     }
 
-    /// The file.
+    /// The text of the SVG file.
     pub fn finish(self) -> String {
         let (width, height) = (self.width, self.height);
         format!(
@@ -86,7 +86,6 @@ impl Canvas {
         )
     }
 
-    /// A straight line.
     pub fn line(&mut self, from: [f64; 2], to: [f64; 2], color: &str, width: f64) {
         let _ = writeln!(
             self.body,
@@ -141,7 +140,6 @@ impl Canvas {
         }
     }
 
-    /// A text.
     pub fn text(&mut self, at: [f64; 2], text: &str, anchor: Anchor, color: &str) {
         self.rotated_text(at, text, anchor, color, 0.0);
     }
@@ -194,8 +192,8 @@ impl Canvas {
         self.body.push_str("</g>\n");
     }
 
-    /// Names with their colours in a row from a place on, and in further rows below where the
-    /// canvas ends, see [`legend_rows`].
+    /// Draws names with their colours in a row, and in further rows below where the canvas ends;
+    /// [`legend_rows`] counts them.
     pub fn legend(&mut self, [left, mut y]: [f64; 2], names: &[(&str, &str)]) {
         let mut x = left;
         for (name, color) in names {

@@ -1,4 +1,4 @@
-//! Figures as static SVG, for papers: one file each, with axes, units and a legend, on white; and
+//! Figures for papers are static SVG, one file each, with axes, units and a legend, on white; and
 //! the same as PNG.
 //!
 //! [`crate::scene::Figures`] and [`crate::study`] supply the data; this module draws them.
@@ -14,9 +14,9 @@ mod mark;
 mod order;
 #[cfg(feature = "png")]
 mod png;
-mod poles;
 mod shapes;
 mod speed_accuracy;
+mod stabilization;
 mod update;
 
 use std::collections::BTreeSet;
@@ -116,7 +116,7 @@ fn figures_of_test(test: &TestFigures) -> Vec<(String, String)> {
     all.extend(diagram.map(|figure| {
         (
             format!("{stem}-stabilisation"),
-            poles::stabilization(test, figure),
+            stabilization::stabilization(test, figure),
         )
     }));
     let matrix = test.mac.as_ref();

@@ -1,5 +1,5 @@
-//! Mode shapes of test and theory at their maximum deflection, a panel for each test mode; the
-//! theory has a dashed line.
+//! The shape figure shows test and theory at their maximum deflection, with a panel for each test
+//! mode; lines of the theory are dashed.
 
 use crate::scene::{Partner, ShapeFigure, ShapeValues};
 
