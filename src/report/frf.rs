@@ -65,11 +65,11 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
             Cell::text(hit.reference.to_string()),
             Cell::number(Some(hit.peak_n), 2),
             Cell::text(verdict(hit).text()),
-            Cell::text(failed_checks(hit)),
+            Cell::text(unpassed_checks(hit)),
         ]
     };
     let rows: Vec<Vec<Cell>> = hits.iter().map(row).collect();
-    let not_passed = hits.iter().any(|hit| !failed_checks(hit).is_empty());
+    let not_passed = hits.iter().any(|hit| !unpassed_checks(hit).is_empty());
     let footnote = not_passed.then(|| {
         "Why: rule, channel, value and, in brackets, the limit beyond which a hit is rejected or a remark is made.".to_owned()
     });
@@ -97,8 +97,8 @@ fn verdict(hit: &HitReport) -> Verdict {
 }
 
 /// Rule, channel, value and limit of every check that a hit does not pass.
-fn failed_checks(hit: &HitReport) -> String {
-    let failed = hit.checks.iter().filter(|check| match check.outcome {
+fn unpassed_checks(hit: &HitReport) -> String {
+    let unpassed = hit.checks.iter().filter(|check| match check.outcome {
         Outcome::Passed => false,
         // Too few hits for a comparison; the table shows their number.
         Outcome::NotDecidable => !matches!(check.rule, Rule::Level | Rule::InconsistentHit),
@@ -119,7 +119,7 @@ fn failed_checks(hit: &HitReport) -> String {
         };
         format!("{}{channel} {what}", check.rule.name())
     };
-    failed.map(text).collect::<Vec<_>>().join("; ")
+    unpassed.map(text).collect::<Vec<_>>().join("; ")
 }
 
 fn median(values: &[f64]) -> Option<f64> {
