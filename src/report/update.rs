@@ -47,10 +47,10 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
             Cell::text(significant(p.std, 3)),
             Cell::text(significant(p.prior_std, 3)),
             Cell::std(Some(p.posterior_over_prior), 3),
-            Cell::text(if p.held {
-                format!("{}; held", Verdict::from(p.verdict).text())
-            } else {
-                Verdict::from(p.verdict).text().to_owned()
+            Cell::text(match (Verdict::from(p.verdict), p.held) {
+                (verdict, false) => verdict.text().to_owned(),
+                (Verdict::NotSupported, true) => Verdict::NotSupportedHeld.text().to_owned(),
+                (verdict, true) => format!("{}; held", verdict.text()),
             }),
         ]
     };

@@ -49,6 +49,8 @@ verdicts! {
     AtBound: update::Verdict::AtBound.name(), "fair";
     /// The data do not determine the updated parameter.
     NotSupported: update::Verdict::NotSupported.name(), "dim";
+    /// As [`Verdict::NotSupported`], and the update held the parameter at its initial value.
+    NotSupportedHeld: "not supported by the data; held", "dim";
     /// The checks accept the hit.
     Used: "used", "good";
     /// The user accepts the hit.
