@@ -36,9 +36,9 @@ const ORDER_FILE: &str = "order.json";
 
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let (run, companions) = (stored(&args.folder)?, companion_results(&args.folder)?);
-    let mut files = pages(&run, &companions, (output.language(), args.png));
-    // An update that lacks something is on the page as far as it goes.
+    let (run, companions) = (read_report(&args.folder)?, read_companions(&args.folder)?);
+    let mut files = page_files(&run, &companions, output.language(), args.png);
+    // The page shows an incomplete update as far as possible.
     let updated = companions.updated;
     let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
     if let Some(whole) = &whole {
@@ -59,8 +59,8 @@ fn read_report(folder: &Path) -> Result<RunReport, Error> {
     Ok(report_from_json(&read_text(&path)?, &name)?)
 }
 
-/// The page of a folder that has one, with the update of another verb.
-pub(super) fn rebuilt(
+/// The page of a folder that has one, with a new update.
+pub(super) fn rebuild_page(
     folder: &Path,
     updated: &Value,
     language: Language,
@@ -72,7 +72,12 @@ pub(super) fn rebuilt(
                 updated: Some(updated.clone()),
                 ..read_studies(folder)?
             };
-            Ok(pages(&stored(folder)?, &companions, form))
+            Ok(page_files(
+                &read_report(folder)?,
+                &companions,
+                language,
+                png,
+            ))
         }
         false => Ok(Vec::new()),
     }
@@ -121,33 +126,39 @@ pub(super) fn report_files(
         figures,
         provenance,
     };
-    let mut files = vec![(DATA.to_owned(), report_to_json(&report).into_bytes())];
-    files.extend(pages(&report, &companion_results(folder)?, (language, png)));
+    let mut files = vec![(REPORT_FILE.to_owned(), report_to_json(&report).into_bytes())];
+    files.extend(page_files(
+        &report,
+        &read_companions(folder)?,
+        language,
+        png,
+    ));
     Ok(files)
 }
 
 /// The page and its figures, with the results of other verbs.
-fn pages(
+fn page_files(
     report: &RunReport,
     companions: &CompanionResults,
-    (language, png): (Language, bool),
+    language: Language,
+    png: bool,
 ) -> Vec<(String, Vec<u8>)> {
     let page = report_page(report, companions, language);
-    let mut files = vec![(PAGE.to_owned(), page.into_bytes())];
-    files.extend(in_folder(figures_svg(&report.figures), png));
+    let mut files = vec![(PAGE_FILE.to_owned(), page.into_bytes())];
+    files.extend(files_in_figure_folder(figures_svg(&report.figures), png));
     files
 }
 
 /// The results of other verbs in a folder.
-fn companion_results(folder: &Path) -> Result<CompanionResults, Error> {
+fn read_companions(folder: &Path) -> Result<CompanionResults, Error> {
     Ok(CompanionResults {
-        updated: found(folder.join(UPDATE), update_from)?,
-        ..studies(folder)?
+        updated: read_if_present(folder.join(UPDATE_FILE), update_from)?,
+        ..read_studies(folder)?
     })
 }
 
 /// The studies in a folder.
-fn studies(folder: &Path) -> Result<CompanionResults, Error> {
+fn read_studies(folder: &Path) -> Result<CompanionResults, Error> {
     Ok(CompanionResults {
         updated: None,
         speed_accuracy: read_if_present(

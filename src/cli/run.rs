@@ -79,7 +79,7 @@ fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
         limits: &result.limits,
         ..json::ExtraResults::default()
     };
-    json::comparison_with(table, &extra)
+    json::comparison_with(table, &more)
 }
 
 /// The modes of one test as they are, those of several as an array.

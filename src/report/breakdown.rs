@@ -322,7 +322,7 @@ const MAX_POLE_ERROR_BANDWIDTHS: f64 = 0.1;
 
 /// The highest order up to which all poles of each method are accurate, in f64 and in f32.
 fn stability_block(stability: &Stability) -> Block {
-    let row = |course: &crate::study::breakdown::StabilityCourse| {
+    let row = |course: &crate::study::breakdown::StabilityCurve| {
         let highest_order = |value: fn(&crate::study::breakdown::StabilityPoint) -> Option<f64>| {
             let good = course.points.iter();
             let good = good.take_while(|point| {

@@ -124,13 +124,13 @@ fn lowest_orders_block(test: &TestNeeds) -> Block {
             Cell::text(method.method),
             method.lowest().map_or(Cell::Missing, Cell::count),
             method
-                .own
+                .chosen
                 .map_or(Cell::Missing, |tried| Cell::count(tried.order)),
             method
-                .own
+                .chosen
                 .map_or(Cell::Missing, |tried| Cell::count(tried.missed)),
             method
-                .own
+                .chosen
                 .map_or(Cell::Missing, |tried| Cell::count(tried.spurious)),
             Cell::text(all.join(", ")),
         ]

@@ -105,12 +105,12 @@ fn front_row(
         Cell::number(timing.median_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.spread_s.map(|seconds| 1e3 * seconds), 2),
         Cell::number(timing.peak_bytes.map(|bytes| bytes as f64 / 1_048_576.0), 2),
-        Cell::std(tally.frequency().map(|v| 100.0 * v), 6),
-        percent(tally.damping(), 4),
-        percent(tally.shape(), 4),
-        Cell::count(tally.found),
-        Cell::count(tally.observable),
-        Cell::count(tally.spurious),
+        Cell::std(counts.frequency().map(|v| 100.0 * v), 6),
+        percent(counts.damping(), 4),
+        percent(counts.shape(), 4),
+        Cell::count(counts.found),
+        Cell::count(counts.observable),
+        Cell::count(counts.spurious),
     ]
 }
 
@@ -171,7 +171,7 @@ pub fn speed_accuracy_table(study: &SpeedAccuracy) -> Block {
     })
 }
 
-fn accuracy_row(keys: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec<Cell> {
+fn accuracy_row(keys: [Cell; 5], method: Method, counts: &DetectionCounts) -> Vec<Cell> {
     let mut row: Vec<Cell> = keys.into();
     row.push(Cell::text(method.name));
     row.push(Cell::number(method.order.map(|order| order as f64), 0));
@@ -182,7 +182,7 @@ fn accuracy_row(keys: [Cell; 5], method: Method, tally: &DetectionCounts) -> Vec
         counts.found,
         counts.spurious,
     ];
-    row.extend(counts.map(Cell::count));
+    row.extend(numbers.map(Cell::count));
     let errors = [
         counts.frequency(),
         counts.damping(),

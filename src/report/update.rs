@@ -273,7 +273,7 @@ fn convergence_text(result: &UpdateResult) -> String {
 }
 
 fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
-    let printed = |changes: &[Change]| {
+    let printed = |changes: &[SubsetFit]| {
         changes
             .iter()
             .take(MAX_PRINTED_CHANGES)
@@ -327,7 +327,7 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
     ]
 }
 
-fn change_row(change: &Change) -> Vec<Cell> {
+fn change_row(change: &SubsetFit) -> Vec<Cell> {
     let values: Vec<String> = change.values.iter().map(|v| significant(*v, 6)).collect();
     let name = if change.parameters.is_empty() {
         "none".to_owned()

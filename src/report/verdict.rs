@@ -44,11 +44,11 @@ verdicts! {
     /// The test mode has no partner in the model.
     UnmatchedTestMode: "unmatched test mode", "bad";
     /// The data determine the updated parameter.
-    Identified: update::Verdict::Identified.name(), "good";
+    Identified: update::ParameterVerdict::Identified.name(), "good";
     /// The updated parameter is at one of its bounds.
-    AtBound: update::Verdict::AtBound.name(), "fair";
+    AtBound: update::ParameterVerdict::AtBound.name(), "fair";
     /// The data do not determine the updated parameter.
-    NotSupported: update::Verdict::NotSupported.name(), "dim";
+    NotSupported: update::ParameterVerdict::NotSupported.name(), "dim";
     /// As [`Verdict::NotSupported`], and the update held the parameter at its initial value.
     NotSupportedHeld: "not supported by the data; held", "dim";
     /// The checks accept the hit.
@@ -80,12 +80,12 @@ impl Verdict {
     }
 }
 
-impl From<update::Verdict> for Verdict {
-    fn from(verdict: update::Verdict) -> Self {
+impl From<update::ParameterVerdict> for Verdict {
+    fn from(verdict: update::ParameterVerdict) -> Self {
         match verdict {
-            update::Verdict::Identified => Verdict::Identified,
-            update::Verdict::AtBound => Verdict::AtBound,
-            update::Verdict::NotSupported => Verdict::NotSupported,
+            update::ParameterVerdict::Identified => Verdict::Identified,
+            update::ParameterVerdict::AtBound => Verdict::AtBound,
+            update::ParameterVerdict::NotSupported => Verdict::NotSupported,
         }
     }
 }

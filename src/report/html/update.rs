@@ -8,7 +8,7 @@ use super::markup::{escape, fragment};
 use super::numbers::{four_digits, two_digits};
 use super::words::{sentence, word};
 use crate::scene::Figures;
-use crate::update::{StopReason, Verdict as ParameterVerdict};
+use crate::update::{ParameterVerdict, StopReason};
 
 /// Maximum number of single parameter changes in the table; `update.json` has all.
 const MAX_LISTED_CHANGES: usize = 10;

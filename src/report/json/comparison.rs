@@ -166,8 +166,8 @@ pub struct ExtraResults<'a> {
 
 /// The text of `comparison.json` with further results beside the rows; each kind of result has a
 /// key, which is absent where there is none.
-pub fn comparison_with(table: &ComparisonTable, more: &ExtraResults<'_>) -> String {
-    let alignment = more.alignment.map(serde_json::to_value);
+pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> String {
+    let alignment = extra.alignment.map(serde_json::to_value);
     let file = ComparisonFile {
         schema: COMPARISON_SCHEMA.to_owned(),
         error_reference: table.error_reference.name().to_owned(),

@@ -46,7 +46,7 @@ pub fn breakdown_svg(result: &SliceResult, points: &[UserModePosition]) -> Strin
     draw_frame(&mut canvas, (&x, &y), labels);
     canvas.clip([LEFT_PX, TOP_PX], [RIGHT_PX, BOTTOM_PX]);
     for (method, field) in fields.iter().enumerate() {
-        for line in field.contour(LEVEL) {
+        for line in field.contour(MIN_SUCCESS_RATE) {
             draw_contour(&mut canvas, method, &line);
         }
     }
@@ -148,8 +148,8 @@ const MAX_LABELS: usize = 6;
 /// to a failure boundary are labelled, as far as there is room.
 fn draw_user_modes(canvas: &mut Canvas, points: &[UserModePosition]) {
     let mut groups: Vec<([f64; 2], Vec<&UserModePosition>)> = Vec::new();
-    for point in points.iter().filter(|point| point.inside()) {
-        let at = map_position(point.location);
+    for point in points.iter().filter(|point| point.is_inside()) {
+        let at = map_position(point.place);
         let near = |group: &&mut ([f64; 2], Vec<&UserModePosition>)| {
             (group.0[0] - at[0]).hypot(group.0[1] - at[1]) < 8.0
         };
@@ -268,7 +268,7 @@ const PANEL_HEIGHT_PX: f64 = 300.0;
 /// Condition number, and error of the poles in f64 and f32, over the order.
 pub fn stability_svg(stability: &Stability) -> String {
     let mut canvas = Canvas::new(WIDTH_PX, 2.0 * PANEL_HEIGHT_PX + 60.0);
-    let orders = stability.courses.iter().flat_map(|course| &course.points);
+    let orders = stability.curves.iter().flat_map(|course| &course.points);
     let highest = orders.map(|point| point.order).max().unwrap_or(2) as f64;
     let title = "Digits lost by order: data without noise, as many modes as the order needs";
     canvas.text([LEFT_PX, 20.0], title, Anchor::Start, INK);
@@ -286,7 +286,7 @@ pub fn stability_svg(stability: &Stability) -> String {
         let y = Axis::linear(range, (bottom, top)).with_step(2.0);
         draw_frame(&mut canvas, (&x, &y), ("Order", label));
         canvas.clip([LEFT_PX, top], [RIGHT_PX, bottom]);
-        for (index, course) in stability.courses.iter().enumerate() {
+        for (index, course) in stability.curves.iter().enumerate() {
             let courses: &[(Value, &str)] = match shift > 0.0 {
                 true => &ERRORS,
                 false => &CONDITION,
@@ -322,7 +322,7 @@ const ERRORS: [(Value, &str); 3] = [
 
 fn draw_stability_legend(canvas: &mut Canvas, stability: &Stability) {
     let x = RIGHT_PX + 18.0;
-    for (index, course) in stability.courses.iter().enumerate() {
+    for (index, course) in stability.curves.iter().enumerate() {
         let y = TOP_PX + 12.0 + 24.0 * index as f64;
         let stroke = [Some([x, y - 4.0]), Some([x + 40.0, y - 4.0])];
         canvas.curve("legend", &stroke, curve_color(index), 1.8, "");

@@ -112,8 +112,8 @@ fn twin_chart(study: &SpeedAccuracy, test: &TestStudy) -> Chart {
             method: method_index(cost.method),
             label: cost.method.to_string(),
             time_s: cost.timing.median_s,
-            error: errors(tally),
-            is_faultless: tally.mistakes() == 0,
+            error: errors(counts),
+            is_faultless: counts.mistakes() == 0,
             on_front: cost.on_front,
         })
     });
