@@ -31,7 +31,7 @@
 //! | `method` | table of a method with its shifts between runs | `run_variation` `estimator` `error` |
 //! | `data` | FRFs of a band, poles that are fitted to them, residual | `estimator` `error` |
 //! | `noise` | variances, force noise, line correlation | `data` |
-//! | `fit` | nonlinear least squares, covariances | `data` `noise` `error` |
+//! | `fit` | data of a fit, nonlinear least squares, covariances | `data` `noise` `error` |
 //! | `run_variation` | frequency shifts between measurement runs | `data` `noise` `fit` `estimator` |
 //! | `sdof` | single-degree-of-freedom methods | `data` `fit` `method` `estimator` `error` |
 //! | `pole_model` | poles of a fit, their tests, candidates and findings | `data` `noise` `fit` `run_variation` `sdof` `estimator` `error` |
@@ -39,7 +39,7 @@
 //! | `ml` | maximum likelihood | `data` `noise` `fit` `run_variation` `sdof` `pole_model` `mdof` `method` `estimator` `error` |
 //! | `modes` | modes from poles | `estimator` `error` |
 //! | `mode_indicators` | CMIF, MvMIF | `data` `estimator` `error` |
-//! | `order_selection` | number of modes that the data support | `data` `noise` `estimator` `error` |
+//! | `order_selection` | number of modes that the data support | `data` `noise` `fit` `estimator` `error` |
 
 mod data;
 mod error;

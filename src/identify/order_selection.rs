@@ -33,11 +33,11 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
 
 use crate::identify::Identification;
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::out_of_band_basis::{OutOfBandBasis, OutOfBandTerms};
 use crate::identify::data::residual::Residual;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::PoleStatus;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::noise::band_profile::BandProfile;
 
 /// Minimum length of a profile after orthogonalisation, over its length before.
@@ -148,7 +148,7 @@ pub fn support(
     band: Band,
     identification: &Identification,
 ) -> Result<OrderSelection, IdentifyError> {
-    let mut data = BandFrfs::new(set, band)?;
+    let mut data = FitData::new(set, band)?;
     let identified = identified_poles(identification, set.added_damping_rad_s);
     let others = other_stable_poles(identification, set.added_damping_rad_s, band, &identified);
     // The residual of the identified poles gives the noise level and its line correlation.
@@ -157,7 +157,7 @@ pub fn support(
         first.add_pole(Candidate::of(*lambda, &first));
     }
     let mut rest = first.over_noise();
-    data.estimate_noise_and_correlation(&mut rest);
+    data.estimate_noise(&mut rest);
     data.detect_correlated_noise(&mut rest);
     let mut fitted = Fitted::new(&data);
     let mut tried = vec![fitted.order_step(None)];
@@ -180,10 +180,10 @@ pub fn support(
         tried.predicted = predicted;
     }
     Ok(OrderSelection {
-        functions: data.functions(),
-        lines: data.lines(),
+        functions: data.frfs.functions(),
+        lines: data.frfs.lines(),
         stretch: fitted.segment_lines,
-        noise_stated: data.variance_measured(),
+        noise_stated: data.noise.is_stated(),
         identified: tried.iter().filter(|step| step.identified).count(),
         tried,
     })
@@ -265,11 +265,12 @@ struct Candidate {
 impl Candidate {
     fn of(lambda: Complex64, fitted: &Fitted) -> Self {
         let value = |k: usize, _| {
-            (Complex64::new(0.0, fitted.data.omega[k]) - lambda).inv() / fitted.noise_profile[k]
+            (Complex64::new(0.0, fitted.data.frfs.omega[k]) - lambda).inv()
+                / fitted.noise_profile[k]
         };
         let mut candidate = Self {
             lambda,
-            values: linalg::complex_matrix(fitted.data.lines(), 1, value),
+            values: linalg::complex_matrix(fitted.data.frfs.lines(), 1, value),
             length: 1.0,
         };
         candidate.normalise();
@@ -301,7 +302,7 @@ impl Candidate {
 
 /// Fit of out-of-band terms and poles to all lines.
 struct Fitted<'a> {
-    data: &'a BandFrfs,
+    data: &'a FitData,
     /// Relative profile of the noise over the lines.
     noise_profile: Vec<f64>,
     /// Variance of every value over that of level and profile: by FRF and line.
@@ -321,20 +322,21 @@ struct Fitted<'a> {
 }
 
 impl<'a> Fitted<'a> {
-    fn new(data: &'a BandFrfs) -> Self {
-        let (lines, functions) = (data.lines(), data.functions());
+    fn new(data: &'a FitData) -> Self {
+        let (lines, functions) = (data.frfs.lines(), data.frfs.functions());
         let BandProfile {
             level,
             course: noise_profile,
-        } = BandProfile::new(data, 0..lines);
-        let background = OutOfBandBasis::new(&data.omega, &(0..lines), &OutOfBandTerms::Anywhere);
+        } = BandProfile::new(&data.noise, 0..lines);
+        let background =
+            OutOfBandBasis::new(&data.frfs.omega, &(0..lines), &OutOfBandTerms::Anywhere);
         let ratio = |f: usize| {
-            let pairs = data.variance[f].iter().zip(&noise_profile);
+            let pairs = data.noise.variance[f].iter().zip(&noise_profile);
             let ratios = pairs.map(|(v, c)| v / (level[f] * c).powi(2));
             ratios.collect::<Vec<f64>>()
         };
-        let value = |k: usize, f: usize| data.values[f][k] / (level[f] * noise_profile[k]);
-        let line_ratio = data.correlation.alike();
+        let value = |k: usize, f: usize| data.frfs.values[f][k] / (level[f] * noise_profile[k]);
+        let line_ratio = data.noise.line_correlation.alike();
         let segment_lines = (line_ratio.round() as usize).clamp(1, MAX_SEGMENT_LINES);
         let mut fitted = Self {
             ratio: (0..functions).map(ratio).collect(),
@@ -348,7 +350,7 @@ impl<'a> Fitted<'a> {
             data,
             noise_profile,
         };
-        let basis = background.basis(&data.omega, &fitted.noise_profile);
+        let basis = background.basis(&data.frfs.omega, &fitted.noise_profile);
         fitted.add(&basis, line_ratio);
         let all = (0..lines).step_by(segment_lines);
         let all = all.map(|k| k..(k + segment_lines).min(lines));
@@ -413,13 +415,13 @@ impl<'a> Fitted<'a> {
             let variance: f64 = terms.map(|(q, ratio)| q.norm_sqr() * ratio).sum();
             2.0 * amplitudes[(0, f)].norm_sqr() / (noise_factor * variance)
         };
-        (0..self.data.functions()).map(gain).collect()
+        (0..self.data.frfs.functions()).map(gain).collect()
     }
 
     /// Variance of the amplitude of a pole over that in white noise.
     fn noise_factor(&self, lambda: Complex64) -> f64 {
-        let correlation = &self.data.correlation;
-        correlation.amplitude_noise_factor(-lambda.re, self.data.step)
+        let correlation = &self.data.noise.line_correlation;
+        correlation.amplitude_noise_factor(-lambda.re, self.data.frfs.step)
     }
 
     /// Decrease of BIC by a pole with these gains.
@@ -459,7 +461,7 @@ impl<'a> Fitted<'a> {
             }
         });
         Residual {
-            lines: 0..self.data.lines(),
+            lines: 0..self.data.frfs.lines(),
             values,
         }
     }

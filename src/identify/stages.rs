@@ -6,9 +6,9 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::error::IdentifyError;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::estimator::fit_at_poles;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
@@ -16,7 +16,7 @@ use crate::identify::run_variation::RunShifts;
 
 /// Receptances of a band, with all references or as if of a single one.
 pub struct Lines {
-    data: BandFrfs,
+    data: FitData,
     sides: FrfMatrix,
 }
 
@@ -34,7 +34,7 @@ impl Lines {
     pub fn new(set: &FrfSet, band: Band, one_reference: bool) -> Result<Self, IdentifyError> {
         let sides = FrfMatrix::new(set.functions());
         Ok(Self {
-            data: BandFrfs::guarded(set, band)?,
+            data: FitData::guarded(set, band)?,
             sides: if one_reference {
                 sides.as_one_input()
             } else {
@@ -45,7 +45,7 @@ impl Lines {
 
     /// Transforms for equations up to an order.
     pub fn transformed(&self, order: usize) -> Transformed {
-        let whole = 0..self.data.lines();
+        let whole = 0..self.data.frfs.lines();
         Transformed(Transforms::new(&self.data, &self.sides, whole, order, &[]))
     }
 }

@@ -12,17 +12,7 @@ use std::path::Path;
 type Module = Vec<String>;
 
 /// Files in a circle that are still to be opened, by stage. The number may only fall.
-const OPEN: [(&str, usize); 2] = [("identify", 9), ("report", 2)];
-/// Imports between rooms of `identify` against the table, still to be turned round.
-const AGAINST_TABLE: [&str; 7] = [
-    "data/band_frfs -> noise/force_noise",
-    "data/band_frfs -> noise/input_variance",
-    "data/band_frfs -> noise/line_correlation",
-    "data/band_frfs -> noise/model",
-    "data/band_frfs -> noise/variance_model",
-    "data/line_shape -> noise/line_correlation",
-    "data/residual -> noise/band_profile",
-];
+const OPEN: [(&str, usize); 2] = [("identify", 2), ("report", 2)];
 
 /// Imports of the files of a crate.
 #[derive(Default)]
@@ -336,7 +326,7 @@ fn rooms_of_identify_use_only_what_the_table_allows() {
             }
         }
     }
-    assert_eq!(found, AGAINST_TABLE);
+    assert!(found.is_empty(), "against the table: {found:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! FRFs of a set inside a band, as receptances with the variance of every value.
+//! FRFs of a set inside a band, as receptances.
 //!
 //! This file converts all FRFs to receptances and checks the arguments of every estimator. A set
 //! may carry the decay rate `a` of an exponential window: its values were sampled at `s = iω + a`,
@@ -7,25 +7,17 @@
 //! window's damping. The other files of the stage work on that and do not depend on `a`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, OnceLock};
+use std::ops::Range;
+use std::sync::Arc;
 
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 use crate::axis::Band;
 use crate::frf::{FrfSet, Function};
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::out_of_band_basis::OutOfBandTerms;
-use crate::identify::data::residual::OutOfBandFit;
-use crate::identify::error::IdentifyError;
-use crate::identify::noise::force_noise::ForceNoise;
-use crate::identify::noise::input_variance::{self, Noise};
-use crate::identify::noise::line_correlation::LineCorrelation;
-use crate::identify::noise::variance_model::SmoothedVariance;
-
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::noise::model::VarianceSource;
+use crate::identify::error::IdentifyError;
 
 /// Guard lines on each side of a band, over the number of its lines.
 const GUARD_LINES_RATIO: f64 = 0.05;
@@ -33,8 +25,6 @@ const GUARD_LINES_RATIO: f64 = 0.05;
 const MIN_BAND_LINES: usize = 8;
 /// Minimum number of lines on each side of a pole.
 const MIN_LINES_PER_SIDE: usize = 3;
-/// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter.
-const MIN_NOISE_OVER_RESPONSE: f64 = 1e-10;
 
 /// Values of FRFs: lines × FRFs.
 pub(in crate::identify) struct Values(ComplexMatrix);
@@ -61,6 +51,8 @@ impl std::ops::Index<usize> for Values {
 
 /// Receptances on the lines of a band.
 pub(in crate::identify) struct BandFrfs {
+    /// The lines, by their numbers in the set.
+    pub lines_of_set: Range<usize>,
     /// Angular frequency of every line, rad/s.
     pub omega: Vec<f64>,
     /// Spacing of the lines, rad/s.
@@ -72,26 +64,6 @@ pub(in crate::identify) struct BandFrfs {
     pub leakage: Option<LineShape>,
     /// Values, m/N.
     pub values: Values,
-    /// Variance E|H − E H|² of every value, (m/N)², positive.
-    pub variance: Vec<Vec<f64>>,
-    /// Fraction of every variance that is force noise, as far as it is estimated.
-    pub force_fraction: Vec<Vec<f64>>,
-    /// Variances of each FRF as supplied with the data, where they were.
-    pub stated: Vec<Option<SmoothedVariance>>,
-    /// Model of the modes outside the lines.
-    outside: OutOfBandTerms,
-    /// Basis of the out-of-band terms, valid until the model or the variances change.
-    far: OnceLock<OutOfBandFit>,
-    /// Counts changes of both.
-    version: u64,
-    /// Line correlation of the noise, as far as it is estimated.
-    pub correlation: LineCorrelation,
-    /// Force noise common to the FRFs of one reference, as far as it is estimated.
-    pub shared: ForceNoise,
-    /// Statistic that estimates the noise where the data have no variances.
-    pub variance_source: VarianceSource,
-    /// Minimum variance of each FRF, in its measured quantity.
-    min_variances: Vec<f64>,
     /// Magnitude of measured values over receptances, one vector per FRF: noise is white in the
     /// measured quantity.
     pub measured_scale: Vec<Arc<Vec<f64>>>,
@@ -119,33 +91,13 @@ impl BandFrfs {
         Self::on_lines(set, add_guard_lines(set, &lines)).or_else(|_| Self::on_lines(set, lines))
     }
 
-    fn on_lines(set: &FrfSet, lines: std::ops::Range<usize>) -> Result<Self, IdentifyError> {
+    fn on_lines(set: &FrfSet, lines: Range<usize>) -> Result<Self, IdentifyError> {
         let lines = trim_empty_ends(set, lines);
         for i in 0..set.len() {
             check_finite(set, i, lines.clone())?;
         }
         let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
-        let step = std::f64::consts::TAU * set.axis().step_hz;
         let scales = Scales::new(set, &omega);
-        let noise = input_variance::noise_of_set(set, &lines);
-        let force_fraction = noise
-            .iter()
-            .map(|frf_noise| frf_noise.force_fraction.clone())
-            .collect();
-        let window = LineCorrelation::of_window(set.added_damping_rad_s, (step, lines.len()));
-        let shared = ForceNoise::from_variances(set.functions(), &noise, &window);
-        let of_receptance = |(i, noise): (usize, Noise)| {
-            let (_, scale) = scales.of(set, i);
-            let variance = noise.variance.iter().zip(scale.iter());
-            let receptance_noise = SmoothedVariance {
-                variance: variance.map(|(v, s)| v / (s * s)).collect(),
-                force_fraction: noise.force_fraction,
-            };
-            let variance = receptance_noise.variance.clone();
-            (variance, noise.measured.then_some(receptance_noise))
-        };
-        let noise = noise.into_par_iter().enumerate().map(of_receptance);
-        let (variance, stated) = noise.collect::<Vec<_>>().into_iter().unzip();
         let mut values = ComplexMatrix::zeros(omega.len(), set.len());
         linalg::for_each_column(&mut values, |i, column| {
             let measured = &set.values(i)[lines.clone()];
@@ -155,90 +107,17 @@ impl BandFrfs {
                 *value = factor * measured;
             }
         });
-        let mut data = Self {
-            step,
+        Ok(Self {
+            step: std::f64::consts::TAU * set.axis().step_hz,
             line_shape: LineShape::EXACT,
             leakage: LineShape::possible_leakage(set),
             values: Values(values),
-            variance,
-            force_fraction,
-            stated,
-            outside: OutOfBandTerms::Anywhere,
-            far: OnceLock::new(),
-            version: 0,
-            correlation: window,
-            shared,
-            variance_source: VarianceSource::SecondDifferences,
-            min_variances: Vec::new(),
             measured_scale: (0..set.len())
                 .map(|i| Arc::clone(&scales.of(set, i).1))
                 .collect(),
+            lines_of_set: lines,
             omega,
-        };
-        data.min_variances = data.min_variances();
-        data.raise_to_dynamic_range();
-        Ok(data)
-    }
-
-    /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker
-    /// FRF (in a direction that symmetry keeps at rest) is no response, whatever its variance. The
-    /// minimum is constant over the lines in the measured quantity, as noise is.
-    pub fn raise_to_dynamic_range(&mut self) {
-        let (min_variances, scales) = (&self.min_variances, &self.measured_scale);
-        let raise = |(f, variance): (usize, &mut Vec<f64>)| {
-            for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
-                *v = v.max(min_variances[f] / (s * s));
-            }
-        };
-        self.variance.par_iter_mut().enumerate().for_each(raise);
-    }
-
-    fn min_variances(&self) -> Vec<f64> {
-        let mut strongest = vec![0.0f64; self.lines()];
-        for values in self.values.iter() {
-            for (largest, h) in strongest.iter_mut().zip(values) {
-                *largest = largest.max(h.norm_sqr());
-            }
-        }
-        let floor = |scale: &Arc<Vec<f64>>| {
-            let powers = strongest.iter().zip(scale.iter()).map(|(p, s)| p * s * s);
-            MIN_NOISE_OVER_RESPONSE * MIN_NOISE_OVER_RESPONSE * powers.sum::<f64>()
-                / self.lines() as f64
-        };
-        self.measured_scale.par_iter().map(floor).collect()
-    }
-
-    /// Whether the data supply the variances of all FRFs.
-    pub fn variance_measured(&self) -> bool {
-        self.stated.iter().all(Option::is_some)
-    }
-
-    /// Discards values that depend on noise or out-of-band model, which have changed.
-    pub fn invalidate(&mut self) {
-        self.far = OnceLock::new();
-        self.version += 1;
-    }
-
-    /// Version number: it changes with the noise and with the out-of-band model.
-    pub fn version(&self) -> u64 {
-        self.version
-    }
-
-    /// Model of the modes outside the lines.
-    pub fn outside(&self) -> &OutOfBandTerms {
-        &self.outside
-    }
-
-    /// Replaces the model of the modes outside the lines and returns the previous one.
-    pub fn set_out_of_band_terms(&mut self, outside: OutOfBandTerms) -> OutOfBandTerms {
-        self.invalidate();
-        std::mem::replace(&mut self.outside, outside)
-    }
-
-    /// Basis of the out-of-band terms over all lines.
-    pub fn far(&self) -> &OutOfBandFit {
-        self.far
-            .get_or_init(|| OutOfBandFit::new(self, &self.outside))
+        })
     }
 
     /// Number of FRFs.
@@ -266,27 +145,12 @@ impl BandFrfs {
         line.saturating_sub(side)..(line + side + 1).min(self.lines())
     }
 
-    /// Sets the line shape of poles, with the line correlation of the noise that it implies.
-    pub fn observe(&mut self, line_shape: LineShape) {
-        self.line_shape = line_shape;
-        if let Some(correlation) = line_shape.noise_correlation() {
-            self.correlation = correlation;
-        }
-        self.invalidate();
-    }
-
     /// Adds a correction to an FRF, a function of frequency in rad/s.
     pub fn correct(&mut self, function: usize, by: impl Fn(f64) -> Complex64) {
         let values = self.values.0.col_as_slice_mut(function);
         for (value, omega) in values.iter_mut().zip(&self.omega) {
             *value += by(*omega);
         }
-        self.invalidate();
-    }
-
-    /// Standard deviation of the noise of an FRF at one line, m/N.
-    pub fn deviation(&self, function: usize, line: usize) -> f64 {
-        self.variance[function][line].sqrt()
     }
 
     /// Range of the lines, rad/s.
@@ -298,12 +162,6 @@ impl BandFrfs {
     pub fn beyond(&self, omega: f64) -> f64 {
         let (first, last) = (self.omega[0], self.omega[self.lines() - 1]);
         (first - omega).max(omega - last).max(0.0)
-    }
-
-    /// Mean variance of an FRF over some lines, (m/N)².
-    pub fn mean_variance(&self, function: usize, lines: std::ops::Range<usize>) -> f64 {
-        let count = lines.len().max(1) as f64;
-        self.variance[function][lines].iter().sum::<f64>() / count
     }
 }
 
@@ -348,7 +206,7 @@ pub(in crate::identify) fn no_band_error(set: &FrfSet) -> IdentifyError {
     }
 }
 
-fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, IdentifyError> {
+fn checked_lines(set: &FrfSet, band: Band) -> Result<Range<usize>, IdentifyError> {
     if set.is_empty() {
         return Err(IdentifyError::NoFunctions);
     }
@@ -386,7 +244,7 @@ fn checked_lines(set: &FrfSet, band: Band) -> Result<std::ops::Range<usize>, Ide
 
 /// Lines of a band with [`GUARD_LINES_RATIO`] of them more on each side, as far as the set has
 /// them.
-fn add_guard_lines(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+fn add_guard_lines(set: &FrfSet, lines: &Range<usize>) -> Range<usize> {
     let guard = (GUARD_LINES_RATIO * lines.len() as f64).ceil() as usize;
     let first = (0..lines.start).find(|k| set.axis().hz(*k) > 0.0);
     let start = lines.start.saturating_sub(guard);
@@ -395,14 +253,14 @@ fn add_guard_lines(set: &FrfSet, lines: &std::ops::Range<usize>) -> std::ops::Ra
 }
 
 /// Lines of a band with its guard lines; empty where the band is invalid.
-pub(in crate::identify) fn guarded_lines(set: &FrfSet, band: Band) -> std::ops::Range<usize> {
+pub(in crate::identify) fn guarded_lines(set: &FrfSet, band: Band) -> Range<usize> {
     checked_lines(set, band).map_or(0..0, |lines| add_guard_lines(set, &lines))
 }
 
 /// Lines without those at either end where all FRFs are exactly 0, as a filter of the analyser
 /// leaves them, or not finite: no resonance is identifiable there. All lines where too few would
 /// remain.
-fn trim_empty_ends(set: &FrfSet, lines: std::ops::Range<usize>) -> std::ops::Range<usize> {
+fn trim_empty_ends(set: &FrfSet, lines: Range<usize>) -> Range<usize> {
     let empty = |value: Complex64| value == Complex64::ZERO || !value.is_finite();
     let blank = |k: usize| (0..set.len()).all(|i| empty(set.values(i)[k]));
     let start = lines.clone().find(|k| !blank(*k));
@@ -428,11 +286,7 @@ pub(in crate::identify) fn frfs_with_invalid_values(
     (0..set.len()).filter_map(invalid_value).collect()
 }
 
-fn check_finite(
-    set: &FrfSet,
-    i: usize,
-    lines: std::ops::Range<usize>,
-) -> Result<(), IdentifyError> {
+fn check_finite(set: &FrfSet, i: usize, lines: Range<usize>) -> Result<(), IdentifyError> {
     let values = set.values(i);
     let error = |k: usize, what, got| IdentifyError::NotFinite {
         response: set.functions()[i].response.clone(),

@@ -18,12 +18,14 @@ pub(in crate::identify) struct DetectionSpectrum {
 }
 
 impl DetectionSpectrum {
-    /// The indicator of a set of receptances.
-    pub fn new(data: &BandFrfs) -> Self {
-        let weights: Vec<f64> = (0..data.functions()).map(|f| weight(data, f)).collect();
-        let mut power = vec![0.0; data.lines()];
-        for (values, weight) in data.values.iter().zip(&weights) {
-            for ((sum, value), omega) in power.iter_mut().zip(values).zip(&data.omega) {
+    /// The indicator of the FRFs of a band; `stated` are their noise variances by FRF and line,
+    /// where the data supply them.
+    pub fn new(frfs: &BandFrfs, stated: Option<&[Vec<f64>]>) -> Self {
+        let weight = |f: usize| weight(frfs, f, stated.map(|variance| &variance[f][..]));
+        let weights: Vec<f64> = (0..frfs.functions()).map(weight).collect();
+        let mut power = vec![0.0; frfs.lines()];
+        for (values, weight) in frfs.values.iter().zip(&weights) {
+            for ((sum, value), omega) in power.iter_mut().zip(values).zip(&frfs.omega) {
                 *sum += weight * omega * omega * value.norm_sqr();
             }
         }
@@ -31,17 +33,17 @@ impl DetectionSpectrum {
     }
 }
 
-fn weight(data: &BandFrfs, function: usize) -> f64 {
-    let squared = |k: usize| data.omega[k] * data.omega[k];
-    let scale = if data.variance_measured() {
-        let mut variances: Vec<f64> = (0..data.lines())
-            .map(|k| squared(k) * data.variance[function][k])
+fn weight(frfs: &BandFrfs, function: usize, variance: Option<&[f64]>) -> f64 {
+    let squared = |k: usize| frfs.omega[k] * frfs.omega[k];
+    let scale = if let Some(variance) = variance {
+        let mut variances: Vec<f64> = (0..frfs.lines())
+            .map(|k| squared(k) * variance[k])
             .collect();
         let middle = variances.len() / 2;
         *variances.select_nth_unstable_by(middle, f64::total_cmp).1
     } else {
-        let power = |k: usize| squared(k) * data.values[function][k].norm_sqr();
-        (0..data.lines()).map(power).sum::<f64>() / data.lines() as f64
+        let power = |k: usize| squared(k) * frfs.values[function][k].norm_sqr();
+        (0..frfs.lines()).map(power).sum::<f64>() / frfs.lines() as f64
     };
     if scale > 0.0 { 1.0 / scale } else { 0.0 }
 }

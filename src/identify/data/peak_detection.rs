@@ -103,22 +103,24 @@ pub(in crate::identify) struct DetectedPeaks {
     pub dropped: Vec<(Peak, PeakRejection)>,
 }
 
-/// Searches the indicator for peaks at a false-alarm probability for the whole band.
+/// Searches the indicator for peaks above the noise, of a variance by FRF and line, at a
+/// false-alarm probability for the whole band.
 pub(in crate::identify) fn search(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
+    variance: &[Vec<f64>],
     indicator: &DetectionSpectrum,
     false_alarm: f64,
 ) -> DetectedPeaks {
-    let limit = noise_limit(data.functions(), data.lines(), false_alarm);
+    let limit = noise_limit(frfs.functions(), frfs.lines(), false_alarm);
     let mut found = DetectedPeaks::default();
-    for line in 1..data.lines() - 1 {
+    for line in 1..frfs.lines() - 1 {
         let Some(peak) = maximum_at(&indicator.power, line) else {
             continue;
         };
-        match rejection_reason(data, indicator, &peak) {
-            _ if deviation(data, &peak) <= limit => {}
+        match rejection_reason(frfs, indicator, &peak) {
+            _ if deviation(frfs, variance, &peak) <= limit => {}
             None | Some(PeakRejection::NotHighest(_))
-                if !exceeds_its_valley(data, indicator, &peak, limit) => {}
+                if !exceeds_its_valley(frfs, variance, indicator, &peak, limit) => {}
             None => found.peaks.push(peak),
             Some(drop) => found.dropped.push((peak, drop)),
         }
@@ -131,13 +133,14 @@ pub(in crate::identify) fn search(
 /// whether there were any.
 pub(in crate::identify) fn reject_background_maxima(
     found: &mut DetectedPeaks,
-    (data, indicator): (&BandFrfs, &DetectionSpectrum),
+    frfs: &BandFrfs,
+    indicator: &DetectionSpectrum,
     fitted: impl Fn(usize) -> bool,
 ) -> bool {
     let peaks = std::mem::take(&mut found.peaks);
     let before = peaks.len();
     for (mode, peak) in peaks.into_iter().enumerate() {
-        let turn = relative_phase_change(data, indicator, &peak);
+        let turn = relative_phase_change(frfs, indicator, &peak);
         if fitted(mode) || turn >= MIN_PHASE_CHANGE_RATIO {
             found.peaks.push(peak);
         } else {
@@ -150,14 +153,14 @@ pub(in crate::identify) fn reject_background_maxima(
 
 /// Clockwise angle between the half-power points that exist, or between one and the maximum, over
 /// that of a resonance: 45 degrees on either side.
-fn relative_phase_change(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
+fn relative_phase_change(frfs: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let foot = |flank: PeakFlank| match flank {
         PeakFlank::Half(line) => (line, 1.0),
         _ => (peak.line, 0.0),
     };
     let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
     let term = |(h, weight): (&[Complex64], &f64)| weight * h[low].conj() * h[high];
-    let sum: Complex64 = data.values.iter().zip(&indicator.weights).map(term).sum();
+    let sum: Complex64 = frfs.values.iter().zip(&indicator.weights).map(term).sum();
     let sides: f64 = left + right;
     -sum.arg() / (sides.max(1.0) * std::f64::consts::FRAC_PI_4)
 }
@@ -209,7 +212,7 @@ fn left_weight(peak: &Peak) -> f64 {
 
 /// Squared deviation from the line between the feet over the variance of its noise, summed over
 /// FRFs; for noise on a straight line chi-squared with two degrees of freedom for every FRF.
-fn deviation(data: &BandFrfs, peak: &Peak) -> f64 {
+fn deviation(frfs: &BandFrfs, variance: &[Vec<f64>], peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let weight_of_left = left_weight(peak);
     let term = |(h, v): (&[Complex64], &Vec<f64>)| {
@@ -219,7 +222,7 @@ fn deviation(data: &BandFrfs, peak: &Peak) -> f64 {
             + (1.0 - weight_of_left).powi(2) * v[right];
         2.0 * (h[top] - between).norm_sqr() / variance
     };
-    data.values.iter().zip(&data.variance).map(term).sum()
+    frfs.values.iter().zip(variance).map(term).sum()
 }
 
 /// Lowest line before a higher one.
@@ -234,33 +237,34 @@ fn valley(peak: &Peak) -> Option<usize> {
 
 /// Whether the dip before a higher line exceeds the noise; true without a higher line.
 fn exceeds_its_valley(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
+    variance: &[Vec<f64>],
     indicator: &DetectionSpectrum,
     peak: &Peak,
     limit: f64,
 ) -> bool {
-    valley(peak).is_none() || dip(data, indicator, peak) > limit
+    valley(peak).is_none() || dip(frfs, variance, indicator, peak) > limit
 }
 
 /// Squared difference of the root of the indicator at the maximum and in the valley before the
 /// higher line, over its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the phase changes
 /// as well, without a peak: only the magnitude counts here.
-fn dip(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
+fn dip(frfs: &BandFrfs, variance: &[Vec<f64>], indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let Some(valley) = valley(peak) else {
         return 0.0;
     };
     let line = peak.line;
     let term = |f: usize| {
-        let weighted = indicator.weights[f] * data.omega[line].powi(2);
-        weighted * weighted * data.values[f][line].norm_sqr() * data.variance[f][line]
+        let weighted = indicator.weights[f] * frfs.omega[line].powi(2);
+        weighted * weighted * frfs.values[f][line].norm_sqr() * variance[f][line]
     };
-    let variance: f64 = (0..data.functions()).map(term).sum::<f64>() / peak.power;
+    let variance: f64 = (0..frfs.functions()).map(term).sum::<f64>() / peak.power;
     let difference = peak.power.sqrt() - indicator.power[valley].sqrt();
     difference * difference / variance
 }
 
 fn rejection_reason(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     indicator: &DetectionSpectrum,
     peak: &Peak,
 ) -> Option<PeakRejection> {
@@ -268,7 +272,7 @@ fn rejection_reason(
         let lowest = valley(peak).map_or(peak.power, |line| indicator.power[line]);
         return Some(PeakRejection::NotHighest(peak.power / lowest));
     }
-    let turn = clockwise_area(data, indicator, peak);
+    let turn = clockwise_area(frfs, indicator, peak);
     (turn <= 0.0).then_some(PeakRejection::Unstable(turn))
 }
 
@@ -286,10 +290,10 @@ fn is_highest_in_its_band(peak: &Peak) -> bool {
 /// Twice the clockwise area of the triangles left foot, maximum, right foot over the sum of the
 /// products of their sides at the maximum; positive for positive damping, whatever constant is
 /// added to the resonance.
-fn clockwise_area(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
+fn clockwise_area(frfs: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
-    for (h, weight) in data.values.iter().zip(&indicator.weights) {
+    for (h, weight) in frfs.values.iter().zip(&indicator.weights) {
         let (rise, fall) = (h[top] - h[left], h[right] - h[top]);
         area -= weight * (rise.conj() * fall).im;
         sides += weight * rise.norm() * fall.norm();
@@ -301,7 +305,7 @@ fn clockwise_area(data: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -
 /// parabola, decay rate from the nearer half-power point; within the valleys to the neighbouring
 /// maxima.
 pub(in crate::identify) fn first_pole(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     indicator: &DetectionSpectrum,
     found: &DetectedPeaks,
     peak: &Peak,
@@ -310,7 +314,7 @@ pub(in crate::identify) fn first_pole(
         .peaks
         .iter()
         .chain(found.dropped.iter().map(|(other, _)| other));
-    let (mut first, mut end) = (0, data.lines());
+    let (mut first, mut end) = (0, frfs.lines());
     for other in maxima.map(|other| other.line) {
         if other < peak.line {
             first = first.max(lowest_line(&indicator.power, other..peak.line));
@@ -318,10 +322,10 @@ pub(in crate::identify) fn first_pole(
             end = end.min(lowest_line(&indicator.power, peak.line + 1..other + 1) + 1);
         }
     }
-    let (omega, power) = (&data.omega[first..end], &indicator.power[first..end]);
+    let (omega, power) = (&frfs.omega[first..end], &indicator.power[first..end]);
     let side = (peak.line - first).min(end - 1 - peak.line).max(1);
     half_power(omega, power, peak.line - first).map_or_else(
-        || Complex64::new(-0.5 * side as f64 * data.step, data.omega[peak.line]),
+        || Complex64::new(-0.5 * side as f64 * frfs.step, frfs.omega[peak.line]),
         |fit| Complex64::new(-fit.narrower_rad_s(), fit.omega_rad_s),
     )
 }
@@ -334,6 +338,6 @@ fn lowest_line(power: &[f64], lines: std::ops::Range<usize>) -> usize {
 }
 
 /// Frequency of a line, Hz.
-pub(in crate::identify) fn hz(data: &BandFrfs, line: usize) -> f64 {
-    data.omega[line] / TAU
+pub(in crate::identify) fn hz(frfs: &BandFrfs, line: usize) -> f64 {
+    frfs.omega[line] / TAU
 }

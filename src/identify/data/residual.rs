@@ -12,7 +12,6 @@ use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::{
     MIN_OUT_OF_BAND_COLUMNS, OutOfBandBasis, OutOfBandTerm, OutOfBandTerms,
 };
-use crate::identify::noise::band_profile::BandProfile;
 
 /// Basis of the out-of-band terms over all lines of the band.
 ///
@@ -83,16 +82,17 @@ impl Residual {
 }
 
 impl OutOfBandFit {
-    /// Basis for all lines of a band.
-    pub fn new(data: &BandFrfs, outside: &OutOfBandTerms) -> Self {
-        let lines = 0..data.lines();
-        let BandProfile {
-            level,
-            course: noise_profile,
-        } = BandProfile::new(data, lines.clone());
-        let terms = OutOfBandBasis::new(&data.omega, &lines, outside);
+    /// Fit of the terms to all lines of a band, weighted by the noise: its level by FRF and its
+    /// profile over the lines.
+    pub fn new(
+        frfs: &BandFrfs,
+        terms: &OutOfBandTerms,
+        level: Vec<f64>,
+        noise_profile: &[f64],
+    ) -> Self {
+        let terms = OutOfBandBasis::new(&frfs.omega, &(0..frfs.lines()), terms);
         // Orthonormal after division by the noise profile.
-        let basis = terms.basis(&data.omega, &noise_profile);
+        let basis = terms.basis(&frfs.omega, noise_profile);
         let of = |scale: &dyn Fn(usize) -> f64| {
             linalg::complex_matrix(basis.nrows(), basis.ncols(), |k, c| {
                 basis[(k, c)] * scale(k)
@@ -100,9 +100,9 @@ impl OutOfBandFit {
         };
         let weights = of(&|k| noise_profile[k].recip());
         Self {
-            omega: data.omega.clone(),
-            line_shape: data.line_shape,
-            coordinates: linalg::adjoint_product(&weights, data.values.matrix().as_ref()),
+            omega: frfs.omega.clone(),
+            line_shape: frfs.line_shape,
+            coordinates: linalg::adjoint_product(&weights, frfs.values.matrix().as_ref()),
             columns: of(&|k| noise_profile[k]),
             weights,
             level,
@@ -120,10 +120,12 @@ impl OutOfBandFit {
         &self.coordinates - courses * residues(roots, self.level.len())
     }
 
-    /// Prediction of the lines by poles and out-of-band terms.
-    pub fn beside<'a>(
+    /// Prediction of the lines by poles and out-of-band terms; `variance` is that of the noise, by
+    /// FRF and line.
+    pub fn predict<'a>(
         &'a self,
-        data: &'a BandFrfs,
+        frfs: &'a BandFrfs,
+        variance: &'a [Vec<f64>],
         roots: &'a [ModelPole],
     ) -> PredictedResponse<'a> {
         let (coordinates, residues) = (
@@ -140,8 +142,9 @@ impl OutOfBandFit {
             }
         });
         PredictedResponse {
-            far: self,
-            data,
+            out_of_band: self,
+            frfs,
+            variance,
             roots,
             amplitudes,
         }
@@ -207,8 +210,9 @@ impl OutOfBandFit {
 
 /// Prediction of the FRFs by poles and out-of-band terms.
 pub(in crate::identify) struct PredictedResponse<'a> {
-    far: &'a OutOfBandFit,
-    data: &'a BandFrfs,
+    out_of_band: &'a OutOfBandFit,
+    frfs: &'a BandFrfs,
+    variance: &'a [Vec<f64>],
     roots: &'a [ModelPole],
     /// Amplitudes of out-of-band terms, poles and conjugates: columns × FRFs.
     amplitudes: ComplexMatrix,
@@ -217,26 +221,26 @@ pub(in crate::identify) struct PredictedResponse<'a> {
 impl PredictedResponse<'_> {
     /// Residual on a range of lines, over the noise at each.
     pub fn residual(&self, lines: Range<usize>) -> Residual {
-        let first = self.far.columns.ncols();
+        let first = self.out_of_band.columns.ncols();
         let pole_columns = courses(
-            self.far.line_shape,
-            &self.far.omega[lines.clone()],
+            self.out_of_band.line_shape,
+            &self.out_of_band.omega[lines.clone()],
             self.roots,
         );
         let courses = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
             if c < first {
-                self.far.columns[(lines.start + k, c)]
+                self.out_of_band.columns[(lines.start + k, c)]
             } else {
                 pole_columns[(k, c - first)]
             }
         });
         let over_noise = |f: usize, column: &mut [Complex64]| {
-            let variance = &self.data.variance[f][lines.clone()];
+            let variance = &self.variance[f][lines.clone()];
             for (value, variance) in column.iter_mut().zip(variance) {
                 *value /= variance.sqrt();
             }
         };
-        let measured = self.data.values.matrix();
+        let measured = self.frfs.values.matrix();
         let measured = measured.subrows(lines.start, lines.len());
         let values = linalg::subtract_product(measured, &courses, &self.amplitudes, over_noise);
         Residual { lines, values }

@@ -21,6 +21,7 @@ use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combin
 use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::gauss_newton::{Block, Fitted, Unknown, fit};
 
 /// Half length of the lines of a block, half-power bandwidths.
@@ -68,14 +69,14 @@ pub(in crate::identify) enum Convergence {
 /// fitted once more, with the final values of distant poles. Compressed bands are kept for the next
 /// refinement.
 pub(in crate::identify) fn refine(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     windows: &mut Vec<CompressedBand>,
     mut roots: Vec<ModelPole>,
     (limits, stop): ([f64; 2], Convergence),
 ) -> Vec<ModelPole> {
     let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
-    let far = data.far();
+    let far = data.out_of_band_fit();
     let mut beyond: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
     let mut lost = false;
@@ -89,7 +90,7 @@ pub(in crate::identify) fn refine(
         // Blocks keep their lines while poles iterate, so that both cannot drift together.
         let mut tasks = plan.take().unwrap_or_else(|| {
             roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
-            tasks(windows, blocks((data, windows), &roots, fresh))
+            tasks(windows, blocks(&data.frfs, windows, &roots, fresh))
         });
         let iterates = |root: &usize| roots[*root].progress != FitState::Settled;
         let mut active: Vec<&mut Task> = tasks
@@ -113,7 +114,7 @@ pub(in crate::identify) fn refine(
             data,
             sides,
             roots: &roots,
-            residues: &residues(&roots, data.functions()),
+            residues: &residues(&roots, data.frfs.functions()),
             far: beyond.as_ref(),
             last: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
@@ -125,7 +126,8 @@ pub(in crate::identify) fn refine(
             update_poles(&mut roots, (&task.block, fitted), stop);
         }
         let before = roots.len();
-        let is_shown = |root: &ModelPole| stop == Convergence::Residues || is_visible(data, root);
+        let is_shown =
+            |root: &ModelPole| stop == Convergence::Residues || is_visible(&data.frfs, root);
         roots.retain(|root| is_in_range(root, limits) && is_shown(root));
         if roots.len() < before {
             // The residues of the others and the out-of-band terms were fitted together with the
@@ -149,8 +151,8 @@ pub(in crate::identify) fn refine(
     roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
     roots.par_iter_mut().for_each(|root| {
         root.quality.pole_std =
-            root.quality.pole_bound * data.shared.pole_noise_factor(data, root).sqrt();
-        root.quality.by_lines = data.shared.amplitude_noise_factor(data, root);
+            root.quality.pole_bound * data.noise.pole_noise_factor(&data.frfs, root).sqrt();
+        root.quality.by_lines = data.noise.amplitude_noise_factor(&data.frfs, root);
     });
     roots
 }
@@ -188,8 +190,8 @@ fn is_in_range(root: &ModelPole, [lo, hi]: [f64; 2]) -> bool {
 
 /// Whether a pole lies among the lines or so near that its resonance is visible on them. Farther
 /// poles belong to the out-of-band terms: their residues would be differences of large numbers.
-fn is_visible(data: &BandFrfs, root: &ModelPole) -> bool {
-    data.beyond(root.lambda.im) < MAX_BEYOND_BANDWIDTHS * root.width()
+fn is_visible(frfs: &BandFrfs, root: &ModelPole) -> bool {
+    frfs.beyond(root.lambda.im) < MAX_BEYOND_BANDWIDTHS * root.width()
 }
 
 /// Updates the core poles of a block from its fit.
@@ -267,7 +269,8 @@ fn unknown_stds(step: &Fitted) -> Vec<f64> {
 
 /// The blocks of poles in ascending frequency.
 fn blocks(
-    (data, windows): (&BandFrfs, &[CompressedBand]),
+    frfs: &BandFrfs,
+    windows: &[CompressedBand],
     roots: &[ModelPole],
     linear: bool,
 ) -> Vec<Block> {
@@ -284,16 +287,16 @@ fn blocks(
     }
     groups.iter_mut().for_each(|group| group.sort_unstable());
     groups.sort();
-    let groups = merge_groups(data, roots, groups);
+    let groups = merge_groups(frfs, roots, groups);
     groups
         .iter()
-        .map(|core| block((data, windows), roots, core, linear))
+        .map(|core| block(frfs, windows, roots, core, linear))
         .collect()
 }
 
 /// Merges groups on nearly the same lines: one block is faster than two.
-fn merge_groups(data: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
-    let lines = |group: &[usize]| window(data, group.iter().map(|j| &roots[*j])).len();
+fn merge_groups(frfs: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
+    let lines = |group: &[usize]| window(frfs, group.iter().map(|j| &roots[*j])).len();
     let mut merged: Vec<Vec<usize>> = Vec::new();
     for group in groups {
         if let Some(last) = merged.last_mut() {
@@ -310,15 +313,16 @@ fn merge_groups(data: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -
 }
 
 fn block(
-    (data, windows): (&BandFrfs, &[CompressedBand]),
+    frfs: &BandFrfs,
+    windows: &[CompressedBand],
     roots: &[ModelPole],
     core: &[usize],
     linear: bool,
 ) -> Block {
-    let lines = window(data, core.iter().map(|j| &roots[*j]));
-    let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
+    let lines = window(frfs, core.iter().map(|j| &roots[*j]));
+    let (lo, hi) = (frfs.omega[lines.start], frfs.omega[lines.end - 1]);
     let inside = |root: &ModelPole| {
-        let skirt = root.width().max(2.0 * data.step);
+        let skirt = root.width().max(2.0 * frfs.step);
         root.lambda.im > lo - skirt && root.lambda.im < hi + skirt
     };
     let members: Vec<usize> = (0..roots.len())
@@ -334,10 +338,10 @@ fn block(
             .collect()
     };
     let (core, free) = (indices(&|j| core.contains(&j)), indices(&is_free));
-    let lines = extend_lines(data, lines, members.len());
+    let lines = extend_lines(frfs, lines, members.len());
     let kept = windows
         .iter()
-        .find(|window| window.covers(&lines, data.lines()));
+        .find(|window| window.covers(&lines, frfs.lines()));
     Block {
         lines: kept.map_or(lines, |window| window.lines().clone()),
         members,
@@ -348,25 +352,25 @@ fn block(
 
 /// Lines within the fit bands of some poles.
 pub(in crate::identify) fn window<'a>(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     roots: impl Iterator<Item = &'a ModelPole>,
 ) -> Range<usize> {
-    let (mut start, mut end) = (data.lines(), 0);
+    let (mut start, mut end) = (frfs.lines(), 0);
     for root in roots {
-        let side = (FIT_BAND_BANDWIDTHS * root.width() / data.step).ceil() as usize;
-        let side = side.max(MIN_SIDE_LINES).min(data.lines());
-        let top = ((root.lambda.im - data.omega[0]) / data.step).round();
-        let top = (top.max(0.0) as usize).min(data.lines() - 1);
+        let side = (FIT_BAND_BANDWIDTHS * root.width() / frfs.step).ceil() as usize;
+        let side = side.max(MIN_SIDE_LINES).min(frfs.lines());
+        let top = ((root.lambda.im - frfs.omega[0]) / frfs.step).round();
+        let top = (top.max(0.0) as usize).min(frfs.lines() - 1);
         start = start.min(top.saturating_sub(side));
-        end = end.max((top + side + 1).min(data.lines()));
+        end = end.max((top + side + 1).min(frfs.lines()));
     }
     start..end
 }
 
 /// Extends the lines of a block so that its members have fewer unknowns than lines.
-fn extend_lines(data: &BandFrfs, lines: Range<usize>, members: usize) -> Range<usize> {
+fn extend_lines(frfs: &BandFrfs, lines: Range<usize>, members: usize) -> Range<usize> {
     let wanted = 4 * members + 40;
     let missing = wanted.saturating_sub(lines.len()).div_ceil(2);
     let start = lines.start.saturating_sub(missing);
-    start..(lines.end + missing).min(data.lines())
+    start..(lines.end + missing).min(frfs.lines())
 }

@@ -26,6 +26,7 @@ use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::variable_projection::Compressed;
 use crate::identify::noise::band_profile::BandProfile;
 
@@ -75,13 +76,13 @@ pub(in crate::identify) struct CompressedValues {
 
 impl CompressedBand {
     /// Compresses a range of lines, with expansion points for some poles.
-    pub fn new(data: &BandFrfs, lines: &Range<usize>, expansion_points: Vec<Complex64>) -> Self {
-        let profile = BandProfile::new(data, lines.clone());
-        let omega = &data.omega[lines.clone()];
-        let background = OutOfBandBasis::new(&data.omega, lines, data.outside());
+    pub fn new(data: &FitData, lines: &Range<usize>, expansion_points: Vec<Complex64>) -> Self {
+        let profile = BandProfile::new(&data.noise, lines.clone());
+        let omega = &data.frfs.omega[lines.clone()];
+        let background = OutOfBandBasis::new(&data.frfs.omega, lines, data.out_of_band_terms());
         let first = background.columns();
         let columns = first + POWERS * expansion_points.len();
-        let courses = courses(data.line_shape, omega, &expansion_points);
+        let courses = courses(data.frfs.line_shape, omega, &expansion_points);
         let value = |k: usize, column: usize| {
             let value = match column.checked_sub(first) {
                 None => background.value(column, omega, k),
@@ -96,13 +97,13 @@ impl CompressedBand {
             linalg::adjoint_product(&weights, measured)
         };
         Self {
-            values: rows(data.values.matrix()),
-            far: rows(data.far().columns()),
+            values: rows(data.frfs.values.matrix()),
+            far: rows(data.out_of_band_fit().columns()),
             lines: lines.clone(),
             background: first,
             triangle: qr.r,
             version: data.version(),
-            near: max_expansion_distance(data, lines, &profile),
+            near: max_expansion_distance(&data.frfs, lines, &profile),
             expansion_points,
             weights,
             profile,
@@ -123,7 +124,7 @@ impl CompressedBand {
     }
 
     /// Whether the data are unchanged since.
-    pub fn is_of(&self, data: &BandFrfs) -> bool {
+    pub fn is_of(&self, data: &FitData) -> bool {
         self.version == data.version()
     }
 
@@ -145,7 +146,7 @@ impl CompressedBand {
 
     /// Adds expansion points for the poles that are out of range of the present ones; compresses
     /// the lines anew where the number of coordinates would grow too much.
-    pub fn follow(&mut self, data: &BandFrfs, poles: Vec<Complex64>) {
+    pub fn follow(&mut self, data: &FitData, poles: Vec<Complex64>) {
         let uncovered = poles
             .iter()
             .filter(|lambda| self.expansion_of(**lambda).is_none());
@@ -159,9 +160,13 @@ impl CompressedBand {
         }
     }
 
-    fn add_expansion_points(&mut self, data: &BandFrfs, more: Vec<Complex64>) {
+    fn add_expansion_points(&mut self, data: &FitData, more: Vec<Complex64>) {
         let noise_profile = &self.profile.course;
-        let columns = courses(data.line_shape, &data.omega[self.lines.clone()], &more);
+        let columns = courses(
+            data.frfs.line_shape,
+            &data.frfs.omega[self.lines.clone()],
+            &more,
+        );
         // Twice, the second time at full length: for columns nearly in the basis one pass leaves
         // rounding errors.
         let (above, first) = self.split_off(&divide_by_profile(&columns, noise_profile));
@@ -174,8 +179,8 @@ impl CompressedBand {
             let range = matrix.subrows(self.lines.start, self.lines.len());
             linalg::adjoint_product(&weights, range)
         };
-        self.values = stack(&self.values, &rows(data.values.matrix()));
-        self.far = stack(&self.far, &rows(data.far().columns()));
+        self.values = stack(&self.values, &rows(data.frfs.values.matrix()));
+        self.far = stack(&self.far, &rows(data.out_of_band_fit().columns()));
         let (high, wide) = (self.triangle.nrows(), self.triangle.ncols());
         self.triangle =
             linalg::complex_matrix(high + added.ncols(), wide + added.ncols(), |i, j| {
@@ -247,7 +252,7 @@ impl CompressedBand {
         around: &FitContext,
         (known, near): (&ComplexMatrix, &CompressedValues),
     ) -> f64 {
-        let functions = around.data.functions();
+        let functions = around.data.frfs.functions();
         let stride = functions.div_ceil(MAX_SAMPLED_FRFS);
         let sampled: Vec<usize> = (0..functions).step_by(stride).collect();
         let of = |matrix: &ComplexMatrix| {
@@ -257,11 +262,11 @@ impl CompressedBand {
         };
         let mut subtracted = known * of(around.residues);
         if let Some(coordinates) = around.far {
-            let columns = around.data.far().columns();
+            let columns = around.data.out_of_band_fit().columns();
             subtracted += columns.subrows(self.lines.start, self.lines.len()) * of(coordinates);
         }
         let outside_basis = |(index, f): (usize, &usize)| {
-            let values = around.data.values[*f][self.lines.clone()].iter();
+            let values = around.data.frfs.values[*f][self.lines.clone()].iter();
             let terms = values
                 .zip(subtracted.col(index).iter())
                 .zip(&self.profile.course);
@@ -343,13 +348,13 @@ impl CompressedBand {
 }
 
 /// Maximum distance of poles from their expansion points, decay rates.
-fn max_expansion_distance(data: &BandFrfs, lines: &Range<usize>, profile: &BandProfile) -> f64 {
+fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandProfile) -> f64 {
     let strongest = |f: usize| {
-        let values = data.values[f][lines.clone()].iter().zip(&profile.course);
+        let values = frfs.values[f][lines.clone()].iter().zip(&profile.course);
         let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));
         powers.fold(0.0, f64::max) / profile.level[f].powi(2)
     };
-    let functions = (0..data.functions()).into_par_iter();
+    let functions = (0..frfs.functions()).into_par_iter();
     let over_noise = functions.map(strongest).reduce(|| 1.0, f64::max).sqrt();
     (MAX_TRUNCATION_OVER_NOISE / over_noise)
         .cbrt()

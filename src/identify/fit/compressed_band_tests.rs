@@ -3,12 +3,12 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
 use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
 use crate::modal::Pole;
@@ -17,11 +17,11 @@ use crate::modal::Pole;
 const SENSORS: usize = 60;
 
 /// Two modes with large components at the even sensors and small ones at the odd.
-fn measured() -> (BandFrfs, FrfMatrix, [Complex64; 2]) {
+fn measured() -> (FitData, FrfMatrix, [Complex64; 2]) {
     measured_at(50.0)
 }
 
-fn measured_at(snr_db: f64) -> (BandFrfs, FrfMatrix, [Complex64; 2]) {
+fn measured_at(snr_db: f64) -> (FitData, FrfMatrix, [Complex64; 2]) {
     let shape = |a: f64| {
         let value = |p: usize| {
             if p.is_multiple_of(2) {
@@ -49,7 +49,7 @@ fn measured_at(snr_db: f64) -> (BandFrfs, FrfMatrix, [Complex64; 2]) {
         seed: 1,
         ..Measurement::of_sensors(SENSORS, axis)
     });
-    let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+    let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
     let poles = modes.map(|(hz, zeta)| Pole::from_frequency(hz, zeta).lambda);
     (data, FrfMatrix::new(set.functions()), poles)
 }
@@ -60,7 +60,7 @@ fn members(poles: &[Complex64]) -> Vec<ModelPole> {
 }
 
 /// Coordinates of all values of a compressed band, with nothing subtracted, and their energy.
-fn all(window: &CompressedBand, (data, sides): (&BandFrfs, &FrfMatrix)) -> (CompressedValues, f64) {
+fn all(window: &CompressedBand, (data, sides): (&FitData, &FrfMatrix)) -> (CompressedValues, f64) {
     let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
     let residues: ComplexMatrix = zero(2, SENSORS);
     let around = FitContext {
@@ -80,13 +80,13 @@ fn all(window: &CompressedBand, (data, sides): (&BandFrfs, &FrfMatrix)) -> (Comp
 /// Energy of the values that out-of-band terms and powers of the line shapes explain, computed from
 /// the lines themselves; and the energy of the values.
 fn by_lines(
-    data: &BandFrfs,
+    data: &FitData,
     window: &CompressedBand,
     (poles, powers): (&[Complex64], usize),
 ) -> (f64, f64) {
     let (lines, profile) = (window.lines().clone(), window.profile());
-    let omega = &data.omega[lines.clone()];
-    let background = OutOfBandBasis::new(&data.omega, &lines, data.outside());
+    let omega = &data.frfs.omega[lines.clone()];
+    let background = OutOfBandBasis::new(&data.frfs.omega, &lines, data.out_of_band_terms());
     let first = background.columns();
     let columns = linalg::complex_matrix(omega.len(), first + powers * poles.len(), |k, column| {
         let value = match column.checked_sub(first) {
@@ -100,7 +100,7 @@ fn by_lines(
         value / profile.course[k]
     });
     let values = linalg::complex_matrix(omega.len(), SENSORS, |k, f| {
-        data.values[f][lines.start + k] / (profile.course[k] * profile.level[f])
+        data.frfs.values[f][lines.start + k] / (profile.course[k] * profile.level[f])
     });
     let coordinates = linalg::thin_qr(&columns).unwrap().q.adjoint() * &values;
     (coordinates.squared_norm_l2(), values.squared_norm_l2())
@@ -151,8 +151,8 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
     // The third power of it is a thousandth of the noise relative to the strongest response; levels
     // are those of 281 lines.
     let strongest = (0..SENSORS).flat_map(|f| {
-        let values = data.values[f][lines.clone()].iter();
-        let pairs = values.zip(&data.variance[f][lines.clone()]);
+        let values = data.frfs.values[f][lines.clone()].iter();
+        let pairs = values.zip(&data.noise.variance[f][lines.clone()]);
         pairs.map(|(h, v)| h.norm_sqr() / v).collect::<Vec<_>>()
     });
     let expected = (1e-3 / strongest.fold(0.0, f64::max).sqrt()).cbrt();
@@ -171,10 +171,15 @@ fn a_compressed_band_is_valid_for_its_noise_and_its_lines_only() {
     let (mut data, _, truth) = measured();
     let window = CompressedBand::new(&data, &(60..341), truth.to_vec());
     assert!(window.is_of(&data));
-    assert!(window.covers(&(62..340), data.lines()) && !window.covers(&(100..340), data.lines()));
+    assert!(
+        window.covers(&(62..340), data.frfs.lines())
+            && !window.covers(&(100..340), data.frfs.lines())
+    );
     // A band that ends with the data has other out-of-band terms.
     let edge = CompressedBand::new(&data, &(0..341), truth.to_vec());
-    assert!(!edge.covers(&(1..341), data.lines()) && edge.covers(&(0..340), data.lines()));
+    assert!(
+        !edge.covers(&(1..341), data.frfs.lines()) && edge.covers(&(0..340), data.frfs.lines())
+    );
     data.set_out_of_band_terms(
         crate::identify::data::out_of_band_basis::OutOfBandTerms::Courses(Vec::new()),
     );

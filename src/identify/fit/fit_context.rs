@@ -2,13 +2,13 @@
 
 use crate::linalg::ComplexMatrix;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
+use crate::identify::fit::fit_data::FitData;
 
 /// Data and poles around a block.
 pub(in crate::identify) struct FitContext<'a> {
-    pub data: &'a BandFrfs,
+    pub data: &'a FitData,
     pub sides: &'a FrfMatrix,
     /// All poles, and their residues.
     pub roots: &'a [ModelPole],

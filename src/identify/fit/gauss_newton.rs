@@ -192,7 +192,7 @@ impl<'a> BandProblem<'a> {
             }
             None => CompressedBand::new(around.data, &block.lines, poles),
         };
-        let known = other_line_shapes(around.data, around.roots, block);
+        let known = other_line_shapes(&around.data.frfs, around.roots, block);
         let near = window.near(around, &known);
         Self {
             energy: window.energy(around, (&known, &near)),
@@ -207,7 +207,7 @@ impl<'a> BandProblem<'a> {
     /// Number of complex values minus complex unknowns, at least 1.
     fn freedom(&self, members: &[ModelPole], unknowns: &[Unknown]) -> f64 {
         let shapes: usize = members.iter().map(ModelPole::multiplicity).sum();
-        let functions = self.around.data.functions();
+        let functions = self.around.data.frfs.functions();
         let fitted = self.window.background() * functions
             + shapes * self.around.sides.outputs.len()
             + unknowns.len();
@@ -267,7 +267,7 @@ impl<'a> BandProblem<'a> {
             problem.linearised()
         };
         let terms: Vec<Linearised> = self.patterns.par_iter().map(linearise).collect();
-        let functions = self.around.data.functions();
+        let functions = self.around.data.frfs.functions();
         let mut sums = Linearised::none(members, unknowns.len(), functions);
         sums.cost = self.energy - explained;
         for term in terms {
@@ -298,9 +298,9 @@ fn unknowns(members: &[ModelPole], free: &[usize]) -> Vec<Unknown> {
 
 /// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the
 /// poles.
-fn other_line_shapes(data: &BandFrfs, roots: &[ModelPole], block: &Block) -> ComplexMatrix {
-    let omega = &data.omega[block.lines.clone()];
-    let mut known = courses(data.line_shape, omega, roots);
+fn other_line_shapes(frfs: &BandFrfs, roots: &[ModelPole], block: &Block) -> ComplexMatrix {
+    let omega = &frfs.omega[block.lines.clone()];
+    let mut known = courses(frfs.line_shape, omega, roots);
     for j in &block.members {
         known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
     }

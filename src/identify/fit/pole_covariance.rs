@@ -32,6 +32,7 @@ use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::block_descent::window;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::noise::line_correlation::LineCorrelation;
 
@@ -50,7 +51,7 @@ const MIN_INDEPENDENT_FRACTION: f64 = 1e-6;
 /// Sets the standard deviations of the poles with the estimated noise model; `residual` of data
 /// under steady random force.
 pub(in crate::identify) fn add_noise_model_uncertainty(
-    data: &BandFrfs,
+    data: &FitData,
     roots: &mut [ModelPole],
     residual: Option<&Residual>,
 ) {
@@ -72,19 +73,19 @@ pub(in crate::identify) fn add_noise_model_uncertainty(
 /// contain in the ratio of their residues `a`: for n FRFs `E|Σ_f conj(a_f) r_f/l_f²|²` is then up
 /// to n times `Σ_f |a_f|² v_f/l_f⁴`, and so is the variance of the pole. It is estimated from the
 /// residual on the lines of the resonance, with the degrees of freedom of the fit subtracted.
-fn power_along(data: &BandFrfs, rest: &Residual, root: &ModelPole) -> f64 {
-    let side = (RESIDUAL_BANDWIDTHS * root.width() / data.step).ceil() as usize;
-    let (side, top) = (side.max(MIN_RESIDUAL_LINES), data.line_of(root.lambda));
-    let lines = top.saturating_sub(side)..(top + side + 1).min(data.lines());
-    let functions = 0..data.functions();
+fn power_along(data: &FitData, rest: &Residual, root: &ModelPole) -> f64 {
+    let side = (RESIDUAL_BANDWIDTHS * root.width() / data.frfs.step).ceil() as usize;
+    let (side, top) = (side.max(MIN_RESIDUAL_LINES), data.frfs.line_of(root.lambda));
+    let lines = top.saturating_sub(side)..(top + side + 1).min(data.frfs.lines());
+    let functions = 0..data.frfs.functions();
     let variance: Vec<f64> = functions
-        .map(|f| data.mean_variance(f, lines.clone()))
+        .map(|f| data.noise.mean_variance(f, lines.clone()))
         .collect();
     let (mut along, mut independent) = (0.0, 0.0);
     for k in lines.clone() {
         let mut sum = Complex64::ZERO;
         for (f, a) in root.residues.iter().enumerate() {
-            let weight = a.conj() * (data.deviation(f, k) / variance[f]);
+            let weight = a.conj() * (data.noise.std(f, k) / variance[f]);
             sum += weight * rest.at(f, k);
             independent += weight.norm_sqr();
         }
@@ -92,7 +93,7 @@ fn power_along(data: &BandFrfs, rest: &Residual, root: &ModelPole) -> f64 {
     }
     // Independent complex values, and the degrees of freedom that the fit leaves; a standard
     // deviation from few of these is that of a Student variable.
-    let values = lines.len() as f64 / data.correlation.alike();
+    let values = lines.len() as f64 / data.noise.line_correlation.alike();
     let freedom = (2.0 * (values - FITTED_VALUES)).max(MIN_FREEDOM);
     let ratio = along / independent * (2.0 * values / freedom) * (freedom / (freedom - 2.0));
     if ratio.is_finite() { ratio } else { 0.0 }
@@ -101,18 +102,18 @@ fn power_along(data: &BandFrfs, rest: &Residual, root: &ModelPole) -> f64 {
 /// Variance of a pole over that in noise as the fit weights it, at least `along` times that of
 /// independent errors; `None` where the lines do not separate the pole from the others.
 fn variance_inflation(
-    data: &BandFrfs,
+    data: &FitData,
     roots: &[ModelPole],
     (root, along): (&ModelPole, f64),
 ) -> Option<f64> {
-    let lines = window(data, std::iter::once(root));
-    let profile = BandProfile::new(data, lines.clone());
+    let lines = window(&data.frfs, std::iter::once(root));
+    let profile = BandProfile::new(&data.noise, lines.clone());
     let fit = FitLines {
-        background: OutOfBandBasis::new(&data.omega, &lines, data.outside()),
+        background: OutOfBandBasis::new(&data.frfs.omega, &lines, data.out_of_band_terms()),
         course: &profile.course,
         lines: lines.clone(),
     };
-    let sensitivity = orthogonal_derivative(data, (roots, root), &fit)?;
+    let sensitivity = orthogonal_derivative(&data.frfs, (roots, root), &fit)?;
     let energy = sensitivity.iter().map(Complex64::norm_sqr).sum::<f64>();
     let over = |f: usize| profile.level[f] * profile.level[f];
     let weights = root.residues.iter().enumerate();
@@ -123,13 +124,13 @@ fn variance_inflation(
     let mut independent = vec![0.0; lines.len()];
     let mut phasor = vec![Complex64::ZERO; lines.len()];
     let mut shared = Vec::new();
-    for (group, fraction) in data.shared.common_fractions() {
+    for (group, fraction) in data.noise.force_noise.common_fractions() {
         let mut along = vec![Complex64::ZERO; lines.len()];
         for f in group {
             let a = root.residues[*f].conj() / over(*f);
-            let values = &data.values[*f][lines.clone()];
-            let variance = &data.variance[*f][lines.clone()];
-            let force_fraction = &data.force_fraction[*f][lines.clone()];
+            let values = &data.frfs.values[*f][lines.clone()];
+            let variance = &data.noise.variance[*f][lines.clone()];
+            let force_fraction = &data.noise.force_fraction[*f][lines.clone()];
             for (k, ((h, v), p)) in values.iter().zip(variance).zip(force_fraction).enumerate() {
                 let p = p.clamp(0.0, 1.0);
                 response[k] += a.norm_sqr() * v * (1.0 - p);
@@ -151,8 +152,12 @@ fn variance_inflation(
         (0..lines.len()).map(|k| weighted(k) * values(k)).collect()
     };
     let plan = ComplexPlan::inverse((2 * lines.len()).next_power_of_two());
-    let response_spectrum = Spectrum::new(&plan, &data.correlation, lines.len());
-    let force_spectrum = Spectrum::new(&plan, data.shared.along(), lines.len());
+    let response_spectrum = Spectrum::new(&plan, &data.noise.line_correlation, lines.len());
+    let force_spectrum = Spectrum::new(
+        &plan,
+        data.noise.force_noise.line_correlation(),
+        lines.len(),
+    );
     let mut variance = response_spectrum.power(&plan, each(&|k| response[k].sqrt().into()));
     if single.iter().any(|v| *v > 0.0) {
         let phase = |k: usize| phasor[k] / phasor[k].norm().max(f64::MIN_POSITIVE);
@@ -182,7 +187,7 @@ pub(in crate::identify) struct FitLines<'a> {
 /// Part of a pole's derivative, over the profile of the noise, that out-of-band terms and the poles
 /// around do not explain; `None` where there are too few lines.
 pub(in crate::identify) fn orthogonal_derivative(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     (roots, root): (&[ModelPole], &ModelPole),
     fit: &FitLines,
 ) -> Option<Vec<Complex64>> {
@@ -191,7 +196,7 @@ pub(in crate::identify) fn orthogonal_derivative(
         course,
         background,
     } = fit;
-    let omega = &data.omega[lines.clone()];
+    let omega = &frfs.omega[lines.clone()];
     let (lo, hi) = (omega[0], omega[omega.len() - 1]);
     let near: Vec<&ModelPole> = (roots.iter())
         .filter(|other| other.lambda.im > lo - other.width())
@@ -202,7 +207,7 @@ pub(in crate::identify) fn orthogonal_derivative(
         return None;
     }
     let power = |k: usize, root: &ModelPole, n: usize| {
-        data.line_shape
+        frfs.line_shape
             .power(root.decay(), (omega[k], root.lambda), n)
     };
     let others = linalg::complex_matrix(lines.len(), columns + near.len(), |k, column| {
@@ -260,7 +265,7 @@ mod tests {
         const RECORD: usize = 512;
         // aT = 20 over the record: the noise is correlated over several lines.
         let at_end = 20.0;
-        let correlation = LineCorrelation::of_window(at_end, (std::f64::consts::TAU, LINES));
+        let correlation = LineCorrelation::of_window(at_end, std::f64::consts::TAU, LINES);
         let plan = ComplexPlan::inverse(2 * LINES);
         let spectrum = Spectrum::new(&plan, &correlation, LINES);
         for rotation in [-0.9, -0.2, 0.3, 0.8] {

@@ -26,7 +26,6 @@ use num_complex::Complex64;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
@@ -34,6 +33,7 @@ use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Convergence;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::pole_tracks::StablePole;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, stabilise_weighted};
 use crate::identify::method::Method;
@@ -55,13 +55,18 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let data = BandFrfs::guarded(set, band)?;
+        let data = FitData::guarded(set, band)?;
         let frf_matrix = FrfMatrix::new(set.functions());
         let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
         let single_input = frf_matrix.as_one_input();
         let is_scalar = !has_participation || !self.method.gives_participation();
-        let indicator = DetectionSpectrum::new(&data);
-        let found = peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
+        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+        let found = peak_detection::search(
+            &data.frfs,
+            &data.noise.variance,
+            &indicator,
+            self.options.false_alarm_probability,
+        );
         let mut fit = PoleModel::new(
             data,
             if is_scalar {
@@ -74,7 +79,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.fixed = true;
         let limits = fit.limits();
         let stable = stabilise_weighted(&self.method, &fit.data, &fit.sides, &found, limits)?;
-        fit.roots = model_poles(&stable.seeds, fit.data.functions());
+        fit.roots = model_poles(&stable.seeds, fit.data.frfs.functions());
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();
         if has_participation && is_scalar {
@@ -107,11 +112,11 @@ pub(in crate::identify) fn fit_at_poles(
     poles: &[Complex64],
     run_shifts: RunShifts,
 ) -> Result<PoleTable, IdentifyError> {
-    let mut data = BandFrfs::guarded(set, band)?;
+    let mut data = FitData::guarded(set, band)?;
     run_shifts.align_runs(&mut data);
     let frf_matrix = FrfMatrix::new(set.functions());
     let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
-    let functions = data.functions();
+    let functions = data.frfs.functions();
     let mut fit = PoleModel::new(data, frf_matrix.as_one_input(), MethodOptions::default());
     fit.fixed = true;
     fit.moved = run_shifts;
@@ -141,7 +146,7 @@ pub(in crate::identify) fn fit_at_poles(
 fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<ModelPole> {
     let pole_metrics = fit.pole_metrics();
     let free = std::mem::take(&mut fit.roots);
-    let chance = fit.options.false_alarm_probability / fit.data.lines() as f64;
+    let chance = fit.options.false_alarm_probability / fit.data.frfs.lines() as f64;
     fit.sides = frf_matrix;
     let data_and_matrix = (&fit.data, &fit.sides);
     fit.roots =

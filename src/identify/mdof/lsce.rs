@@ -38,10 +38,10 @@ use rayon::prelude::*;
 use crate::fourier::ComplexPlan;
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::lscf::{highest_order, split_band};
 use crate::identify::mdof::plscf::Lscf;
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
@@ -80,12 +80,12 @@ impl MultiModeMethod for ComplexExponentials {
 
     fn segments(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         frf_matrix: &FrfMatrix,
         found: &DetectedPeaks,
         _weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
-        let segments = split_band(data, |end| {
+        let segments = split_band(&data.frfs, |end| {
             let top = highest_order(end, found, frf_matrix.inputs, self.max_order);
             let responses = Responses::new(data, frf_matrix, 0..end);
             if !responses.has_enough_samples() {
@@ -96,13 +96,13 @@ impl MultiModeMethod for ComplexExponentials {
         // The taper removes the outer third of an edge; the lowest segment has the lowest edge.
         let mut segments = segments?;
         let margin = |lines: usize| (EDGE_FRACTION / 3.0 * lines as f64) as usize;
-        let last = data.lines() - 1 - margin(data.lines());
+        let last = data.frfs.lines() - 1 - margin(data.frfs.lines());
         for segment in &mut segments {
-            segment.to_rad_s = segment.to_rad_s.min(data.omega[last]);
+            segment.to_rad_s = segment.to_rad_s.min(data.frfs.omega[last]);
         }
         if let Some(lowest) = segments.last_mut() {
-            let lines = data.omega.iter().filter(|w| **w < lowest.to_rad_s);
-            lowest.from_rad_s = data.omega[margin(lines.count())];
+            let lines = data.frfs.omega.iter().filter(|w| **w < lowest.to_rad_s);
+            lowest.from_rad_s = data.frfs.omega[margin(lines.count())];
         }
         Ok(segments)
     }
@@ -117,15 +117,16 @@ struct Responses {
 }
 
 impl Responses {
-    fn new(data: &BandFrfs, frf_matrix: &FrfMatrix, lines: Range<usize>) -> Self {
+    fn new(data: &FitData, frf_matrix: &FrfMatrix, lines: Range<usize>) -> Self {
         let count = lines.len();
         let points = circle_points(count, 0);
         let plan = ComplexPlan::inverse(points);
         let edge = ((EDGE_FRACTION * count as f64).round() as usize).max(1);
         let levels = levels(data, frf_matrix, &lines);
         let response = |f: usize| {
-            let value =
-                |k: usize| data.values[f][lines.start + k] * (taper(k, count, edge) / levels[f]);
+            let value = |k: usize| {
+                data.frfs.values[f][lines.start + k] * (taper(k, count, edge) / levels[f])
+            };
             let mut samples: Vec<Complex64> = (0..count).map(value).collect();
             samples.resize(points, Complex64::ZERO);
             plan.run(&mut samples, &mut plan.scratch());
@@ -133,13 +134,13 @@ impl Responses {
         };
         let ringing = RINGING_INVERSE_EDGES * points as f64 / edge as f64;
         Self {
-            samples: (0..data.functions())
+            samples: (0..data.frfs.functions())
                 .into_par_iter()
                 .map(response)
                 .collect(),
             plane: ZPlane {
-                omega_0: data.omega[lines.start],
-                step_s: std::f64::consts::TAU / (points as f64 * data.step),
+                omega_0: data.frfs.omega[lines.start],
+                step_s: std::f64::consts::TAU / (points as f64 * data.frfs.step),
             },
             first: ringing.ceil() as usize,
         }
@@ -237,10 +238,10 @@ impl Responses {
 /// Divisor of each FRF: one noise level for all inputs of an output, the root of the inverse of
 /// their mean precision. One level per FRF would change the participation factors from output to
 /// output, which share one recurrence.
-fn levels(data: &BandFrfs, frf_matrix: &FrfMatrix, lines: &Range<usize>) -> Vec<f64> {
-    let mut levels = vec![1.0; data.functions()];
+fn levels(data: &FitData, frf_matrix: &FrfMatrix, lines: &Range<usize>) -> Vec<f64> {
+    let mut levels = vec![1.0; data.frfs.functions()];
     for output in &frf_matrix.outputs {
-        let precision = |(_, f): &(usize, usize)| 1.0 / data.mean_variance(*f, lines.clone());
+        let precision = |(_, f): &(usize, usize)| 1.0 / data.noise.mean_variance(*f, lines.clone());
         let mean = output.iter().map(precision).sum::<f64>() / output.len() as f64;
         for (_, f) in output {
             levels[*f] = mean.sqrt().recip();

@@ -12,6 +12,7 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::normal_equations::Transforms;
 use crate::identify::mdof::plscf::Lscf;
 use crate::identify::mdof::pole_tracks::{MIN_TRACK_ORDERS, OrderPoles};
@@ -53,12 +54,12 @@ impl MultiModeMethod for LeastSquaresComplexFrequency {
 
     fn segments(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         frf_matrix: &FrfMatrix,
         found: &DetectedPeaks,
         weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
-        split_band(data, |end| {
+        split_band(&data.frfs, |end| {
             let top = highest_order(end, found, frf_matrix.inputs, self.max_order);
             Lscf::new(&Transforms::new(
                 data,

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::fourier::ComplexPlan;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::z_plane::{ZPlane, circle_points};
 
 /// Error of the model relative to the response, squared. Without it, strong resonances far above
@@ -50,17 +50,17 @@ impl Transforms {
     /// line is weighted by one over the factor that the denominator of `weight_poles`, rad/s,
     /// applies to its noise.
     pub fn new(
-        data: &BandFrfs,
+        data: &FitData,
         frf_matrix: &FrfMatrix,
         lines: Range<usize>,
         order: usize,
         weight_poles: &[Complex64],
     ) -> Self {
         let plan = ComplexPlan::inverse(circle_points(lines.len(), 2 * order + 2));
-        let step_s = std::f64::consts::TAU / (plan.len() as f64 * data.step);
+        let step_s = std::f64::consts::TAU / (plan.len() as f64 * data.frfs.step);
         let weighted = Lines {
             denominator_weight: denominator_weight(
-                &data.omega[lines.clone()],
+                &data.frfs.omega[lines.clone()],
                 step_s,
                 weight_poles,
             ),
@@ -93,7 +93,7 @@ impl Transforms {
             inputs: m,
             order,
             plane: ZPlane {
-                omega_0: data.omega[lines.start],
+                omega_0: data.frfs.omega[lines.start],
                 step_s,
             },
             outputs,
@@ -107,7 +107,7 @@ impl Transforms {
 
 /// Weighted lines and the plan of their transforms.
 struct Lines<'a> {
-    data: &'a BandFrfs,
+    data: &'a FitData,
     lines: Range<usize>,
     /// Weight of every line by the denominator of given poles.
     denominator_weight: Vec<f64>,
@@ -127,7 +127,7 @@ impl Lines<'_> {
             let weights = self.weights(output);
             let functions: Vec<&[Complex64]> = output
                 .iter()
-                .map(|(_, f)| &self.data.values[*f][self.lines.clone()])
+                .map(|(_, f)| &self.data.frfs.values[*f][self.lines.clone()])
                 .collect();
             for (position, sum) in sums.iter_mut().enumerate() {
                 let (p, q) = (functions[position / m], functions[position % m]);
@@ -157,7 +157,7 @@ impl Lines<'_> {
         let m = output.len() as f64;
         let mut powers = vec![0.0; self.lines.len()];
         for (_, f) in output {
-            let values = &self.data.values[*f][self.lines.clone()];
+            let values = &self.data.frfs.values[*f][self.lines.clone()];
             let squares = values.iter().map(Complex64::norm_sqr);
             powers
                 .iter_mut()
@@ -166,7 +166,7 @@ impl Lines<'_> {
         }
         let mut weights = vec![0.0; self.lines.len()];
         for (_, f) in output {
-            let variance = &self.data.variance[*f][self.lines.clone()];
+            let variance = &self.data.noise.variance[*f][self.lines.clone()];
             for ((sum, v), power) in weights.iter_mut().zip(variance).zip(&powers) {
                 *sum += 1.0 / (v + self.model_error * power);
             }
@@ -234,25 +234,25 @@ mod tests {
                 .push((how.pairs[i].0.clone(), how.pairs[1].0.clone()));
         }
         let set = Structure { modes }.measured(&how);
-        let data = BandFrfs::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
+        let data = FitData::new(&set, Band::new(5.0, 50.0).unwrap()).unwrap();
         let (frf_matrix, order) = (FrfMatrix::new(set.functions()), 4);
-        let transforms = Transforms::new(&data, &frf_matrix, 0..data.lines(), order, &[]);
+        let transforms = Transforms::new(&data, &frf_matrix, 0..data.frfs.lines(), order, &[]);
         let z = |k: usize, lag: i32| {
-            let angle = (data.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;
+            let angle = (data.frfs.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;
             Complex64::from_polar(1.0, angle * f64::from(lag))
         };
-        let value = |o: usize, p: usize, k: usize| data.values[frf_matrix.outputs[o][p].1][k];
+        let value = |o: usize, p: usize, k: usize| data.frfs.values[frf_matrix.outputs[o][p].1][k];
         let weight = |o: usize, k: usize| {
             let power = (value(o, 0, k).norm_sqr() + value(o, 1, k).norm_sqr()) / 2.0;
             let precision = |p: usize| {
-                let variance = data.variance[frf_matrix.outputs[o][p].1][k];
+                let variance = data.noise.variance[frf_matrix.outputs[o][p].1][k];
                 1.0 / (variance + MODEL_ERROR_VARIANCE_RATIO * power)
             };
             (precision(0) + precision(1)) / 2.0
         };
         let assert_near = |transform: Complex64, term: &dyn Fn(usize) -> Complex64, lag: i32| {
-            let sum: Complex64 = (0..data.lines()).map(|k| term(k) * z(k, lag)).sum();
-            let size: f64 = (0..data.lines()).map(|k| term(k).norm()).sum();
+            let sum: Complex64 = (0..data.frfs.lines()).map(|k| term(k) * z(k, lag)).sum();
+            let size: f64 = (0..data.frfs.lines()).map(|k| term(k).norm()).sum();
             assert!(
                 (transform - sum).norm() < 1e-12 * size,
                 "{transform} {sum} {lag}"

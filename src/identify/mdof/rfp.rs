@@ -39,6 +39,7 @@ use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::pole_tracks::{GlobalPole, MIN_TRACK_ORDERS, OrderPoles};
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 use crate::identify::noise::band_profile::BandProfile;
@@ -77,17 +78,21 @@ impl MultiModeMethod for RationalFractions {
 
     fn segments(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         _frf_matrix: &FrfMatrix,
         found: &DetectedPeaks,
         weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
-        let indicator = DetectionSpectrum::new(data);
-        let tops: Vec<f64> = found.peaks.iter().map(|p| data.omega[p.line]).collect();
+        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+        let tops: Vec<f64> = found
+            .peaks
+            .iter()
+            .map(|p| data.frfs.omega[p.line])
+            .collect();
         let segment_of = |(j, peak): (usize, &peak_detection::Peak)| {
-            let first = peak_detection::first_pole(data, &indicator, found, peak);
-            let lines = around(data, first);
-            let inside = data.omega[lines.start]..data.omega[lines.end - 1];
+            let first = peak_detection::first_pole(&data.frfs, &indicator, found, peak);
+            let lines = around(&data.frfs, first);
+            let inside = data.frfs.omega[lines.start]..data.frfs.omega[lines.end - 1];
             let peaks = tops.iter().filter(|top| inside.contains(top)).count();
             let window = Window::new(data, lines, weight_poles);
             let highest = self
@@ -98,7 +103,7 @@ impl MultiModeMethod for RationalFractions {
             Ok(BandSegment {
                 from_rad_s: middle(before).unwrap_or(0.0),
                 to_rad_s: middle(tops.get(j + 1)).unwrap_or(f64::INFINITY),
-                tables: window.tables(data, peaks, highest)?,
+                tables: window.tables(&data.frfs, peaks, highest)?,
             })
         };
         let peaks: Vec<(usize, &peak_detection::Peak)> = found.peaks.iter().enumerate().collect();
@@ -129,8 +134,8 @@ struct Window {
 }
 
 impl Window {
-    fn new(data: &BandFrfs, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
-        let omega = &data.omega[lines.clone()];
+    fn new(data: &FitData, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
+        let omega = &data.frfs.omega[lines.clone()];
         let (first, last) = (omega[0], omega[omega.len() - 1]);
         let (center, half) = (0.5 * (first + last), 0.5 * (last - first));
         let x: Vec<f64> = omega.iter().map(|w| (w - center) / half).collect();
@@ -145,7 +150,7 @@ impl Window {
         };
         Self {
             denominator_weight: x.iter().map(|x| product(x).recip()).collect(),
-            profile: BandProfile::new(data, lines.clone()),
+            profile: BandProfile::new(&data.noise, lines.clone()),
             lines,
             center,
             half,

@@ -12,6 +12,7 @@ use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleAtOrder, PoleStatus, PoleTable};
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::pole_tracks::{
     self, GlobalPole, MIN_TRACK_ORDERS, OrderPoles, StablePole, without_duplicates,
 };
@@ -46,7 +47,7 @@ pub(in crate::identify) trait MultiModeMethod: Send + Sync {
     /// [`IdentifyError::Linalg`] when a matrix problem has no answer.
     fn segments(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         frf_matrix: &FrfMatrix,
         found: &DetectedPeaks,
         weight_poles: &[Complex64],
@@ -85,7 +86,7 @@ pub(in crate::identify) fn rising_orders(highest: usize) -> Vec<usize> {
 /// As [`MultiModeMethod::segments`].
 pub(in crate::identify) fn stabilise(
     method: &dyn MultiModeMethod,
-    data: &BandFrfs,
+    data: &FitData,
     frf_matrix: &FrfMatrix,
     found: &DetectedPeaks,
     limits: [f64; 2],
@@ -96,12 +97,12 @@ pub(in crate::identify) fn stabilise(
         let tables: Vec<OrderPoles> = segment
             .tables
             .into_iter()
-            .map(|(order, poles)| (order, poles_inside(data, poles, limits)))
+            .map(|(order, poles)| (order, poles_inside(&data.frfs, poles, limits)))
             .collect();
         let is_inside = |pole: &GlobalPole| {
             pole.lambda.im > segment.from_rad_s && pole.lambda.im < segment.to_rad_s
         };
-        let tracked = pole_tracks::stable_poles(&tables, data.step);
+        let tracked = pole_tracks::stable_poles(&tables, data.frfs.step);
         for (order, table) in &tables {
             let listed = table.iter().filter(|pole| is_inside(pole));
             poles.extend(listed.map(|pole| PoleAtOrder {
@@ -129,7 +130,7 @@ pub(in crate::identify) fn stabilise(
 /// As [`MultiModeMethod::segments`].
 pub(in crate::identify) fn stabilise_weighted(
     method: &dyn MultiModeMethod,
-    data: &BandFrfs,
+    data: &FitData,
     frf_matrix: &FrfMatrix,
     found: &DetectedPeaks,
     limits: [f64; 2],

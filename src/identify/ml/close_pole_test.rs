@@ -11,11 +11,11 @@ use num_complex::Complex64;
 
 use crate::linalg;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::upper_quantile;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::ml::residual_peaks::strongest_inputs;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::pole_model::pole_metrics::reduced_chi_square;
@@ -33,7 +33,7 @@ const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 /// Indices of poles that stand for two, each with a trial pole near it, the most significant first.
 /// Noise produces one of them with less than the false-alarm probability.
 pub(in crate::identify) fn close_pair_candidates(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     poles: &[ModelPole],
     residual: &Residual,
     false_alarm_probability: f64,
@@ -41,7 +41,7 @@ pub(in crate::identify) fn close_pair_candidates(
     if poles.is_empty() {
         return Vec::new();
     }
-    let functions = data.functions();
+    let functions = data.frfs.functions();
     let quantile = upper_quantile(
         2.0 * functions as f64,
         false_alarm_probability / poles.len() as f64,
@@ -52,15 +52,18 @@ pub(in crate::identify) fn close_pair_candidates(
             return None;
         }
         let terms = second_terms(data, (poles, j), residual)?;
-        let top = data.line_of(pole.lambda);
-        let energy = data.shared.held((data, residual), top, |f| terms[f]);
+        let top = data.frfs.line_of(pole.lambda);
+        let energy = data
+            .noise
+            .noise_weighted_energy(&data.frfs, residual, top, |f| terms[f]);
         let correlation_factor = data
-            .correlation
-            .amplitude_noise_factor(pole.decay(), data.step);
+            .noise
+            .line_correlation
+            .amplitude_noise_factor(pole.decay(), data.frfs.step);
         if 2.0 * energy <= correlation_factor * quantile {
             return None;
         }
-        let physical = |f: usize| terms[f] * data.deviation(f, top);
+        let physical = |f: usize| terms[f] * data.noise.std(f, top);
         let parts = strongest_inputs(sides, 1, physical);
         let lambda = pole.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * pole.width());
         Some((energy, j, ModelPole::single(lambda, &parts[0], functions)))
@@ -73,12 +76,14 @@ pub(in crate::identify) fn close_pair_candidates(
 /// Amplitude of the second term in the residual of each FRF, over its noise; `None` where the poles
 /// around explain its profile.
 fn second_terms(
-    data: &BandFrfs,
+    data: &FitData,
     (poles, j): (&[ModelPole], usize),
     residual: &Residual,
 ) -> Option<Vec<Complex64>> {
-    let lines = data.lines_around(poles[j].lambda, HALF_WIDTH_BANDWIDTHS);
-    let (lo, hi) = (data.omega[lines.start], data.omega[lines.end - 1]);
+    let lines = data
+        .frfs
+        .lines_around(poles[j].lambda, HALF_WIDTH_BANDWIDTHS);
+    let (lo, hi) = (data.frfs.omega[lines.start], data.frfs.omega[lines.end - 1]);
     let inside = |pole: &&ModelPole| {
         pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width()
     };
@@ -87,10 +92,10 @@ fn second_terms(
     if lines.len() < near.len() + 3 {
         return None;
     }
-    let profile = BandProfile::new(data, lines.clone()).course;
+    let profile = BandProfile::new(&data.noise, lines.clone()).course;
     let power = |k: usize, pole: &ModelPole, n: usize| {
-        let at = (data.omega[lines.start + k], pole.lambda);
-        data.line_shape.power(pole.decay(), at, n)
+        let at = (data.frfs.omega[lines.start + k], pole.lambda);
+        data.frfs.line_shape.power(pole.decay(), at, n)
     };
     let middle = 0.5 * lines.len() as f64;
     let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
@@ -114,7 +119,7 @@ fn second_terms(
             .map(|k| unexplained[(k - lines.start, 0)].conj() * residual.at(f, k));
         products.sum::<Complex64>() / norm
     };
-    Some((0..data.functions()).map(term).collect())
+    Some((0..data.frfs.functions()).map(term).collect())
 }
 
 #[cfg(test)]
@@ -127,7 +132,7 @@ mod tests {
     const SENSORS: usize = 8;
 
     /// One mode, its pole, and a residual of noise.
-    fn fitted(seed: u64) -> (BandFrfs, FrfMatrix, ModelPole, Residual) {
+    fn fitted(seed: u64) -> (FitData, FrfMatrix, ModelPole, Residual) {
         let axis = FrequencyAxis {
             start_hz: 0.0,
             step_hz: 0.05,
@@ -140,16 +145,16 @@ mod tests {
             snr_db: Some(60.0),
             ..Measurement::of_sensors(SENSORS, axis)
         });
-        let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
         let pole = ModelPole::single(
             Pole::from_frequency(100.0, 0.01).lambda,
             &[Complex64::ONE],
             SENSORS,
         );
         let noise: Vec<Vec<Complex64>> = (0..SENSORS as u64)
-            .map(|f| white_noise(data.lines(), 1.0, 100 * seed + f))
+            .map(|f| white_noise(data.frfs.lines(), 1.0, 100 * seed + f))
             .collect();
-        let residual = linalg::complex_matrix(data.lines(), SENSORS, |k, f| noise[f][k]);
+        let residual = linalg::complex_matrix(data.frfs.lines(), SENSORS, |k, f| noise[f][k]);
         let residual = Residual::of_all(residual);
         (data, FrfMatrix::new(set.functions()), pole, residual)
     }
@@ -158,12 +163,12 @@ mod tests {
     fn a_close_pair_below_the_noise_of_every_line_is_detected() {
         let (data, sides, pole, noise) = fitted(1);
         let second = |k: usize| {
-            let first = pole.decay() / (Complex64::new(0.0, data.omega[k]) - pole.lambda);
+            let first = pole.decay() / (Complex64::new(0.0, data.frfs.omega[k]) - pole.lambda);
             first * first
         };
         // At most 0.8 of the noise; of alternating sign over the sensors, so that no shift of the
         // pole explains it.
-        let residual = linalg::complex_matrix(data.lines(), SENSORS, |k, f| {
+        let residual = linalg::complex_matrix(data.frfs.lines(), SENSORS, |k, f| {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)
         });

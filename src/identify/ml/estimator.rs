@@ -42,7 +42,6 @@ use crate::axis::Band;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::line_shape::LineShape;
@@ -51,6 +50,7 @@ use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Convergence;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
 use crate::identify::method::{Method, Outcome};
@@ -104,7 +104,7 @@ impl Method for MaximumLikelihood {
         };
         let (mut table, run_shifts) = match plain.filter(contradicts) {
             Some((mut plain, found)) => {
-                plain.data.leakage = None;
+                plain.data.frfs.leakage = None;
                 let mut table = plain.table(set, band, &found, &[]);
                 let code = Code::WindowContradicted;
                 let finding = Finding::new(Severity::Warning, code, Location::Whole);
@@ -149,8 +149,8 @@ impl MaximumLikelihood {
         let mut moved = RunShifts::none(set.functions());
         let mut fits: Vec<(PoleModel, DetectedPeaks)> = Vec::new();
         loop {
-            let mut data = BandFrfs::guarded(set, band)?;
-            data.observe(shape);
+            let mut data = FitData::guarded(set, band)?;
+            data.set_line_shape(shape);
             moved.align_runs(&mut data);
             let sides = FrfMatrix::new(set.functions());
             let sides = if sides.complete() {
@@ -158,9 +158,13 @@ impl MaximumLikelihood {
             } else {
                 sides.as_one_input()
             };
-            let indicator = DetectionSpectrum::new(&data);
-            let found =
-                peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
+            let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+            let found = peak_detection::search(
+                &data.frfs,
+                &data.noise.variance,
+                &indicator,
+                self.options.false_alarm_probability,
+            );
             let mut fit = PoleModel::new(data, sides, self.options);
             fit.fit_initial_poles(&found)?;
             fit.moved = moved.clone();
@@ -194,7 +198,7 @@ impl PoleModel {
         };
         let seeds = self.stable_poles(&lscf, found)?;
         let has_several_inputs = self.sides.inputs > 1;
-        let noise = has_several_inputs.then(|| self.data.noise());
+        let noise = has_several_inputs.then(|| self.data.noise.clone());
         self.roots = seeds.clone();
         let mut changed = self.refine_with_noise_update();
         if has_several_inputs && !self.has_unexplained_residual() {
@@ -222,7 +226,7 @@ impl PoleModel {
         let sides = std::mem::replace(&mut self.sides, one);
         self.roots = distinct_poles(&[by_inputs.clone(), self.stable_poles(lscf, found)?].concat());
         self.refine_and_prune(Convergence::Coarse);
-        if !self.data.variance_measured() {
+        if !self.data.noise.is_stated() {
             self.estimate_noise();
             self.refine_and_prune(Convergence::Coarse);
         }
@@ -231,7 +235,7 @@ impl PoleModel {
         self.dropped.clear();
         self.sides = sides;
         let false_alarm_probability =
-            self.options.false_alarm_probability / self.data.lines() as f64;
+            self.options.false_alarm_probability / self.data.frfs.lines() as f64;
         let frfs = (&self.data, &self.sides);
         self.roots = complete_multiplicities(
             frfs,
@@ -305,21 +309,25 @@ impl PoleModel {
         let limits = self.limits();
         let stabilisation = stabilise(method, &self.data, &self.sides, found, limits, &[])?;
         self.listing.extend(stabilisation.poles);
-        Ok(model_poles(&stabilisation.seeds, self.data.functions()))
+        Ok(model_poles(
+            &stabilisation.seeds,
+            self.data.frfs.functions(),
+        ))
     }
 
     /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
     pub fn relative_residual(&self) -> f64 {
         let normalised = self.rest();
         let of = |f: usize| {
-            let residual = |k: usize| normalised.at(f, k).norm_sqr() * self.data.variance[f][k];
-            let lines = 0..self.data.lines();
+            let residual =
+                |k: usize| normalised.at(f, k).norm_sqr() * self.data.noise.variance[f][k];
+            let lines = 0..self.data.frfs.lines();
             let residual: f64 = lines.clone().map(residual).sum();
             residual
                 / lines
-                    .map(|k| self.data.values[f][k].norm_sqr())
+                    .map(|k| self.data.frfs.values[f][k].norm_sqr())
                     .sum::<f64>()
         };
-        (0..self.data.functions()).map(of).sum::<f64>() / self.data.functions() as f64
+        (0..self.data.frfs.functions()).map(of).sum::<f64>() / self.data.frfs.functions() as f64
     }
 }

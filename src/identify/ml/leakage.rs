@@ -99,7 +99,7 @@ impl MaximumLikelihood {
             let (a, b) = (rank(a), rank(b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
-        fit.data.leakage = best.as_ref().map(|hypothesis| hypothesis.shape);
+        fit.data.frfs.leakage = best.as_ref().map(|hypothesis| hypothesis.shape);
         let likely = best.filter(|hypothesis| hypothesis.ratio <= MAX_RESIDUAL_RATIO);
         Ok(
             match likely.map(|hypothesis| (hypothesis.shape, hypothesis.smoothed)) {
@@ -137,6 +137,7 @@ impl PoleModel {
     /// Whether leakage may have biased the damping of a mode by more than [`MAX_LEAKAGE_BIAS`].
     pub(in crate::identify) fn may_have_leakage(&self) -> bool {
         self.data
+            .frfs
             .leakage
             .is_some_and(|shape| is_narrow(self, shape))
     }
@@ -148,13 +149,13 @@ impl PoleModel {
         if groups.is_empty() {
             return Vec::new();
         }
-        let limit = shape.split_lines() * self.data.step;
+        let limit = shape.split_lines() * self.data.frfs.step;
         let is_of = |pole: &ModelPole, group: &Group| group.distance(pole) < limit;
         let is_other = |pole: &&ModelPole| !groups.iter().any(|group| is_of(pole, group));
         let others = |poles: &[ModelPole]| poles.iter().filter(is_other).count();
         let expected = others(&self.roots);
         let (poles, dropped) = (self.roots.clone(), self.dropped.clone());
-        let (noise, scattered) = (self.data.noise(), self.scattered);
+        let (noise, scattered) = (self.data.noise.clone(), self.scattered);
         self.roots.retain(|pole| is_other(&pole));
         let merged = groups.iter().flat_map(|group| &group.merged);
         self.roots.extend(merged.cloned());
@@ -208,14 +209,14 @@ struct NearModes {
 
 impl NearModes {
     fn new(fit: &PoleModel) -> Self {
-        let limit = MAX_LINES_FROM_MODE * fit.data.step;
+        let limit = MAX_LINES_FROM_MODE * fit.data.frfs.step;
         let is_near = |line: &usize| {
-            let distance = |pole: &ModelPole| (pole.lambda.im - fit.data.omega[*line]).abs();
+            let distance = |pole: &ModelPole| (pole.lambda.im - fit.data.frfs.omega[*line]).abs();
             fit.roots.iter().any(|pole| distance(pole) < limit)
         };
-        let lines: Vec<usize> = (0..fit.data.lines()).filter(is_near).collect();
+        let lines: Vec<usize> = (0..fit.data.frfs.lines()).filter(is_near).collect();
         Self {
-            variance: (fit.data.variance.iter())
+            variance: (fit.data.noise.variance.iter())
                 .map(|variance| lines.iter().map(|k| variance[*k]).collect())
                 .collect(),
             lines,
@@ -227,7 +228,7 @@ impl NearModes {
         let normalised = fit.rest();
         let of_function = |(f, variance): (usize, &Vec<f64>)| {
             let of_line = |(k, variance): (&usize, &f64)| {
-                normalised.at(f, *k).norm_sqr() * fit.data.variance[f][*k] / variance
+                normalised.at(f, *k).norm_sqr() * fit.data.noise.variance[f][*k] / variance
             };
             self.lines.iter().zip(variance).map(of_line).sum::<f64>()
         };
@@ -237,13 +238,13 @@ impl NearModes {
     /// Squared residual of its poles under a line shape, refined from their present values.
     fn residual_under(&self, fit: &mut PoleModel, shape: LineShape) -> f64 {
         let poles = fit.roots.clone();
-        let correlation = fit.data.correlation.clone();
-        fit.data.observe(shape);
+        let correlation = fit.data.noise.line_correlation.clone();
+        fit.data.set_line_shape(shape);
         mark_unconverged(&mut fit.roots);
         fit.refine(Convergence::Coarse);
         let residual = self.residual(fit);
-        fit.data.observe(LineShape::EXACT);
-        fit.data.correlation = correlation;
+        fit.data.set_line_shape(LineShape::EXACT);
+        fit.data.noise.line_correlation = correlation;
         fit.roots = poles;
         residual
     }
@@ -253,7 +254,7 @@ impl NearModes {
 fn has_close_poles(fit: &PoleModel, shape: LineShape) -> bool {
     let mut frequencies: Vec<f64> = fit.roots.iter().map(|pole| pole.lambda.im).collect();
     frequencies.sort_by(f64::total_cmp);
-    let limit = shape.split_lines() * fit.data.step;
+    let limit = shape.split_lines() * fit.data.frfs.step;
     frequencies.windows(2).any(|pair| pair[1] - pair[0] < limit)
 }
 
@@ -283,7 +284,7 @@ impl Group {
 
 /// The groups in which leakage under a window may have split poles.
 fn split_groups(fit: &PoleModel, smoothed: &PoleModel, shape: LineShape) -> Vec<Group> {
-    let limit = shape.split_lines() * fit.data.step;
+    let limit = shape.split_lines() * fit.data.frfs.step;
     let plain = fit.roots.iter().map(|pole| (pole, false));
     let smoothed = smoothed.roots.iter().map(|pole| (pole, true));
     let mut all: Vec<(&ModelPole, bool)> = plain.chain(smoothed).collect();

@@ -7,11 +7,10 @@
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::{ModelPole, PoleQuality};
 use crate::identify::data::out_of_band_basis::{OutOfBandTerm, OutOfBandTerms};
-use crate::identify::data::residual::OutOfBandFit;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::pole_model::PoleModel;
 
 /// Maximum rounds in which out-of-band terms and poles are fitted alternately.
@@ -32,7 +31,7 @@ impl PoleModel {
     /// for without them.
     pub fn reduce_out_of_band_terms(&mut self) {
         let shared = self.strongest_terms(usize::MAX);
-        let few = (1..=max_terms(self.data.functions())).contains(&shared.len());
+        let few = (1..=max_terms(self.data.frfs.functions())).contains(&shared.len());
         if !self.try_terms(Vec::new()) && few {
             self.try_terms(shared);
         }
@@ -79,17 +78,17 @@ impl PoleModel {
 
     /// Terms of the residual of the poles above the noise, at most a given number.
     fn strongest_terms(&self, most: usize) -> Vec<OutOfBandTerm> {
-        let far = OutOfBandFit::new(&self.data, &OutOfBandTerms::Anywhere);
-        far.strongest(&self.roots, self.data.correlation.alike(), most)
+        let far = self.data.fit_of_terms(&OutOfBandTerms::Anywhere);
+        far.strongest(&self.roots, self.data.noise.line_correlation.alike(), most)
     }
 
     /// Whether free out-of-band poles explain more of the residual than they would of white noise.
     /// They always do where noise is correlated between lines; there they are kept, and the
     /// standard deviations include them.
     fn out_of_band_is_significant(&self) -> bool {
-        let all = OutOfBandFit::new(&self.data, &OutOfBandTerms::Anywhere);
+        let all = self.data.fit_of_terms(&OutOfBandTerms::Anywhere);
         let (with, many) = all.explained(&self.roots);
-        let (without, few) = self.data.far().explained(&self.roots);
+        let (without, few) = self.data.out_of_band_fit().explained(&self.roots);
         // Two real numbers of variance 1/2 for each unknown.
         let unknowns = (many - few) as f64;
         with - without > unknowns + unknowns.sqrt()
@@ -107,7 +106,7 @@ impl PoleModel {
     /// and by the dropped terms. Above the limit that noise exceeds with probability 0.05 the bias
     /// is `√(|δ|² − E|δ|²)` along `δ`, else none.
     pub fn add_out_of_band_uncertainty(&mut self) {
-        let OutOfBandTerms::Courses(terms) = self.data.outside().clone() else {
+        let OutOfBandTerms::Courses(terms) = self.data.out_of_band_terms().clone() else {
             return;
         };
         let free = self.with_free_poles();
@@ -164,10 +163,10 @@ impl PoleQuality {
 }
 
 /// Fraction of the residue energy of a pole along the out-of-band terms, over the noise.
-fn fraction_along_terms(data: &BandFrfs, pole: &ModelPole, terms: &[OutOfBandTerm]) -> f64 {
-    let line = data.line_of(pole.lambda);
-    let over = |f: usize| pole.residues[f] / data.deviation(f, line);
-    let residues: Vec<Complex64> = (0..data.functions()).map(over).collect();
+fn fraction_along_terms(data: &FitData, pole: &ModelPole, terms: &[OutOfBandTerm]) -> f64 {
+    let line = data.frfs.line_of(pole.lambda);
+    let over = |f: usize| pole.residues[f] / data.noise.std(f, line);
+    let residues: Vec<Complex64> = (0..data.frfs.functions()).map(over).collect();
     let all: f64 = residues.iter().map(Complex64::norm_sqr).sum();
     let along = |term: &OutOfBandTerm| {
         let products = term.shares.iter().zip(&residues).map(|(v, a)| v.conj() * a);
@@ -187,9 +186,9 @@ fn max_terms(functions: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use crate::axis::{Band, FrequencyAxis};
-    use crate::identify::data::band_frfs::BandFrfs;
     use crate::identify::data::frf_matrix::FrfMatrix;
     use crate::identify::estimator::MethodOptions;
+    use crate::identify::fit::fit_data::FitData;
     use crate::identify::ml::out_of_band::*;
     use crate::identify::synthetic::{Measurement, Structure};
     use crate::modal::Pole;
@@ -219,7 +218,7 @@ mod tests {
             ..Measurement::of_sensors(8, axis)
         };
         let set = structure().measured(&how);
-        let data = BandFrfs::guarded(&set, Band::new(80.0, 150.0).unwrap()).unwrap();
+        let data = FitData::guarded(&set, Band::new(80.0, 150.0).unwrap()).unwrap();
         let sides = FrfMatrix::new(set.functions());
         let mut fit = PoleModel::new(data, sides, MethodOptions::default());
         let one = [Complex64::ONE];
@@ -267,7 +266,7 @@ mod tests {
         let mut fit = fitted(50.0, 3, OutOfBandTerms::Anywhere);
         let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
         fit.reduce_out_of_band_terms();
-        let OutOfBandTerms::Courses(terms) = fit.data.outside() else {
+        let OutOfBandTerms::Courses(terms) = fit.data.out_of_band_terms() else {
             panic!("free poles are kept");
         };
         assert!((1..=2).contains(&terms.len()), "{}", terms.len());

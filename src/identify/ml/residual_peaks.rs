@@ -5,11 +5,11 @@ use num_complex::Complex64;
 use crate::linalg;
 use crate::modal::mac;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::{noise_norm_quantile, upper_quantile};
+use crate::identify::fit::fit_data::FitData;
 
 /// Minimum number of segments in the band: sets the maximum segment length.
 const MIN_SEGMENTS_PER_BAND: usize = 8;
@@ -37,30 +37,32 @@ struct Segment {
 /// most a given number. Noise reaches such a peak anywhere in the band with less than the
 /// false-alarm probability.
 pub(in crate::identify) fn residual_peak_poles(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     poles: &[ModelPole],
     residual: &Residual,
     (false_alarm_probability, most): (f64, usize),
 ) -> Vec<ModelPole> {
-    let functions = data.functions();
-    let power = data.shared.held_by_line(data, residual);
+    let functions = data.frfs.functions();
+    let power = data
+        .noise
+        .noise_weighted_energy_by_line(&data.frfs, residual);
     let segments = segments(
         &power,
         functions,
-        (false_alarm_probability, data.correlation.alike()),
+        (false_alarm_probability, data.noise.line_correlation.alike()),
     );
     let peak = ResidualPeak {
         data,
         sides,
         residual,
-        false_alarm_probability: false_alarm_probability / data.lines() as f64,
+        false_alarm_probability: false_alarm_probability / data.frfs.lines() as f64,
     };
     let trial_pole = |segment: &Segment| peak.trial_pole(segment, poles);
     segments.iter().filter_map(trial_pole).take(most).collect()
 }
 
 struct ResidualPeak<'a> {
-    data: &'a BandFrfs,
+    data: &'a FitData,
     sides: &'a FrfMatrix,
     residual: &'a Residual,
     /// False-alarm probability at one frequency line.
@@ -71,8 +73,8 @@ impl ResidualPeak<'_> {
     /// Trial pole for a segment: at the nearest existing pole, with as many modes as noise does not
     /// explain and that pole does not have, or else in the middle of the segment.
     fn trial_pole(&self, segment: &Segment, poles: &[ModelPole]) -> Option<ModelPole> {
-        let decay = 0.5 * segment.width.max(2) as f64 * self.data.step;
-        let middle = Complex64::new(-decay, self.data.omega[segment.top]);
+        let decay = 0.5 * segment.width.max(2) as f64 * self.data.frfs.step;
+        let middle = Complex64::new(-decay, self.data.frfs.omega[segment.top]);
         let distance = |pole: &&ModelPole| (pole.lambda - middle).norm();
         let there = poles
             .iter()
@@ -105,8 +107,13 @@ impl ResidualPeak<'_> {
         poles: &[ModelPole],
     ) -> Option<ModelPole> {
         let lines = segment.top.saturating_sub(segment.width)
-            ..(segment.top + segment.width + 1).min(self.data.lines());
-        let profile = |k: usize| self.data.line_shape.pole(self.data.omega[k], lambda);
+            ..(segment.top + segment.width + 1).min(self.data.frfs.lines());
+        let profile = |k: usize| {
+            self.data
+                .frfs
+                .line_shape
+                .pole(self.data.frfs.omega[k], lambda)
+        };
         let size = lines
             .clone()
             .map(|k| profile(k).norm_sqr())
@@ -116,17 +123,18 @@ impl ResidualPeak<'_> {
             let matched = |k: usize| self.residual.at(f, k) * profile(k).conj() / size;
             lines.clone().map(matched).sum()
         };
-        let amplitudes: Vec<Complex64> = (0..self.data.functions()).map(amplitude).collect();
+        let amplitudes: Vec<Complex64> = (0..self.data.frfs.functions()).map(amplitude).collect();
         let by_lines = self
             .data
-            .correlation
-            .amplitude_noise_factor(-lambda.re, self.data.step);
+            .noise
+            .line_correlation
+            .amplitude_noise_factor(-lambda.re, self.data.frfs.step);
         let limit = by_lines.sqrt() * noise_norm_quantile(self.sides, self.false_alarm_probability);
         let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
         let above = strengths.iter().filter(|s| **s > limit).count();
-        let physical = |f: usize| amplitudes[f] * self.data.deviation(f, segment.top);
+        let physical = |f: usize| amplitudes[f] * self.data.noise.std(f, segment.top);
         let mut parts = strongest_inputs(self.sides, above.max(1), physical);
         parts.retain(|part| {
             !poles
@@ -135,7 +143,7 @@ impl ResidualPeak<'_> {
         });
         parts.truncate(most);
         let first = parts.first()?;
-        let mut pole = ModelPole::single(lambda, first, self.data.functions());
+        let mut pole = ModelPole::single(lambda, first, self.data.frfs.functions());
         pole.join(parts.split_off(1));
         Some(pole)
     }
@@ -241,14 +249,14 @@ mod tests {
                 .push((how.pairs[i].0.clone(), how.pairs[1].0.clone()));
         }
         let set = structure.measured(&how);
-        let data = BandFrfs::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+        let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
         let sides = FrfMatrix::new(set.functions());
         assert_eq!(sides.inputs, 2);
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
         let fitted = ModelPole::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
         // The residual of a fit of one mode has two independent terms far above the noise.
-        let residual = linalg::complex_matrix(data.lines(), set.len(), |k, f| {
-            let profile = fitted.decay() / (Complex64::new(0.0, data.omega[k]) - lambda);
+        let residual = linalg::complex_matrix(data.frfs.lines(), set.len(), |k, f| {
+            let profile = fitted.decay() / (Complex64::new(0.0, data.frfs.omega[k]) - lambda);
             1e3 * (1.0 + (f * f) as f64).sin() * profile
         });
         let residual = Residual::of_all(residual);

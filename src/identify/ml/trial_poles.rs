@@ -31,14 +31,17 @@ const REMOVE_ONE_IN: usize = 4;
 
 impl PoleModel {
     /// Detects noise that is correlated between frequency lines
-    /// (`BandFrfs::detect_correlated_noise`).
+    /// (`NoiseModel::detect_correlated_noise`).
     /// If there is such noise, poles that were fitted to it are removed, the least determined
     /// first, and the noise is estimated again with their contribution; the search finds modes
     /// among them again. Where the residual without these poles is no noise, all changes are
     /// undone.
     pub fn detect_correlated_noise(&mut self) -> bool {
-        let (noise, poles, drops_before) =
-            (self.data.noise(), self.roots.clone(), self.dropped.len());
+        let (noise, poles, drops_before) = (
+            self.data.noise.clone(),
+            self.roots.clone(),
+            self.dropped.len(),
+        );
         if !self.data.detect_correlated_noise(&mut self.rest()) {
             return false;
         }
@@ -205,8 +208,9 @@ impl PoleModel {
         let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
         let correlation_factor = self
             .data
-            .correlation
-            .amplitude_noise_factor(decay, self.data.step);
+            .noise
+            .line_correlation
+            .amplitude_noise_factor(decay, self.data.frfs.step);
         let enough = correlation_factor * upper_quantile(unknowns as f64, false_alarm_probability);
         if apart < MIN_SEPARATION_BANDWIDTHS
             || 2.0 * (residual_energy - now) <= enough
@@ -223,7 +227,10 @@ impl PoleModel {
 
     /// Residual energy over the noise, without the force noise that FRFs have in common.
     fn residual_energy(&self, residual: &Residual) -> f64 {
-        let energies = self.data.shared.held_by_line(&self.data, residual);
+        let energies = self
+            .data
+            .noise
+            .noise_weighted_energy_by_line(&self.data.frfs, residual);
         energies.iter().sum()
     }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::noise::model::NoiseModel;
 
 /// Lines whose sums fit into the nearest cache.
 const CACHE_LINES: usize = 1024;
@@ -20,17 +20,18 @@ pub(in crate::identify) struct BandProfile {
 
 impl BandProfile {
     /// Profile of a range of lines.
-    pub fn new(data: &BandFrfs, lines: Range<usize>) -> Self {
-        let mean: Vec<f64> = (0..data.functions())
+    pub fn new(noise: &NoiseModel, lines: Range<usize>) -> Self {
+        let functions = noise.variance.len();
+        let mean: Vec<f64> = (0..functions)
             .into_par_iter()
-            .map(|f| data.mean_variance(f, lines.clone()))
+            .map(|f| noise.mean_variance(f, lines.clone()))
             .collect();
         let mut course = vec![0.0; lines.len()];
         let pieces = course.par_chunks_mut(CACHE_LINES).enumerate();
         pieces.for_each(|(number, sums)| {
             let first = lines.start + number * CACHE_LINES;
-            for (variance, mean) in data.variance.iter().zip(&mean) {
-                let weight = (mean * data.functions() as f64).recip();
+            for (variance, mean) in noise.variance.iter().zip(&mean) {
+                let weight = (mean * functions as f64).recip();
                 let variance = &variance[first..first + sums.len()];
                 for (sum, v) in sums.iter_mut().zip(variance) {
                     *sum += v * weight;

@@ -24,7 +24,6 @@ use crate::dof::Dof;
 use crate::frf::Function;
 
 use crate::identify::data::band_frfs::BandFrfs;
-use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::Residual;
 use crate::identify::noise::input_variance::Noise;
 use crate::identify::noise::line_correlation::LineCorrelation;
@@ -38,8 +37,6 @@ const MAX_NOISE_POWER: f64 = 6.0;
 const MIN_VARIANCE_RATIO: f64 = 2.0;
 /// Bisection steps for the common fraction.
 const BISECTION_STEPS: usize = 20;
-/// Maximum number of lines of a pole that are compared.
-const MAX_COMPARED_LINES: usize = 64;
 /// Minimum force fraction of a variance for which the scatter of the variance is that of the force
 /// noise.
 const MIN_FORCE_FRACTION: f64 = 0.9;
@@ -47,8 +44,6 @@ const MIN_FORCE_FRACTION: f64 = 0.9;
 const MIN_FRACTION_STDS: f64 = 3.0;
 /// Minimum number of pairs of FRFs and lines that the scatter is estimated from.
 const MIN_PAIRS: f64 = 20.0;
-/// Half-power bandwidths on either side in which a pole is compared with the response.
-const COMPARED_BANDWIDTHS: f64 = 2.0;
 
 /// Force noise of the FRFs of each reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,20 +97,44 @@ impl ForceNoise {
         groups.map(|(group, fraction)| (&group[..], *fraction))
     }
 
+    /// Whether the FRFs of any reference have force noise in common.
+    pub fn is_common(&self) -> bool {
+        !self.variance_ratio.is_empty()
+    }
+
+    /// g of a reference at a line.
+    pub fn variance_ratio(&self, group: usize, line: usize) -> f64 {
+        let ratios = self.variance_ratio.get(group);
+        ratios.map_or(1.0, |ratios| ratios[line])
+    }
+
     /// Line correlation of the force noise.
-    pub fn along(&self) -> &LineCorrelation {
+    pub fn line_correlation(&self) -> &LineCorrelation {
         &self.line_correlation
     }
 
-    /// Estimate from the residual of a fit on all lines.
-    pub fn estimated_from(&self, data: &BandFrfs, rest: &Residual) -> Self {
-        let response = ModelResponse { data, rest };
+    /// Estimate from the residual of a fit on all lines, with the variance of the noise and its
+    /// force fraction by FRF and line, and the line correlation of the response noise.
+    pub fn estimated_from(
+        &self,
+        rest: &Residual,
+        frfs: &BandFrfs,
+        variance: &[Vec<f64>],
+        force_fraction: &[Vec<f64>],
+        response_correlation: &LineCorrelation,
+    ) -> Self {
+        let response = ModelResponse {
+            rest,
+            frfs,
+            variance,
+            force_fraction,
+        };
         let groups: Vec<Vec<ResponseLine>> = self
             .groups
             .iter()
             .map(|group| per_segment(&rest.lines, |lines| response.lines(group, lines)))
             .collect();
-        let line_ratio = data.correlation.alike();
+        let line_ratio = response_correlation.alike();
         let common_fraction: Vec<f64> = (groups.iter().zip(&self.fraction_from_variances))
             .map(|(lines, minimum)| common_fraction_of_lines(lines, line_ratio).max(*minimum))
             .collect();
@@ -131,7 +150,7 @@ impl ForceNoise {
             return Self {
                 variance_ratio: Vec::new(),
                 common_fraction,
-                line_correlation: data.correlation.clone(),
+                line_correlation: response_correlation.clone(),
                 ..self.clone()
             };
         }
@@ -150,126 +169,11 @@ impl ForceNoise {
         let candidates = stated.into_iter().chain(estimate);
         let strongest = candidates.max_by(|a, b| a.alike().total_cmp(&b.alike()));
         Self {
-            line_correlation: strongest.unwrap_or_else(|| data.correlation.clone()),
+            line_correlation: strongest.unwrap_or_else(|| response_correlation.clone()),
             variance_ratio,
             common_fraction,
             ..self.clone()
         }
-    }
-
-    /// Factor by which noise raises the strength of a pole where there is no mode: the component of
-    /// the pole along the response of the other poles counts as force noise.
-    pub fn amplitude_noise_factor(&self, data: &BandFrfs, root: &ModelPole) -> f64 {
-        let response_factor = data
-            .correlation
-            .amplitude_noise_factor(root.decay(), data.step);
-        if self.variance_ratio.is_empty() {
-            return response_factor;
-        }
-        let force_factor = self
-            .line_correlation
-            .amplitude_noise_factor(root.decay(), data.step);
-        let parts = self.energy_splits(data, root, 1, |k, f| {
-            data.values[f][k] - contribution(data, root, (k, f))
-        });
-        let across: f64 = parts.iter().map(|part| part.across).sum();
-        let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
-        let along: f64 = parts.iter().map(|part| part.along / part.excess).sum();
-        ratio_of_at_least_one(whole, across / response_factor + along / force_factor)
-            .unwrap_or(response_factor)
-    }
-
-    /// Factor of the variance of a pole over that in white noise that is independent between FRFs.
-    pub fn pole_noise_factor(&self, data: &BandFrfs, root: &ModelPole) -> f64 {
-        let response_factor = data.correlation.pole_noise_factor(root.decay(), data.step);
-        if self.variance_ratio.is_empty() {
-            return response_factor;
-        }
-        let force_factor = self
-            .line_correlation
-            .pole_noise_factor(root.decay(), data.step);
-        let parts = self.energy_splits(data, root, 2, |k, f| data.values[f][k]);
-        let across: f64 = parts.iter().map(|part| part.across).sum();
-        let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
-        let along: f64 = parts.iter().map(|part| part.along * part.excess).sum();
-        ratio_of_at_least_one(response_factor * across + force_factor * along, whole)
-            .unwrap_or(response_factor)
-    }
-
-    /// Energy at one line of a value per FRF, with its component along the response divided by the
-    /// variance ratio, so that independent noise of the same energy has the same significance.
-    pub fn held(
-        &self,
-        (data, rest): (&BandFrfs, &Residual),
-        line: usize,
-        value: impl Fn(usize) -> Complex64,
-    ) -> f64 {
-        if self.variance_ratio.is_empty() {
-            let of = |f: &usize| value(*f).norm_sqr();
-            return self.groups.iter().flatten().map(of).sum();
-        }
-        let response = ModelResponse { data, rest };
-        let of = |(number, group): (usize, &Vec<usize>)| {
-            let part = split_by_direction(group, &value, |f| response.over_noise(f, line));
-            part.across + part.along / self.at(number, line)
-        };
-        self.groups.iter().enumerate().map(of).sum()
-    }
-
-    /// The same energy of the residual, at each of its lines.
-    pub fn held_by_line(&self, data: &BandFrfs, rest: &Residual) -> Vec<f64> {
-        per_segment(&rest.lines, |lines| {
-            if self.variance_ratio.is_empty() {
-                let mut power = vec![0.0; lines.len()];
-                for f in 0..data.functions() {
-                    for (sum, value) in power.iter_mut().zip(rest.of(f, lines.clone())) {
-                        *sum += value.norm_sqr();
-                    }
-                }
-                return power;
-            }
-            let at = |k: usize| self.held((data, rest), k, |f| rest.at(f, k));
-            lines.map(at).collect()
-        })
-    }
-
-    fn at(&self, group: usize, line: usize) -> f64 {
-        let ratios = self.variance_ratio.get(group);
-        ratios.map_or(1.0, |ratios| ratios[line])
-    }
-
-    /// `1/(s − λ)` of a pole to a power on its lines, split into components along the response and
-    /// across it, by reference and line.
-    fn energy_splits(
-        &self,
-        data: &BandFrfs,
-        root: &ModelPole,
-        power: usize,
-        response: impl Fn(usize, usize) -> Complex64,
-    ) -> Vec<EnergySplit> {
-        let mut parts = Vec::new();
-        let lines = data.lines_around(root.lambda, COMPARED_BANDWIDTHS);
-        let stride = lines.len().div_ceil(MAX_COMPARED_LINES);
-        for k in lines.step_by(stride) {
-            let at = (data.omega[k], root.lambda);
-            let line_shape = data.line_shape.power(root.decay(), at, power);
-            for (number, group) in self.groups.iter().enumerate() {
-                let amplitude = |f: usize| root.residues[f] * line_shape / data.deviation(f, k);
-                let part =
-                    split_by_direction(group, amplitude, |f| response(k, f) / data.deviation(f, k));
-                let excess = self.at(number, k);
-                // Independent noise has no preferred direction.
-                parts.push(match excess > 1.0 {
-                    true => EnergySplit { excess, ..part },
-                    false => EnergySplit {
-                        along: 0.0,
-                        across: part.across + part.along,
-                        excess,
-                    },
-                });
-            }
-        }
-        parts
     }
 }
 
@@ -327,70 +231,25 @@ fn trigamma(mut x: f64) -> f64 {
     below + inverse + 0.5 * inverse.powi(2) + inverse.powi(3) / 6.0
 }
 
-fn ratio_of_at_least_one(above: f64, below: f64) -> Option<f64> {
-    let ratio = above / below;
-    (ratio.is_finite() && ratio > 0.0).then_some(ratio.max(1.0))
-}
-
-/// Contribution of a pole to an FRF at a line, with its conjugate.
-fn contribution(data: &BandFrfs, root: &ModelPole, (k, f): (usize, usize)) -> Complex64 {
-    let pole = |lambda| data.line_shape.pole(data.omega[k], lambda);
-    let residue = root.residues[f];
-    residue * pole(root.lambda) + residue.conj() * pole(root.lambda.conj())
-}
-
-/// Energies at one line of one reference, along the response and across it.
-struct EnergySplit {
-    along: f64,
-    across: f64,
-    excess: f64,
-}
-
-fn split_by_direction(
-    group: &[usize],
-    value: impl Fn(usize) -> Complex64,
-    response: impl Fn(usize) -> Complex64,
-) -> EnergySplit {
-    let (mut product, mut square, mut whole) = (Complex64::ZERO, 0.0, 0.0);
-    for &f in group {
-        let (u, h) = (value(f), response(f));
-        product += h.conj() * u;
-        square += h.norm_sqr();
-        whole += u.norm_sqr();
-    }
-    let along = if square > 0.0 {
-        (product.norm_sqr() / square).min(whole)
-    } else {
-        0.0
-    };
-    EnergySplit {
-        along,
-        across: whole - along,
-        excess: 1.0,
-    }
-}
-
 /// Response of the model, over the noise of every FRF.
 struct ModelResponse<'a> {
-    data: &'a BandFrfs,
     rest: &'a Residual,
+    frfs: &'a BandFrfs,
+    variance: &'a [Vec<f64>],
+    force_fraction: &'a [Vec<f64>],
 }
 
 impl ModelResponse<'_> {
-    /// Measured value minus residual: noise common to both would look like force noise.
-    fn over_noise(&self, f: usize, k: usize) -> Complex64 {
-        self.data.values[f][k] / self.data.deviation(f, k) - self.rest.at(f, k)
-    }
-
     fn lines(&self, group: &[usize], lines: Range<usize>) -> Vec<ResponseLine> {
         let mut sums = vec![Sums::default(); lines.len()];
         for &f in group {
             let rest = self.rest.of(f, lines.clone());
-            let values = &self.data.values[f][lines.clone()];
-            let variance = &self.data.variance[f][lines.clone()];
-            let force_fraction = &self.data.force_fraction[f][lines.clone()];
+            let values = &self.frfs.values[f][lines.clone()];
+            let variance = &self.variance[f][lines.clone()];
+            let force_fraction = &self.force_fraction[f][lines.clone()];
             let frf_lines = values.iter().zip(variance).zip(rest).zip(force_fraction);
             for (sum, (((value, variance), rest), fraction)) in sums.iter_mut().zip(frf_lines) {
+                // Noise common to response and residual would look like force noise.
                 let h = value / variance.sqrt() - rest;
                 sum.product += h.conj() * rest;
                 sum.square += h.norm_sqr();
@@ -408,7 +267,7 @@ impl ModelResponse<'_> {
 const SEGMENT_LINES: usize = 256;
 
 /// Values of every line, with segments of lines in parallel.
-fn per_segment<T: Send>(
+pub(super) fn per_segment<T: Send>(
     lines: &Range<usize>,
     of: impl Fn(Range<usize>) -> Vec<T> + Sync,
 ) -> Vec<T> {

@@ -68,18 +68,3 @@ fn variances_of_the_same_impacts_scatter_together() {
     assert!((trigamma(1.0) - square / 6.0).abs() < 1e-4);
     assert!((trigamma(0.5) - square / 2.0).abs() < 1e-4);
 }
-
-#[test]
-fn energies_along_and_across_the_response_add_up() {
-    let response = [
-        Complex64::new(1.0, 1.0),
-        Complex64::new(0.0, -2.0),
-        Complex64::ONE,
-    ];
-    let energies =
-        |value: &dyn Fn(usize) -> Complex64| split_by_direction(&[0, 1, 2], value, |f| response[f]);
-    let same = energies(&|f| Complex64::new(0.0, 3.0) * response[f]);
-    assert!((same.along - 63.0).abs() < 1e-12 && same.across.abs() < 1e-12);
-    let other = energies(&|f| if f == 2 { 7.0.into() } else { Complex64::ZERO });
-    assert!((other.along - 7.0).abs() < 1e-12 && (other.across - 42.0).abs() < 1e-12);
-}

@@ -85,7 +85,7 @@ impl LineCorrelation {
 
     /// Of noise under an exponential window `e^(−at)` over the whole record, whose inverse length
     /// is the spacing of the lines: `ρ(m) = 1/(1 − imΔ/2a)`, as far as there are lines.
-    pub fn of_window(added_damping_rad_s: f64, (step, lines): (f64, usize)) -> Self {
+    pub fn of_window(added_damping_rad_s: f64, step: f64, lines: usize) -> Self {
         // That holds where the window decays within the record.
         if added_damping_rad_s * std::f64::consts::TAU / step <= 1.0 {
             return Self::WHITE;

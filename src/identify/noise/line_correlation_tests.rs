@@ -60,7 +60,7 @@ fn noise_factor_under_an_exponential_window_is_that_of_theory() {
                 "{at_end} {ratio}: {p} {pole}"
             );
             if at_end >= 4.0 {
-                let exact = LineCorrelation::of_window(at_end, (step, 8192));
+                let exact = LineCorrelation::of_window(at_end, step, 8192);
                 let (a, p) = (
                     exact.amplitude_noise_factor(decay, step),
                     exact.pole_noise_factor(decay, step),
@@ -170,7 +170,7 @@ fn correlation_follows_from_the_mean_product_of_phases() {
 
 #[test]
 fn a_steep_window_has_no_more_lags_than_lines() {
-    assert_eq!(LineCorrelation::of_window(1e12, (1.0, 100)).lags.len(), 100);
+    assert_eq!(LineCorrelation::of_window(1e12, 1.0, 100).lags.len(), 100);
 }
 
 #[test]

@@ -13,5 +13,6 @@ pub(in crate::identify) mod force_noise;
 pub(in crate::identify) mod input_variance;
 pub(in crate::identify) mod line_correlation;
 pub(in crate::identify) mod model;
+mod noise_factors;
 pub(in crate::identify) mod residual_variance;
 pub(in crate::identify) mod variance_model;

@@ -1,11 +1,17 @@
 //! Noise model of receptances and its estimate from the residual of a fit.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use num_complex::Complex64;
 use rayon::prelude::*;
+
+use crate::frf::FrfSet;
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::residual::Residual;
 use crate::identify::noise::force_noise::ForceNoise;
+use crate::identify::noise::input_variance::{self, Noise};
 use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
 use crate::identify::noise::variance_model::SmoothedVariance;
@@ -14,10 +20,12 @@ use crate::identify::noise::variance_model::SmoothedVariance;
 const MIN_FRFS: usize = 3;
 /// Mean power of the residual above which it is more than noise.
 const MAX_NOISE_POWER: f64 = 2.0;
+/// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter.
+const MIN_NOISE_OVER_RESPONSE: f64 = 1e-10;
 
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::identify) enum VarianceSource {
+enum VarianceSource {
     /// Second differences: the noise is independent between frequency lines.
     SecondDifferences,
     /// Residual level: the noise is correlated between frequency lines.
@@ -26,43 +34,119 @@ pub(in crate::identify) enum VarianceSource {
     LevelWithMisfit,
 }
 
-/// Noise model at some stage of an identification.
-pub(in crate::identify) struct NoiseSnapshot {
-    variance: Vec<Vec<f64>>,
-    force_fraction: Vec<Vec<f64>>,
-    correlation: LineCorrelation,
-    shared: ForceNoise,
+/// Noise model of the FRFs of a band.
+#[derive(Clone)]
+pub(in crate::identify) struct NoiseModel {
+    /// Variance E|H − E H|² of every value, (m/N)², positive: by FRF and line.
+    pub variance: Vec<Vec<f64>>,
+    /// Fraction of every variance that is force noise, as far as it is estimated.
+    pub force_fraction: Vec<Vec<f64>>,
+    /// Line correlation of the noise, as far as it is estimated.
+    pub line_correlation: LineCorrelation,
+    /// Force noise common to the FRFs of one reference, as far as it is estimated.
+    pub force_noise: ForceNoise,
+    /// Variances of each FRF as supplied with the data, where they were.
+    stated: Vec<Option<SmoothedVariance>>,
+    /// Statistic that estimates the noise where the data have no variances.
     variance_source: VarianceSource,
+    /// Minimum variance of each FRF, in its measured quantity.
+    min_variances: Vec<f64>,
 }
 
-impl BandFrfs {
+impl NoiseModel {
+    /// Noise of a set on the lines of a band, before any residual exists.
+    pub fn new(set: &FrfSet, frfs: &BandFrfs) -> Self {
+        let noise = input_variance::noise_of_set(set, &frfs.lines_of_set);
+        let force_fraction = noise
+            .iter()
+            .map(|frf_noise| frf_noise.force_fraction.clone())
+            .collect();
+        let window = LineCorrelation::of_window(set.added_damping_rad_s, frfs.step, frfs.lines());
+        let force_noise = ForceNoise::from_variances(set.functions(), &noise, &window);
+        let of_receptance = |(noise, scale): (Noise, &Arc<Vec<f64>>)| {
+            let variance = noise.variance.iter().zip(scale.iter());
+            let receptance_noise = SmoothedVariance {
+                variance: variance.map(|(v, s)| v / (s * s)).collect(),
+                force_fraction: noise.force_fraction,
+            };
+            let variance = receptance_noise.variance.clone();
+            (variance, noise.measured.then_some(receptance_noise))
+        };
+        let noise = noise.into_par_iter().zip(&frfs.measured_scale);
+        let (variance, stated) = noise.map(of_receptance).unzip();
+        let mut model = Self {
+            variance,
+            force_fraction,
+            line_correlation: window,
+            force_noise,
+            stated,
+            variance_source: VarianceSource::SecondDifferences,
+            min_variances: min_variances(frfs),
+        };
+        model.raise_to_dynamic_range(frfs);
+        model
+    }
+
+    /// Whether the data supply the variances of all FRFs.
+    pub fn is_stated(&self) -> bool {
+        self.stated.iter().all(Option::is_some)
+    }
+
+    /// The variances by FRF and line, where the data supply those of all FRFs.
+    pub fn stated_variance(&self) -> Option<&[Vec<f64>]> {
+        self.is_stated().then_some(&self.variance)
+    }
+
+    /// Standard deviation of the noise of an FRF at one line, m/N.
+    pub fn std(&self, function: usize, line: usize) -> f64 {
+        self.variance[function][line].sqrt()
+    }
+
+    /// Mean variance of an FRF over some lines, (m/N)².
+    pub fn mean_variance(&self, function: usize, lines: Range<usize>) -> f64 {
+        let count = lines.len().max(1) as f64;
+        self.variance[function][lines].iter().sum::<f64>() / count
+    }
+
     /// Whether the noise is correlated between frequency lines although the data state no window;
-    /// with its decay rate over the record, 1/s, where it decays.
-    pub fn unreported_window_decay(&self) -> Option<Option<f64>> {
-        let shared = self.variance_source == VarianceSource::Level
-            && self.correlation.has_small_second_differences();
-        shared.then(|| self.correlation.decay(self.step))
+    /// with its decay rate over the record, 1/s, where it decays; `step` is the spacing of the
+    /// lines, rad/s.
+    pub fn unreported_window_decay(&self, step: f64) -> Option<Option<f64>> {
+        let is_correlated = self.variance_source == VarianceSource::Level
+            && self.line_correlation.has_small_second_differences();
+        is_correlated.then(|| self.line_correlation.decay(step))
     }
 
     /// Estimates the noise of all FRFs and its line correlation from the residual of a fit, and
     /// divides the residual by that noise. To variances supplied with the data it adds force noise
     /// that they do not contain.
-    pub fn estimate_noise_and_correlation(&mut self, rest: &mut Residual) {
-        self.estimate_noise(rest);
+    pub fn estimate_variance_and_correlation(&mut self, frfs: &BandFrfs, rest: &mut Residual) {
+        self.estimate_variance(frfs, rest);
         if let Some(correlation) = LineCorrelation::from_residual(rest) {
-            self.correlation = correlation;
+            self.line_correlation = correlation;
         }
+    }
+
+    /// Estimates the force noise from the residual of a fit.
+    pub fn estimate_force_noise(&mut self, frfs: &BandFrfs, rest: &Residual) {
+        self.force_noise = self.force_noise.estimated_from(
+            rest,
+            frfs,
+            &self.variance,
+            &self.force_fraction,
+            &self.line_correlation,
+        );
     }
 
     /// Whether a residual above the second differences is correlated noise: each FRF has an
     /// independent profile, with strong correlation of adjacent lines and none of distant ones.
     /// Missing modes leave the same profile in all FRFs. The level of the residual then estimates
     /// the noise. Records under an unreported window have such noise.
-    pub fn detect_correlated_noise(&mut self, rest: &mut Residual) -> bool {
+    pub fn detect_correlated_noise(&mut self, frfs: &BandFrfs, rest: &mut Residual) -> bool {
         let stated = self.stated.iter().any(Option::is_some);
-        let too_few_frfs = self.functions() < MIN_FRFS;
+        let too_few_frfs = frfs.functions() < MIN_FRFS;
         let more_than_noise = rest.mean_power() > MAX_NOISE_POWER;
-        let small_differences = self.correlation.has_small_second_differences();
+        let small_differences = self.line_correlation.has_small_second_differences();
         if self.variance_source != VarianceSource::SecondDifferences
             || stated
             || too_few_frfs
@@ -70,17 +154,16 @@ impl BandFrfs {
         {
             return false;
         }
-        let before = (self.noise(), self.variance.clone());
+        let before = self.clone();
         self.variance_source = VarianceSource::Level;
-        self.estimate_noise(rest);
+        self.estimate_variance(frfs, rest);
         if let Some(correlation) = LineCorrelation::of_correlated_noise(rest) {
-            self.correlation = correlation;
-            self.estimate_noise(rest);
+            self.line_correlation = correlation;
+            self.estimate_variance(frfs, rest);
             return true;
         }
-        let (noise, variance) = before;
-        rest.over(&self.variance, &variance);
-        self.set_noise(noise);
+        rest.over(&self.variance, &before.variance);
+        *self = before;
         false
     }
 
@@ -92,17 +175,16 @@ impl BandFrfs {
         }
     }
 
-    fn estimate_noise(&mut self, rest: &mut Residual) {
-        let difference_square = self.correlation.second_difference_square();
-        let line_ratio = self.correlation.alike();
-        let mut now = vec![SmoothedVariance::default(); self.functions()];
-        for group in self.shared.groups() {
-            let residual =
-                |f: &usize| self.residual_of_frf(*f, rest, (difference_square, line_ratio));
+    fn estimate_variance(&mut self, frfs: &BandFrfs, rest: &mut Residual) {
+        let mut now = vec![SmoothedVariance::default(); frfs.functions()];
+        for group in self.force_noise.groups() {
+            let residual = |f: &usize| self.residual_of_frf(*f, frfs, rest);
             let smoothed =
                 residual_variance::estimate_variances(group.par_iter().map(residual).collect());
-            let scaled =
-                |(f, smoothed): (&usize, SmoothedVariance)| (*f, self.as_receptance(*f, smoothed));
+            let scaled = |(f, smoothed): (&usize, SmoothedVariance)| {
+                let scale = &frfs.measured_scale[*f];
+                (*f, self.as_receptance(*f, scale, smoothed))
+            };
             let scaled: Vec<(usize, SmoothedVariance)> =
                 group.par_iter().zip(smoothed).map(scaled).collect();
             for (f, smoothed) in scaled {
@@ -115,43 +197,29 @@ impl BandFrfs {
             .unzip();
         let before = std::mem::replace(&mut self.variance, now);
         self.force_fraction = force_fraction;
-        self.raise_to_dynamic_range();
+        self.raise_to_dynamic_range(frfs);
         rest.over(&before, &self.variance);
-        self.invalidate();
     }
 
-    /// Copy of the noise model.
-    pub fn noise(&self) -> NoiseSnapshot {
-        NoiseSnapshot {
-            variance: self.variance.clone(),
-            force_fraction: self.force_fraction.clone(),
-            correlation: self.correlation.clone(),
-            shared: self.shared.clone(),
-            variance_source: self.variance_source,
-        }
-    }
-
-    /// Restores a noise model.
-    pub fn set_noise(&mut self, snapshot: NoiseSnapshot) {
-        self.variance = snapshot.variance;
-        self.force_fraction = snapshot.force_fraction;
-        self.correlation = snapshot.correlation;
-        self.shared = snapshot.shared;
-        self.variance_source = snapshot.variance_source;
-        self.invalidate();
+    /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker
+    /// FRF (in a direction that symmetry keeps at rest) is no response, whatever its variance. The
+    /// minimum is constant over the lines in the measured quantity, as noise is.
+    fn raise_to_dynamic_range(&mut self, frfs: &BandFrfs) {
+        let (min_variances, scales) = (&self.min_variances, &frfs.measured_scale);
+        let raise = |(f, variance): (usize, &mut Vec<f64>)| {
+            for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
+                *v = v.max(min_variances[f] / (s * s));
+            }
+        };
+        self.variance.par_iter_mut().enumerate().for_each(raise);
     }
 
     /// Residual of FRF f, in its measured quantity.
-    fn residual_of_frf(
-        &self,
-        f: usize,
-        rest: &Residual,
-        (difference_square, line_ratio): (f64, f64),
-    ) -> ResidualVariance {
-        let scale = &self.measured_scale[f];
-        let values = self.values[f].iter().zip(scale.iter());
+    fn residual_of_frf(&self, f: usize, frfs: &BandFrfs, rest: &Residual) -> ResidualVariance {
+        let scale = &frfs.measured_scale[f];
+        let values = frfs.values[f].iter().zip(scale.iter());
         let deviations = self.variance[f].iter().zip(scale.iter());
-        let residual = rest.of(f, 0..self.lines()).iter().zip(deviations);
+        let residual = rest.of(f, 0..frfs.lines()).iter().zip(deviations);
         let residual: Vec<Complex64> = residual
             .map(|(rest, (v, s))| rest * (v.sqrt() * s))
             .collect();
@@ -162,17 +230,24 @@ impl BandFrfs {
                 ResponseVariance::Stated(variances.map(squared).collect())
             }
             None if self.variance_source == VarianceSource::SecondDifferences => {
-                ResponseVariance::SecondDifferences(difference_square)
+                ResponseVariance::SecondDifferences(
+                    self.line_correlation.second_difference_square(),
+                )
             }
             None => ResponseVariance::Level,
         };
         let measured: Vec<Complex64> = values.map(|(h, s)| h * s).collect();
-        ResidualVariance::new(&measured, &residual, (source, line_ratio))
+        ResidualVariance::new(&measured, &residual, source, self.line_correlation.alike())
     }
 
     /// Variances of the receptance f from those of its measured quantity.
-    fn as_receptance(&self, f: usize, measured: SmoothedVariance) -> SmoothedVariance {
-        let variance = measured.variance.iter().zip(self.measured_scale[f].iter());
+    fn as_receptance(
+        &self,
+        f: usize,
+        scale: &[f64],
+        measured: SmoothedVariance,
+    ) -> SmoothedVariance {
+        let variance = measured.variance.iter().zip(scale);
         let variance: Vec<f64> = variance.map(|(v, s)| v / (s * s)).collect();
         SmoothedVariance {
             force_fraction: match &self.stated[f] {
@@ -182,6 +257,22 @@ impl BandFrfs {
             variance,
         }
     }
+}
+
+/// Minimum variance of each FRF, in its measured quantity.
+fn min_variances(frfs: &BandFrfs) -> Vec<f64> {
+    let mut strongest = vec![0.0f64; frfs.lines()];
+    for values in frfs.values.iter() {
+        for (largest, h) in strongest.iter_mut().zip(values) {
+            *largest = largest.max(h.norm_sqr());
+        }
+    }
+    let floor = |scale: &Arc<Vec<f64>>| {
+        let powers = strongest.iter().zip(scale.iter()).map(|(p, s)| p * s * s);
+        MIN_NOISE_OVER_RESPONSE * MIN_NOISE_OVER_RESPONSE * powers.sum::<f64>()
+            / frfs.lines() as f64
+    };
+    frfs.measured_scale.par_iter().map(floor).collect()
 }
 
 /// Force fraction of increased variances, where the increase over the stated variance is response

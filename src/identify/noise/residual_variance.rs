@@ -55,7 +55,8 @@ impl ResidualVariance {
     pub fn new(
         values: &[Complex64],
         residual: &[Complex64],
-        (source, line_ratio): (ResponseVariance, f64),
+        source: ResponseVariance,
+        line_ratio: f64,
     ) -> Self {
         let power = values.iter().map(Complex64::norm_sqr).collect();
         let fit = values.iter().zip(residual);
@@ -275,7 +276,8 @@ mod tests {
                 ResidualVariance::new(
                     &values,
                     &rest.collect::<Vec<_>>(),
-                    (ResponseVariance::SecondDifferences(6.0), 1.0),
+                    ResponseVariance::SecondDifferences(6.0),
+                    1.0,
                 )
             })
             .collect();
@@ -303,7 +305,7 @@ mod tests {
                 let response = white_noise(4000, stated, 10 + f);
                 let rest = (0..4000).map(|k| response[k] + force[k] * values[k]);
                 let stated = ResponseVariance::Stated(vec![stated; 4000]);
-                ResidualVariance::new(&values, &rest.collect::<Vec<_>>(), (stated, 1.0))
+                ResidualVariance::new(&values, &rest.collect::<Vec<_>>(), stated, 1.0)
             };
             estimate_variances((0..6).map(residual).collect())
         };
@@ -363,7 +365,8 @@ mod tests {
             ResidualVariance::new(
                 &measured,
                 &rest,
-                (ResponseVariance::SecondDifferences(6.0), 1.0),
+                ResponseVariance::SecondDifferences(6.0),
+                1.0,
             )
         });
         let estimates = estimate_variances(functions.collect());

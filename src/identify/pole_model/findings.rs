@@ -9,10 +9,10 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::Pole;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::data::residual::PredictedResponse;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::pole_model::pole_metrics::{
     MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
 };
@@ -60,7 +60,7 @@ pub(in crate::identify) struct FindingContext<'a> {
     /// The FRFs before preparation.
     pub set: &'a FrfSet,
     /// Its receptances on band and guard lines.
-    pub data: &'a BandFrfs,
+    pub data: &'a FitData,
     /// Response of all poles and out-of-band terms.
     pub described: PredictedResponse<'a>,
     /// The requested band.
@@ -84,21 +84,21 @@ impl FindingContext<'_> {
     /// mode.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
-        if !self.data.variance_measured() {
+        if !self.data.noise.is_stated() {
             findings.push(Finding::new(
                 Severity::Info,
                 Code::NoiseFromFit,
                 Location::Whole,
             ));
         }
-        if self.data.line_shape.is_smoothed() {
+        if self.data.frfs.line_shape.is_smoothed() {
             findings.push(Finding::new(
                 Severity::Info,
                 Code::WindowLineShape,
                 Location::Whole,
             ));
         }
-        if let Some(rate) = self.data.unreported_window_decay() {
+        if let Some(rate) = self.data.noise.unreported_window_decay(self.data.frfs.step) {
             let finding = Finding::new(Severity::Warning, Code::LinesShareNoise, Location::Whole);
             findings.push(match rate {
                 Some(rate) => finding.value(rate, "1/s"),
@@ -194,11 +194,11 @@ impl FindingContext<'_> {
                 location.clone(),
             ));
         }
-        let lines = pole.width() / self.data.step;
+        let lines = pole.width() / self.data.frfs.step;
         if lines < MIN_LINES_PER_BANDWIDTH {
             findings.push(warning(Code::FewLines, lines, "", MIN_LINES_PER_BANDWIDTH));
         }
-        findings.extend(reach(self.set, self.data, pole.lambda, &location));
+        findings.extend(reach(self.set, &self.data.frfs, pole.lambda, &location));
         findings
     }
 
@@ -236,10 +236,10 @@ impl FindingContext<'_> {
     /// Detected peaks without a mode.
     fn peak_findings(&self) -> Vec<Finding> {
         let found = self.found;
-        let line = |line: usize| self.data.omega[line];
+        let line = |line: usize| self.data.frfs.omega[line];
         let has_no_mode = |omega: f64| {
             let at = |width: f64, lambda: Complex64| {
-                let reach = (PEAK_BANDWIDTHS * width).max(PEAK_LINES * self.data.step);
+                let reach = (PEAK_BANDWIDTHS * width).max(PEAK_LINES * self.data.frfs.step);
                 (lambda.im - omega).abs() < reach
             };
             let is_rejected =
@@ -257,7 +257,7 @@ impl FindingContext<'_> {
             .dropped
             .iter()
             .filter(|(peak, _)| has_no_mode(line(peak.line)))
-            .map(|(peak, drop)| rejected_peak_finding(self.data, peak, drop))
+            .map(|(peak, drop)| rejected_peak_finding(&self.data.frfs, peak, drop))
             .collect();
         let peaks = found.peaks.iter().map(|peak| line(peak.line));
         findings.extend(
@@ -272,7 +272,7 @@ impl FindingContext<'_> {
     fn peak_finding(&self, omega: f64) -> Finding {
         let near = |dropped: &&Dropped| {
             let reach =
-                (-2.0 * PEAK_BANDWIDTHS * dropped.lambda.re).max(PEAK_LINES * self.data.step);
+                (-2.0 * PEAK_BANDWIDTHS * dropped.lambda.re).max(PEAK_LINES * self.data.frfs.step);
             (dropped.lambda.im - omega).abs() < reach
         };
         let finding = Finding::new(

@@ -98,9 +98,9 @@ impl FindingContext<'_> {
 
     fn consequence<'a>(&self, pole: &'a ModelPole, metrics: &'a PoleMetrics) -> Consequence<'a> {
         let decay = pole.decay() - self.set.added_damping_rad_s;
-        let correlation = &self.data.correlation;
+        let correlation = &self.data.noise.line_correlation;
         let squared = metrics.reduced_chi_square
-            * correlation.amplitude_noise_factor(pole.decay(), self.data.step);
+            * correlation.amplitude_noise_factor(pole.decay(), self.data.frfs.step);
         let variance: f64 = pole.residue_variances.iter().sum();
         let size: f64 = pole.residues.iter().map(|a| a.norm_sqr()).sum();
         Consequence {
@@ -118,9 +118,13 @@ impl FindingContext<'_> {
 
     /// Mean square of the response over the noise on the lines on which the misfit is measured.
     fn response_over_noise(&self, pole: &ModelPole) -> f64 {
-        let (lines, functions) = (lines_of_pole(self.data, pole), self.data.functions());
+        let (lines, functions) = (
+            lines_of_pole(&self.data.frfs, pole),
+            self.data.frfs.functions(),
+        );
         let of = |f: usize| {
-            let power = |k: usize| self.data.values[f][k].norm_sqr() / self.data.variance[f][k];
+            let power =
+                |k: usize| self.data.frfs.values[f][k].norm_sqr() / self.data.noise.variance[f][k];
             lines.clone().map(power).sum::<f64>()
         };
         (0..functions).map(of).sum::<f64>() / (lines.len() * functions) as f64
@@ -147,8 +151,10 @@ impl FindingContext<'_> {
 
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
     fn functions_of(&self, pole: &ModelPole) -> String {
-        let residual = self.described.residual(lines_of_pole(self.data, pole));
-        let misfits = reduced_chi_square_by_frf(self.data, &residual, pole);
+        let residual = self
+            .described
+            .residual(lines_of_pole(&self.data.frfs, pole));
+        let misfits = reduced_chi_square_by_frf(&self.data.frfs, &residual, pole);
         let above = misfits
             .iter()
             .filter(|misfit| **misfit > MAX_CHI_SQUARE)

@@ -17,7 +17,6 @@ use rayon::prelude::*;
 use crate::axis::Band;
 use crate::frf::FrfSet;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::DetectedPeaks;
@@ -25,6 +24,7 @@ use crate::identify::data::residual::Residual;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleTable};
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
 use crate::identify::fit::compressed_band::CompressedBand;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
 use crate::identify::run_variation::RunShifts;
 
@@ -53,7 +53,7 @@ const ISOLATED_BANDWIDTHS: f64 = 1.0;
 
 /// Poles, data and noise model of a fit in progress.
 pub(in crate::identify) struct PoleModel {
-    pub data: BandFrfs,
+    pub data: FitData,
     pub sides: FrfMatrix,
     pub options: MethodOptions,
     pub roots: Vec<ModelPole>,
@@ -71,7 +71,7 @@ pub(in crate::identify) struct PoleModel {
 }
 
 impl PoleModel {
-    pub fn new(data: BandFrfs, sides: FrfMatrix, options: MethodOptions) -> Self {
+    pub fn new(data: FitData, sides: FrfMatrix, options: MethodOptions) -> Self {
         Self {
             data,
             sides,
@@ -88,8 +88,11 @@ impl PoleModel {
 
     /// Range of the frequencies of poles, rad/s.
     pub fn limits(&self) -> [f64; 2] {
-        let outside = POLE_MARGIN_OVER_BAND * self.data.range();
-        let (first, last) = (self.data.omega[0], self.data.omega[self.data.lines() - 1]);
+        let outside = POLE_MARGIN_OVER_BAND * self.data.frfs.range();
+        let (first, last) = (
+            self.data.frfs.omega[0],
+            self.data.frfs.omega[self.data.frfs.lines() - 1],
+        );
         [(first - outside).max(0.5 * first), last + outside]
     }
 
@@ -161,8 +164,8 @@ impl PoleModel {
         AcceptanceTest {
             sides: &self.sides,
             false_alarm_probability: self.options.false_alarm_probability,
-            lines: self.data.lines(),
-            step: self.data.step,
+            lines: self.data.frfs.lines(),
+            step: self.data.frfs.step,
         }
     }
 
@@ -174,19 +177,22 @@ impl PoleModel {
     /// residual. Returns whether the level of an FRF or the correlation changed.
     pub fn estimate_noise(&mut self) -> bool {
         mark_unconverged(&mut self.roots);
-        let (levels, correlation) = (self.levels(), self.data.correlation.clone());
+        let (levels, correlation) = (self.levels(), self.data.noise.line_correlation.clone());
         let mut residual = self.rest();
-        self.data.estimate_noise_and_correlation(&mut residual);
-        self.data.shared = self.data.shared.estimated_from(&self.data, &residual);
+        self.data.estimate_noise(&mut residual);
+        self.data
+            .noise
+            .estimate_force_noise(&self.data.frfs, &residual);
         let changed =
             |(before, now): (&f64, &f64)| (now / before - 1.0).abs() > MAX_VARIANCE_CHANGE;
-        self.data.correlation != correlation || levels.iter().zip(&self.levels()).any(changed)
+        self.data.noise.line_correlation != correlation
+            || levels.iter().zip(&self.levels()).any(changed)
     }
 
     /// Mean noise variance of each FRF.
     fn levels(&self) -> Vec<f64> {
-        let level = |f: usize| self.data.mean_variance(f, 0..self.data.lines());
-        (0..self.data.functions())
+        let level = |f: usize| self.data.noise.mean_variance(f, 0..self.data.frfs.lines());
+        (0..self.data.frfs.functions())
             .into_par_iter()
             .map(level)
             .collect()
@@ -194,14 +200,14 @@ impl PoleModel {
 
     /// Residual of the poles and the out-of-band terms.
     pub fn rest(&self) -> Residual {
-        let far = self.data.far();
-        let described = far.beside(&self.data, &self.roots);
-        described.residual(0..self.data.lines())
+        self.data
+            .predict(&self.roots)
+            .residual(0..self.data.frfs.lines())
     }
 
     /// Sets the standard deviations of the poles with the estimated noise model.
     pub fn add_noise_model_uncertainty(&mut self) {
-        let residual = self.data.line_shape.is_smoothed().then(|| self.rest());
+        let residual = self.data.frfs.line_shape.is_smoothed().then(|| self.rest());
         add_noise_model_uncertainty(&self.data, &mut self.roots, residual.as_ref());
     }
 
@@ -217,8 +223,9 @@ impl PoleModel {
         }
         let correlation_factor = self
             .data
-            .correlation
-            .amplitude_noise_factor(pole.decay(), self.data.step);
+            .noise
+            .line_correlation
+            .amplitude_noise_factor(pole.decay(), self.data.frfs.step);
         let factor = metrics.inflation() * (0.5 * correlation_factor).sqrt();
         let stds = pole.residue_variances.iter().map(|v| factor * v.sqrt());
         Some(stds.collect())
@@ -233,7 +240,7 @@ impl PoleModel {
         found: &DetectedPeaks,
         companions: &[(Complex64, f64)],
     ) -> PoleTable {
-        let described = self.data.far().beside(&self.data, &self.roots);
+        let described = self.data.predict(&self.roots);
         let is_mode = |pole: &ModelPole| {
             let hz = pole.lambda.norm() / TAU;
             !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz

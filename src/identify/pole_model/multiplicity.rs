@@ -11,10 +11,10 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, LinalgError, RealMatrix};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, combined};
 use crate::identify::fit::detection_threshold::uneven_noise_norm_quantile;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::mode_strength::Strength;
 use crate::identify::pole_model::pole_metrics::{MAX_CHI_SQUARE, PoleMetrics};
 
@@ -44,7 +44,7 @@ pub(in crate::identify) fn distinct_poles(estimates: &[ModelPole]) -> Vec<ModelP
 /// with free residues. Where a free pole has more modes than the poles near it, or is near one pole
 /// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
 pub(in crate::identify) fn complete_multiplicities(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     estimates: Vec<ModelPole>,
     (free, pole_metrics): (&[ModelPole], &[PoleMetrics]),
     false_alarm_probability: f64,
@@ -115,13 +115,13 @@ fn split_pole(pole: &ModelPole, mut factors: Vec<Vec<Complex64>>) -> Vec<ModelPo
 
 /// Participation factors of the modes of one pole.
 fn participation_factors(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     (pole, metrics): (&ModelPole, &PoleMetrics),
     false_alarm_probability: f64,
 ) -> Vec<Vec<Complex64>> {
-    let line = data.line_of(pole.lambda);
-    let level: Vec<f64> = (0..data.functions())
-        .map(|f| data.deviation(f, line))
+    let line = data.frfs.line_of(pole.lambda);
+    let level: Vec<f64> = (0..data.frfs.functions())
+        .map(|f| data.noise.std(f, line))
         .collect();
     // The strength of a pole is twice the energy of its residues over their noise.
     let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();

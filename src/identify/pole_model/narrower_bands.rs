@@ -22,11 +22,11 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::{OutOfBandBasis, OutOfBandTerms};
 use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::fit::block_descent::window;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::pole_covariance::{FitLines, orthogonal_derivative};
 use crate::identify::noise::band_profile::BandProfile;
 
@@ -57,7 +57,7 @@ const MAX_LINEAR_DECAY_RATES: f64 = 1.0;
 
 /// A fit whose poles are compared with those of narrower bands.
 pub(in crate::identify) struct NarrowerBands<'a> {
-    data: &'a BandFrfs,
+    data: &'a FitData,
     poles: &'a [ModelPole],
     /// Residual on all lines, over the noise.
     residual: Residual,
@@ -70,11 +70,11 @@ struct Shift {
 }
 
 impl<'a> NarrowerBands<'a> {
-    pub fn new(data: &'a BandFrfs, poles: &'a [ModelPole], described: &PredictedResponse) -> Self {
+    pub fn new(data: &'a FitData, poles: &'a [ModelPole], described: &PredictedResponse) -> Self {
         Self {
             data,
             poles,
-            residual: described.residual(0..data.lines()),
+            residual: described.residual(0..data.frfs.lines()),
         }
     }
 
@@ -92,7 +92,11 @@ impl<'a> NarrowerBands<'a> {
     /// The shift over each of [`BANDS`]; `None` where a band has too few lines, or too much noise.
     fn shifts(&self, pole: &ModelPole) -> [Option<Shift>; BANDS.len()] {
         let fit = PoleFit::new(self, pole);
-        let background = OutOfBandBasis::new(&self.data.omega, &fit.lines, self.data.outside());
+        let background = OutOfBandBasis::new(
+            &self.data.frfs.omega,
+            &fit.lines,
+            self.data.out_of_band_terms(),
+        );
         let fitted = fit.step(fit.lines.clone(), background);
         let variance = pole.quality.pole_std.powi(2);
         let correlated_over_white = variance / pole.quality.pole_bound.powi(2);
@@ -102,7 +106,7 @@ impl<'a> NarrowerBands<'a> {
             if band.len() < MIN_LINES {
                 return None;
             }
-            let omega = &self.data.omega[band.clone()];
+            let omega = &self.data.frfs.omega[band.clone()];
             let background =
                 OutOfBandBasis::new(omega, &(0..omega.len()), &OutOfBandTerms::Anywhere);
             let narrower = fit.step(band, background)?;
@@ -139,12 +143,12 @@ struct Step {
 impl<'a> PoleFit<'a> {
     fn new(model: &'a NarrowerBands<'a>, pole: &'a ModelPole) -> Self {
         let data = model.data;
-        let lines = window(data, std::iter::once(pole));
-        let BandProfile { level, course } = BandProfile::new(data, lines.clone());
+        let lines = window(&data.frfs, std::iter::once(pole));
+        let BandProfile { level, course } = BandProfile::new(&data.noise, lines.clone());
         let mut projected = vec![Complex64::ZERO; lines.len()];
         for (f, (a, level)) in pole.residues.iter().zip(&level).enumerate() {
             let residual = model.residual.of(f, lines.clone());
-            let variance = &data.variance[f][lines.clone()];
+            let variance = &data.noise.variance[f][lines.clone()];
             let values = residual.iter().zip(variance).zip(&course);
             for (sum, ((r, variance), course)) in projected.iter_mut().zip(values) {
                 *sum += a.conj() / level * r * (variance.sqrt() / (level * course));
@@ -163,7 +167,7 @@ impl<'a> PoleFit<'a> {
 
     /// Lines of a band, by its parts below and above the pole.
     fn band(&self, (below, above): (f64, f64)) -> Range<usize> {
-        let pole_line = self.model.data.line_of(self.pole.lambda);
+        let pole_line = self.model.data.frfs.line_of(self.pole.lambda);
         let below = below * (pole_line - self.lines.start) as f64;
         let above = above * (self.lines.end - 1 - pole_line) as f64;
         pole_line - below.round() as usize..pole_line + above.round() as usize + 1
@@ -178,7 +182,7 @@ impl<'a> PoleFit<'a> {
             course: &self.course[at.clone()],
             background,
         };
-        let derivative = orthogonal_derivative(data, (poles, self.pole), &fit)?;
+        let derivative = orthogonal_derivative(&data.frfs, (poles, self.pole), &fit)?;
         let energy: f64 = derivative.iter().map(Complex64::norm_sqr).sum();
         let terms = derivative.iter().zip(&self.projected[at]);
         let along: Complex64 = terms.map(|(g, r)| g.conj() * r).sum();
@@ -287,7 +291,7 @@ mod tests {
     ) -> PoleModel {
         let set = measured(second_contribution, noise, seed);
         let band = Band::new(band_hz[0], band_hz[1]).unwrap();
-        let data = BandFrfs::guarded(&set, band).unwrap();
+        let data = FitData::guarded(&set, band).unwrap();
         let mut fit = PoleModel::new(
             data,
             FrfMatrix::new(set.functions()),
@@ -314,8 +318,7 @@ mod tests {
             let mut ratios = vec![Vec::new(); BANDS.len()];
             for seed in 0..60 {
                 let fit = fitted(0.0, (noise, seed), WHOLE_HZ);
-                let far = fit.data.far();
-                let described = far.beside(&fit.data, &fit.roots);
+                let described = fit.data.predict(&fit.roots);
                 let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
                 for pole in &fit.roots {
                     assert!(bands.deviation(pole) <= 0.0, "{noise:?} {seed}");
@@ -348,14 +351,13 @@ mod tests {
     fn a_step_leads_back_to_the_pole() {
         let error = |pole: &ModelPole| Complex64::new(1e-3, -2e-3) * pole.decay();
         let fit = moved(Noise::None, error);
-        let far = fit.data.far();
-        let described = far.beside(&fit.data, &fit.roots);
+        let described = fit.data.predict(&fit.roots);
         let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
         let (pole, error) = (&fit.roots[1], error(&fit.roots[1]));
         let pole_fit = PoleFit::new(&bands, pole);
         for parts in BANDS {
             let band = pole_fit.band(parts);
-            let omega = &fit.data.omega[band.clone()];
+            let omega = &fit.data.frfs.omega[band.clone()];
             let background =
                 OutOfBandBasis::new(omega, &(0..omega.len()), &OutOfBandTerms::Anywhere);
             let step = pole_fit.step(band, background).expect("enough lines");
@@ -367,8 +369,7 @@ mod tests {
     #[test]
     fn a_fixed_pole_off_its_maximum_has_no_deviation_by_narrower_bands() {
         let fit = moved(Noise::Even, |pole| (10.0 * pole.quality.pole_std).into());
-        let far = fit.data.far();
-        let described = far.beside(&fit.data, &fit.roots);
+        let described = fit.data.predict(&fit.roots);
         let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
         assert!(bands.deviation(&fit.roots[1]) <= 0.0);
     }
@@ -384,8 +385,7 @@ mod tests {
         ];
         for (second_contribution, seed) in [(0.0, 0), (0.003, 1), (0.01, 2), (0.03, 3), (0.1, 4)] {
             let fit = fitted(second_contribution, (Noise::Even, seed), WHOLE_HZ);
-            let far = fit.data.far();
-            let described = far.beside(&fit.data, &fit.roots);
+            let described = fit.data.predict(&fit.roots);
             let pole = &fit.roots[1];
             let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
             let deviation = bands.deviation(pole);

@@ -16,6 +16,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::estimator::Candidate;
+use crate::identify::fit::fit_data::FitData;
 
 /// Half-width of the lines on which the chi-square is measured, half-power bandwidths.
 const CHI_SQUARE_BANDWIDTHS: f64 = 1.0;
@@ -79,17 +80,17 @@ pub(in crate::identify) struct PoleMetrics {
 
 /// Metrics of each pole.
 pub(in crate::identify) fn pole_metrics(
-    (data, sides): (&BandFrfs, &FrfMatrix),
+    (data, sides): (&FitData, &FrfMatrix),
     poles: &[ModelPole],
 ) -> Vec<PoleMetrics> {
-    let described = data.far().beside(data, poles);
+    let described = data.predict(poles);
     let metrics = |pole: &ModelPole| {
-        let lines = lines_of_pole(data, pole);
+        let lines = lines_of_pole(&data.frfs, pole);
         let of = |f: usize| {
-            let power = |k: usize| data.values[f][k].norm_sqr() / data.variance[f][k];
+            let power = |k: usize| data.frfs.values[f][k].norm_sqr() / data.noise.variance[f][k];
             lines.clone().map(power).sum::<f64>()
         };
-        let whole: f64 = (0..data.functions()).map(of).sum();
+        let whole: f64 = (0..data.frfs.functions()).map(of).sum();
         PoleMetrics {
             reduced_chi_square: residual_chi_square(data, &described, pole),
             contribution: (0.5 * pole.quality.significance().max(0.0) / whole).sqrt(),
@@ -161,23 +162,30 @@ fn same_shape_or_participation(sides: &FrfMatrix, pole: &ModelPole, other: &Mode
 
 /// Reduced chi-square of the residual of a model on the lines of a pole.
 pub(in crate::identify) fn residual_chi_square(
-    data: &BandFrfs,
+    data: &FitData,
     described: &PredictedResponse,
     pole: &ModelPole,
 ) -> f64 {
-    reduced_chi_square(data, &described.residual(lines_of_pole(data, pole)), pole)
+    reduced_chi_square(
+        data,
+        &described.residual(lines_of_pole(&data.frfs, pole)),
+        pole,
+    )
 }
 
 /// Reduced chi-square of a given residual on the lines of a pole, without the force noise that FRFs
 /// have in common.
 pub(in crate::identify) fn reduced_chi_square(
-    data: &BandFrfs,
+    data: &FitData,
     residual: &Residual,
     pole: &ModelPole,
 ) -> f64 {
-    let lines = lines_of_pole(data, pole);
-    let values = (lines.len() * data.functions()) as f64;
-    let energy = |k: usize| data.shared.held((data, residual), k, |f| residual.at(f, k));
+    let lines = lines_of_pole(&data.frfs, pole);
+    let values = (lines.len() * data.frfs.functions()) as f64;
+    let energy = |k: usize| {
+        data.noise
+            .noise_weighted_energy(&data.frfs, residual, k, |f| residual.at(f, k))
+    };
     lines.map(energy).sum::<f64>() / values
 }
 

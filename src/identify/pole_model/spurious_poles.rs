@@ -86,7 +86,7 @@ impl PoleModel {
             mark_unconverged(&mut self.roots);
             self.refine_and_prune(Convergence::Coarse);
             if policy == RejectionPolicy::ScatteredPhases {
-                self.data.count_misfit_as_noise();
+                self.data.noise.count_misfit_as_noise();
                 self.reestimate_noise_and_prune();
             } else {
                 self.reinstate_needed(&removed);
@@ -127,7 +127,7 @@ impl PoleModel {
     /// Reinstates, for good, single isolated poles without which the misfit rises far: two poles in
     /// one resonance fit any response that one does not.
     fn reinstate_needed(&mut self, removed: &[(ModelPole, f64)]) {
-        let described = self.data.far().beside(&self.data, &self.roots);
+        let described = self.data.predict(&self.roots);
         let needed = |(pole, before): &&(ModelPole, f64)| {
             let is_isolated = self.roots.iter().all(|other| pole.separation(other) > 1.0);
             let now = residual_chi_square(&self.data, &described, pole);

@@ -24,10 +24,10 @@ use rayon::prelude::*;
 
 use crate::frf::{Function, measurement_runs};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::estimator::Candidate;
+use crate::identify::fit::fit_data::FitData;
 
 mod model_selection;
 mod pole_shift;
@@ -105,13 +105,13 @@ impl RunShifts {
     }
 
     /// Aligns every FRF to the mean of the runs.
-    pub fn align_runs(&self, data: &mut BandFrfs) {
+    pub fn align_runs(&self, data: &mut FitData) {
         if self.modes.is_empty() {
             return;
         }
         for (run, functions) in self.runs.iter().enumerate() {
             for f in functions {
-                let line_shape = data.line_shape;
+                let line_shape = data.frfs.line_shape;
                 data.correct(*f, |omega| {
                     let correction =
                         |mode: &ShiftedMode| mode.correction(line_shape, *f, run, omega);
@@ -123,7 +123,7 @@ impl RunShifts {
 
     /// Updates the shifted modes from a fit of the FRFs as aligned now. Returns whether anything
     /// changed.
-    pub fn update_from_fit(&mut self, data: &BandFrfs, model_poles: &[ModelPole]) -> bool {
+    pub fn update_from_fit(&mut self, data: &FitData, model_poles: &[ModelPole]) -> bool {
         if self.rounds == MAX_ROUNDS || self.runs.len() < MIN_RUNS {
             return false;
         }
@@ -217,7 +217,7 @@ impl RunShifts {
 
     /// Shifted modes by the grouping of poles with the fewest modes, and of several such groupings
     /// the one with the largest gain.
-    fn shifted_modes(&self, data: &BandFrfs, model_poles: &[ModelPole]) -> Vec<ShiftedMode> {
+    fn shifted_modes(&self, data: &FitData, model_poles: &[ModelPole]) -> Vec<ShiftedMode> {
         let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
             .map(|(bandwidths, fraction)| groups(model_poles, bandwidths, fraction))
             .into();
@@ -238,7 +238,7 @@ impl RunShifts {
     fn modes_of_grouping(
         &self,
         groups: Vec<Vec<usize>>,
-        data: &BandFrfs,
+        data: &FitData,
         model_poles: &[ModelPole],
     ) -> Grouping {
         let group_modes: Vec<Vec<&ShiftedMode>> = self.modes_by_group(&groups, model_poles);

@@ -4,10 +4,10 @@ use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
 use crate::identify::data::residual::{courses, residues};
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::run_variation::shifted_mode::ShiftedMode;
 
@@ -22,7 +22,7 @@ pub(super) const CONVERGED_STEP_DECAY_RATES: f64 = 1e-6;
 /// The lines around a strong pole and the poles of its group, without the response of poles farther
 /// away.
 pub(super) struct Resonance<'a> {
-    pub(super) data: &'a BandFrfs,
+    pub(super) data: &'a FitData,
     pub(super) omega: Vec<f64>,
     pub(super) profile: BandProfile,
     /// Values over the noise, of aligned runs: lines × FRFs.
@@ -40,7 +40,7 @@ impl<'a> Resonance<'a> {
     /// The lines around the strong pole of a group; the FRFs are aligned by `shifted` modes. `None`
     /// where too few lines separate the poles around.
     pub fn new(
-        data: &'a BandFrfs,
+        data: &'a FitData,
         model_poles: &'a [ModelPole],
         group: &[usize],
         runs: &[Vec<usize>],
@@ -49,16 +49,16 @@ impl<'a> Resonance<'a> {
         let strong = &model_poles[group[0]];
         let distance = |j: &usize| (model_poles[*j].lambda.im - strong.lambda.im).abs();
         let farthest = group.iter().map(distance).fold(0.0, f64::max) / strong.width();
-        let side =
-            farthest + HALF_WIDTH_BANDWIDTHS.max(MIN_LINES_PER_SIDE * data.step / strong.width());
-        let lines = data.lines_around(strong.lambda, side);
-        let omega = data.omega[lines.clone()].to_vec();
+        let side = farthest
+            + HALF_WIDTH_BANDWIDTHS.max(MIN_LINES_PER_SIDE * data.frfs.step / strong.width());
+        let lines = data.frfs.lines_around(strong.lambda, side);
+        let omega = data.frfs.omega[lines.clone()].to_vec();
         let near = |lambda: Complex64| is_nearby(&omega, lambda);
         let (poles_near, farther): (Vec<ModelPole>, Vec<ModelPole>) = model_poles
             .iter()
             .cloned()
             .partition(|model_pole| near(model_pole.lambda));
-        let background = OutOfBandBasis::new(&data.omega, &lines, data.outside());
+        let background = OutOfBandBasis::new(&data.frfs.omega, &lines, data.out_of_band_terms());
         let middle = 0.5 * omega.len() as f64;
         let columns = background.columns();
         let background = linalg::complex_matrix(omega.len(), columns + 1, |k, column| {
@@ -73,12 +73,12 @@ impl<'a> Resonance<'a> {
         if omega.len() < 2 * (poles_near.len() + background.ncols() + 2) {
             return None;
         }
-        let profile = BandProfile::new(data, lines.clone());
+        let profile = BandProfile::new(&data.noise, lines.clone());
         let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
-        let explained =
-            courses(data.line_shape, &omega, &farther) * residues(&farther, data.functions());
-        let aligned = linalg::complex_matrix(omega.len(), data.functions(), |k, f| {
-            let value = data.values[f][lines.start + k] - explained[(k, f)];
+        let explained = courses(data.frfs.line_shape, &omega, &farther)
+            * residues(&farther, data.frfs.functions());
+        let aligned = linalg::complex_matrix(omega.len(), data.frfs.functions(), |k, f| {
+            let value = data.frfs.values[f][lines.start + k] - explained[(k, f)];
             value / over(k, f)
         });
         let modes_near: Vec<&ShiftedMode> =
@@ -91,7 +91,7 @@ impl<'a> Resonance<'a> {
             {
                 let corrections = modes_near
                     .iter()
-                    .map(|mode| mode.correction(data.line_shape, f, run, omega[k]));
+                    .map(|mode| mode.correction(data.frfs.line_shape, f, run, omega[k]));
                 values[(k, f)] -= corrections.sum::<Complex64>() / over(k, f);
             }
         }
@@ -120,7 +120,7 @@ impl<'a> Resonance<'a> {
         let columns = near.len() + self.background.ncols();
         let columns = linalg::complex_matrix(self.omega.len(), columns, |k, column| {
             let value = match near.get(column) {
-                Some(lambda) => self.data.line_shape.pole(self.omega[k], *lambda) * lambda.re,
+                Some(lambda) => self.data.frfs.line_shape.pole(self.omega[k], *lambda) * lambda.re,
                 None => self.background[(k, column - near.len())],
             };
             value / self.profile.course[k]
@@ -142,7 +142,7 @@ impl<'a> Resonance<'a> {
     }
 
     pub fn functions(&self) -> usize {
-        self.data.functions()
+        self.data.frfs.functions()
     }
 
     /// Measured values over the noise: lines × FRFs.

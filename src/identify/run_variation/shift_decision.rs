@@ -96,7 +96,10 @@ impl Resonance<'_> {
         let run_step = |run: &Vec<usize>| fit.steps(run.iter().copied())[0];
         let steps: Vec<Step> = runs.iter().map(run_step).collect();
         let values = (self.omega.len() * functions.len()) as f64;
-        let correlation_factor = self.data.shared.pole_noise_factor(self.data, model_pole);
+        let correlation_factor = self
+            .data
+            .noise
+            .pole_noise_factor(&self.data.frfs, model_pole);
         let noise = correlation_factor * (fit.without_derivative() / values).min(1.0);
         let variances = steps.iter().map(|step| 0.5 / step.weight);
         if !has_enough_runs(
@@ -229,7 +232,10 @@ impl Resonance<'_> {
     fn criterion(&self, runs: &[Vec<usize>], residual_energy: f64) -> Criterion {
         let functions = runs.iter().map(Vec::len).sum();
         let values = (self.omega.len() * functions) as f64;
-        let correlation_factor = self.data.shared.pole_noise_factor(self.data, self.group[0]);
+        let correlation_factor = self
+            .data
+            .noise
+            .pole_noise_factor(&self.data.frfs, self.group[0]);
         let rounding = ROUND_OFF_ENERGY * self.aligned.squared_norm_l2();
         let residual_energy = residual_energy.max(rounding).max(f64::MIN_POSITIVE);
         Criterion {
@@ -335,10 +341,10 @@ impl Resonance<'_> {
             .iter()
             .map(|model_pole| (*model_pole).clone())
             .collect();
-        let explained = courses(self.data.line_shape, &self.omega, &group_poles)
-            * residues(&group_poles, self.data.functions());
+        let explained = courses(self.data.frfs.line_shape, &self.omega, &group_poles)
+            * residues(&group_poles, self.data.frfs.functions());
         let BandProfile { course, level } = &self.profile;
-        let (lines, functions) = (self.omega.len(), self.data.functions());
+        let (lines, functions) = (self.omega.len(), self.data.frfs.functions());
         let residual = linalg::complex_matrix(lines, functions, |k, f| {
             self.aligned[(k, f)] - explained[(k, f)] / (course[k] * level[f])
         });

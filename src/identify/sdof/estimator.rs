@@ -23,6 +23,7 @@ use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::residues;
 use crate::identify::method::Method;
 use crate::identify::sdof::findings;
@@ -49,15 +50,20 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
     }
 
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
-        let data = BandFrfs::new(set, band)?;
-        let indicator = DetectionSpectrum::new(&data);
-        let mut found =
-            peak_detection::search(&data, &indicator, self.options.false_alarm_probability);
+        let data = FitData::new(set, band)?;
+        let frfs = &data.frfs;
+        let indicator = DetectionSpectrum::new(frfs, data.noise.stated_variance());
+        let mut found = peak_detection::search(
+            frfs,
+            &data.noise.variance,
+            &indicator,
+            self.options.false_alarm_probability,
+        );
         let (resonances, residues) = loop {
             let (resonances, residues) =
-                self.run_passes(&data, initial_resonances(&data, &indicator, &found));
+                self.run_passes(&data, initial_resonances(frfs, &indicator, &found));
             let fitted = |mode: usize| resonances[mode].fit.is_some();
-            if !peak_detection::reject_background_maxima(&mut found, (&data, &indicator), fitted) {
+            if !peak_detection::reject_background_maxima(&mut found, frfs, &indicator, fitted) {
                 break (resonances, residues);
             }
         };
@@ -69,7 +75,7 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
             findings::verdicts(&data, &found, &resonances, &residues, table, highest_rad_s)?;
         let context = findings::Context {
             set,
-            data: &data,
+            data: frfs,
             found: &found,
             resonances: &resonances,
             verdicts: &verdicts,
@@ -91,23 +97,23 @@ impl<M: SingleModeMethod> Method for SingleModeEstimator<M> {}
 impl<M: SingleModeMethod> SingleModeEstimator<M> {
     fn run_passes(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         mut resonances: Vec<Resonance>,
     ) -> (Vec<Resonance>, Vec<Vec<Complex64>>) {
         for _ in 0..REFINEMENT_PASSES {
-            let (poles, residues) = update_residues(data, &mut resonances);
+            let (poles, residues) = update_residues(&data.frfs, &mut resonances);
             resonances = (0..resonances.len())
                 .into_par_iter()
                 .map(|j| self.refit(data, &poles, &residues, &resonances, j))
                 .collect();
         }
-        let (_, residues) = update_residues(data, &mut resonances);
+        let (_, residues) = update_residues(&data.frfs, &mut resonances);
         (resonances, residues)
     }
 
     fn refit(
         &self,
-        data: &BandFrfs,
+        data: &FitData,
         poles: &[Complex64],
         residues: &[Vec<Complex64>],
         resonances: &[Resonance],
@@ -115,12 +121,12 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
     ) -> Resonance {
         let mut resonance = resonances[mode].clone();
         let (half_bandwidths, min_side_lines) = self.method.window();
-        let lines = window(data, poles, mode, half_bandwidths, min_side_lines);
+        let lines = window(&data.frfs, poles, mode, half_bandwidths, min_side_lines);
         let isolated = Isolated {
-            omega: &data.omega[lines.clone()],
-            values: residues::remainder(data, poles, residues, (&[mode], lines.clone())),
-            variance: (0..data.functions())
-                .map(|f| data.mean_variance(f, lines.clone()))
+            omega: &data.frfs.omega[lines.clone()],
+            values: residues::remainder(&data.frfs, poles, residues, (&[mode], lines.clone())),
+            variance: (0..data.frfs.functions())
+                .map(|f| data.noise.mean_variance(f, lines.clone()))
                 .collect(),
             lambda: resonance.lambda,
         };
@@ -128,7 +134,7 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
         resonance.fit = self
             .method
             .fit(&isolated)
-            .filter(|fit| plausible(&initial, mode, data.step, fit));
+            .filter(|fit| plausible(&initial, mode, data.frfs.step, fit));
         if let Some(fit) = resonance.fit {
             resonance.lambda = fit.lambda;
         }

@@ -12,6 +12,7 @@ use crate::modal::Pole;
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::peak_detection::{self, DetectedPeaks, Peak, PeakRejection};
 use crate::identify::error::IdentifyError;
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::residues;
 use crate::identify::sdof::repeated_poles::{self, IsolatedLines, PairTable, ShapeCount};
 use crate::identify::sdof::single_mode_method::Resonance;
@@ -63,7 +64,7 @@ pub(in crate::identify) struct SdofVerdict {
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
 pub(in crate::identify) fn verdicts(
-    data: &BandFrfs,
+    data: &FitData,
     found: &DetectedPeaks,
     resonances: &[Resonance],
     residues: &[Vec<Complex64>],
@@ -73,7 +74,7 @@ pub(in crate::identify) fn verdicts(
     let poles: Vec<Complex64> = resonances.iter().map(|r| r.lambda).collect();
     let verdict = |mode: usize| {
         let mode_residues = &residues[mode];
-        let neighbour = nearest(data, found, resonances, mode);
+        let neighbour = nearest(&data.frfs, found, resonances, mode);
         if neighbour.is_some() {
             return Ok(SdofVerdict {
                 excess: neighbour,
@@ -82,23 +83,25 @@ pub(in crate::identify) fn verdicts(
             });
         }
         let lines = resonances[mode].lines.clone();
-        let isolated = residues::remainder(data, &poles, residues, (&[mode], lines.clone()));
-        let functions = 0..data.functions();
+        let isolated = residues::remainder(&data.frfs, &poles, residues, (&[mode], lines.clone()));
+        let functions = 0..data.frfs.functions();
         let variance: Vec<f64> = functions
-            .map(|f| data.mean_variance(f, lines.clone()))
+            .map(|f| data.noise.mean_variance(f, lines.clone()))
             .collect();
         let shape = single_mode_test::second_shape(&isolated, &variance)?;
         let pole = single_mode_test::second_pole(
-            &data.omega[lines.clone()],
+            &data.frfs.omega[lines.clone()],
             poles[mode],
             mode_residues,
             &isolated,
             &variance,
         );
         let residues = match shape {
-            Some(_) => {
-                residues::residues_at_individual_frequencies(data, poles[mode], (&isolated, lines))
-            }
+            Some(_) => residues::residues_at_individual_frequencies(
+                &data.frfs,
+                poles[mode],
+                (&isolated, lines),
+            ),
             None => mode_residues.clone(),
         };
         let table = table.filter(|_| poles[mode].im <= highest_rad_s);
@@ -107,10 +110,10 @@ pub(in crate::identify) fn verdicts(
             (None, None) => ShapeCount::OnePole(1),
             (Some(table), None) => {
                 let lines = IsolatedLines {
-                    omega: &data.omega[resonances[mode].lines.clone()],
+                    omega: &data.frfs.omega[resonances[mode].lines.clone()],
                     lambda: poles[mode],
                     values: &isolated,
-                    variance: data.variance_measured().then_some(&variance),
+                    variance: data.noise.is_stated().then_some(&variance),
                 };
                 repeated_poles::count_shapes(table, &lines)?
             }
