@@ -25,7 +25,6 @@ use crate::frf::Function;
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::residual::Residual;
-use crate::identify::noise::input_variance::Noise;
 use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::variance_model::{SmoothedVariance, VarianceSamples};
 
@@ -62,11 +61,11 @@ pub(in crate::identify) struct ForceNoise {
 }
 
 impl ForceNoise {
-    /// Estimate from the variances, before any residual exists, with the line correlation of a
-    /// stated window.
+    /// Estimate before any residual exists: the common fraction at each FRF, from the variances,
+    /// and the line correlation of a stated window.
     pub fn from_variances(
         functions: &[Function],
-        noise: &[Noise],
+        common_fraction: impl Fn(usize) -> f64,
         window: &LineCorrelation,
     ) -> Self {
         let mut groups: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
@@ -74,8 +73,10 @@ impl ForceNoise {
             groups.entry(&function.reference).or_default().push(number);
         }
         let groups: Vec<Vec<usize>> = groups.into_values().collect();
-        let fraction_from_variances: Vec<f64> =
-            groups.iter().map(|group| noise[group[0]].shared).collect();
+        let fraction_from_variances: Vec<f64> = groups
+            .iter()
+            .map(|group| common_fraction(group[0]))
+            .collect();
         Self {
             variance_ratio: Vec::new(),
             common_fraction: fraction_from_variances.clone(),

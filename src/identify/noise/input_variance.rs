@@ -37,7 +37,7 @@ pub(in crate::identify) struct Noise {
     /// Whether the data supply them (variance or coherence).
     pub measured: bool,
     /// Common fraction of the force noise of its reference, as estimated from the variances.
-    pub shared: f64,
+    pub common_fraction: f64,
 }
 
 /// Variances of all FRFs of a set on a range of lines.
@@ -58,8 +58,8 @@ pub(in crate::identify) fn noise_of_set(set: &FrfSet, lines: &Range<usize>) -> V
             .filter_map(|i| estimated[*i].as_ref())
             .collect();
         let smooth = variance_model::smooth(&samples);
-        let shared = common_fraction_from_variances(&samples, &smooth);
-        let smooth = smooth.into_iter().map(|smooth| (smooth, shared));
+        let common_fraction = common_fraction_from_variances(&samples, &smooth);
+        let smooth = smooth.into_iter().map(|smooth| (smooth, common_fraction));
         measured.extend(group.into_iter().zip(smooth));
     }
     let of_function = |i: usize| {
@@ -77,7 +77,7 @@ pub(in crate::identify) fn noise_of_set(set: &FrfSet, lines: &Range<usize>) -> V
             variance: noise.variance,
             force_fraction: noise.force_fraction,
             measured: supplied.is_some(),
-            shared: supplied.map_or(0.0, |(_, shared)| *shared),
+            common_fraction: supplied.map_or(0.0, |(_, fraction)| *fraction),
         }
     };
     (0..set.len()).into_par_iter().map(of_function).collect()

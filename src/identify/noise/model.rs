@@ -62,7 +62,8 @@ impl NoiseModel {
             .map(|frf_noise| frf_noise.force_fraction.clone())
             .collect();
         let window = LineCorrelation::of_window(set.added_damping_rad_s, frfs.step, frfs.lines());
-        let force_noise = ForceNoise::from_variances(set.functions(), &noise, &window);
+        let common_fraction = |f: usize| noise[f].common_fraction;
+        let force_noise = ForceNoise::from_variances(set.functions(), common_fraction, &window);
         let of_receptance = |(noise, scale): (Noise, &Arc<Vec<f64>>)| {
             let variance = noise.variance.iter().zip(scale.iter());
             let receptance_noise = SmoothedVariance {
