@@ -157,7 +157,7 @@ impl LineShape {
 
     /// `(scale/(iω − λ))ⁿ`, n = 1, 2, 3, or smoothed: `scaleⁿ/(n − 1)!` times the
     /// derivative of order n − 1 by λ of the smoothed pole.
-    pub fn power(&self, scale: f64, (omega, lambda): (f64, Complex64), n: usize) -> Complex64 {
+    pub fn power(&self, scale: f64, omega: f64, lambda: Complex64, n: usize) -> Complex64 {
         let s = Complex64::new(0.0, omega) - lambda;
         match &self.0 {
             None => (scale / s).powu(n as u32),
@@ -169,7 +169,7 @@ impl LineShape {
     pub fn pole(&self, omega: f64, lambda: Complex64) -> Complex64 {
         match self.0 {
             None => (Complex64::new(0.0, omega) - lambda).inv(),
-            Some(_) => self.power(1.0, (omega, lambda), 1),
+            Some(_) => self.power(1.0, omega, lambda, 1),
         }
     }
 }
@@ -364,7 +364,7 @@ mod tests {
         let s = Complex64::new(0.0, omega) - lambda;
         for n in 1..=POWERS {
             let expected = by_definition(&correlation, (2.0 * s, n)) * 6f64.powi(n as i32);
-            let error = (shape.power(3.0, (omega, lambda), n) - expected).norm();
+            let error = (shape.power(3.0, omega, lambda, n) - expected).norm();
             assert!(error < 2e-5 * 6f64.powi(n as i32), "{n}: {error}");
         }
         assert_eq!(LineShape::of(&set_under(None)), LineShape::EXACT);
@@ -414,7 +414,7 @@ mod tests {
     fn powers_are_derivatives_of_the_pole() {
         let shape = LineShape(Smoothing::new(2.0, Window::HannBroad));
         let (omega, lambda, step) = (7.0, Complex64::new(-0.6, 6.5), 1e-5);
-        let at = |n: usize, pole: Complex64| shape.power(1.0, (omega, pole), n);
+        let at = |n: usize, pole: Complex64| shape.power(1.0, omega, pole, n);
         for n in 1..POWERS {
             let difference = (at(n, lambda + step) - at(n, lambda - step)) / (2.0 * step);
             let error = (difference / (n as f64) - at(n + 1, lambda)).norm();

@@ -58,7 +58,7 @@ impl<'a> OutOfBandBasis<'a> {
         let (below, above) = (lines.start == 0, lines.end == omega.len());
         match outside {
             OutOfBandTerms::Anywhere => Self {
-                poles: clustered(omega, lines, (below, above)),
+                poles: clustered(omega, lines, below, above),
                 courses: Vec::new(),
             },
             OutOfBandTerms::Courses(courses) => {
@@ -99,7 +99,7 @@ impl<'a> OutOfBandBasis<'a> {
 }
 
 /// Poles clustered towards those ends of a range that are ends of the band.
-fn clustered(omega: &[f64], lines: &Range<usize>, (below, above): (bool, bool)) -> Vec<Complex64> {
+fn clustered(omega: &[f64], lines: &Range<usize>, below: bool, above: bool) -> Vec<Complex64> {
     let step = omega[1] - omega[0];
     // Few lines cannot determine many poles.
     let max_columns = lines.len() / MIN_LINES_PER_POLE;

@@ -20,9 +20,8 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combined};
 use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
-use crate::identify::fit::fit_context::FitContext;
 use crate::identify::fit::fit_data::FitData;
-use crate::identify::fit::gauss_newton::{Block, Fitted, Unknown, fit};
+use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
 
 /// Half length of the lines of a block, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 20.0;
@@ -69,10 +68,12 @@ pub(in crate::identify) enum Convergence {
 /// fitted once more, with the final values of distant poles. Compressed bands are kept for the next
 /// refinement.
 pub(in crate::identify) fn refine(
-    (data, sides): (&FitData, &FrfMatrix),
+    data: &FitData,
+    sides: &FrfMatrix,
     windows: &mut Vec<CompressedBand>,
     mut roots: Vec<ModelPole>,
-    (limits, stop): ([f64; 2], Convergence),
+    limits: [f64; 2],
+    stop: Convergence,
 ) -> Vec<ModelPole> {
     let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
@@ -120,10 +121,10 @@ pub(in crate::identify) fn refine(
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()
-            .map(|task| fit(&around, &task.block, (&mut task.window, steps)))
+            .map(|task| fit(&around, &task.block, &mut task.window, steps))
             .collect();
         for (task, fitted) in active.iter().zip(&fitted) {
-            update_poles(&mut roots, (&task.block, fitted), stop);
+            update_poles(&mut roots, &task.block, fitted, stop);
         }
         let before = roots.len();
         let is_shown =
@@ -195,7 +196,7 @@ fn is_visible(frfs: &BandFrfs, root: &ModelPole) -> bool {
 }
 
 /// Updates the core poles of a block from its fit.
-fn update_poles(roots: &mut [ModelPole], (block, fitted): (&Block, &Fitted), stop: Convergence) {
+fn update_poles(roots: &mut [ModelPole], block: &Block, fitted: &Fitted, stop: Convergence) {
     let misfit_factor = fitted.misfit.max(1.0).sqrt();
     let max_step_stds = match stop {
         Convergence::Coarse | Convergence::Residues => COARSE_STEP_STDS * misfit_factor,

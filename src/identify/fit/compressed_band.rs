@@ -25,7 +25,6 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
-use crate::identify::fit::fit_context::FitContext;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::variable_projection::Compressed;
 use crate::identify::noise::band_profile::BandProfile;
@@ -64,6 +63,16 @@ pub(in crate::identify) struct CompressedBand {
     far: ComplexMatrix,
     /// Version of the data that they were computed from.
     version: u64,
+}
+
+/// Response of other poles and of out-of-band terms, which is subtracted from the values.
+pub(in crate::identify) struct KnownResponse<'a> {
+    /// Line shapes of the poles and of their conjugates: lines × twice the number of poles.
+    pub line_shapes: &'a ComplexMatrix,
+    /// Residues of the poles and of their conjugates: twice the number of poles × FRFs.
+    pub residues: &'a ComplexMatrix,
+    /// Coordinates of the out-of-band terms of all lines, where they are subtracted.
+    pub out_of_band: Option<&'a ComplexMatrix>,
 }
 
 /// Coordinates of the values minus the contribution of other poles and out-of-band terms.
@@ -227,12 +236,11 @@ impl CompressedBand {
         (nearest.1.norm() <= self.near).then_some(nearest)
     }
 
-    /// Coordinates of the values minus the other poles and the out-of-band terms of all lines;
-    /// `known` has the line shapes of these poles, lines × twice the number of poles.
-    pub fn near(&self, around: &FitContext, known: &ComplexMatrix) -> CompressedValues {
-        let courses = linalg::adjoint_product(&self.weights, known.as_ref());
-        let mut values = &self.values - courses * around.residues;
-        if let Some(coordinates) = around.far {
+    /// Coordinates of the values minus the known response.
+    pub fn near(&self, known: &KnownResponse) -> CompressedValues {
+        let courses = linalg::adjoint_product(&self.weights, known.line_shapes.as_ref());
+        let mut values = &self.values - courses * known.residues;
+        if let Some(coordinates) = known.out_of_band {
             values -= &self.far * coordinates;
         }
         let energy = |f: usize| {
@@ -245,14 +253,10 @@ impl CompressedBand {
         }
     }
 
-    /// Energy over the noise of the values minus the other poles and out-of-band terms. The part
-    /// outside the basis is estimated from some FRFs, for all.
-    pub fn energy(
-        &self,
-        around: &FitContext,
-        (known, near): (&ComplexMatrix, &CompressedValues),
-    ) -> f64 {
-        let functions = around.data.frfs.functions();
+    /// Energy over the noise of the values minus the known response, with the coordinates of these.
+    /// The part outside the basis is estimated from some FRFs, for all.
+    pub fn energy(&self, data: &FitData, known: &KnownResponse, near: &CompressedValues) -> f64 {
+        let functions = data.frfs.functions();
         let stride = functions.div_ceil(MAX_SAMPLED_FRFS);
         let sampled: Vec<usize> = (0..functions).step_by(stride).collect();
         let of = |matrix: &ComplexMatrix| {
@@ -260,13 +264,13 @@ impl CompressedBand {
                 matrix[(i, sampled[index])]
             })
         };
-        let mut subtracted = known * of(around.residues);
-        if let Some(coordinates) = around.far {
-            let columns = around.data.out_of_band_fit().columns();
+        let mut subtracted = known.line_shapes * of(known.residues);
+        if let Some(coordinates) = known.out_of_band {
+            let columns = data.out_of_band_fit().columns();
             subtracted += columns.subrows(self.lines.start, self.lines.len()) * of(coordinates);
         }
         let outside_basis = |(index, f): (usize, &usize)| {
-            let values = around.data.frfs.values[*f][self.lines.clone()].iter();
+            let values = data.frfs.values[*f][self.lines.clone()].iter();
             let terms = values
                 .zip(subtracted.col(index).iter())
                 .zip(&self.profile.course);
@@ -284,7 +288,8 @@ impl CompressedBand {
     pub fn compressed(
         &self,
         near: &CompressedValues,
-        (members, moving): (&[ModelPole], &[usize]),
+        members: &[ModelPole],
+        moving: &[usize],
     ) -> (Compressed, f64) {
         let (count, first) = (members.len(), self.background);
         let expansions: Vec<(usize, Complex64)> = members
@@ -365,7 +370,7 @@ fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandP
 fn courses(line_shape: LineShape, omega: &[f64], expansion_points: &[Complex64]) -> ComplexMatrix {
     linalg::complex_matrix(omega.len(), POWERS * expansion_points.len(), |k, column| {
         let lambda = expansion_points[column / POWERS];
-        line_shape.power(lambda.re.abs(), (omega[k], lambda), column % POWERS + 1)
+        line_shape.power(lambda.re.abs(), omega[k], lambda, column % POWERS + 1)
     })
 }
 

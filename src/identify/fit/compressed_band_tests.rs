@@ -3,11 +3,9 @@
 use num_complex::Complex64;
 
 use crate::axis::{Band, FrequencyAxis};
-use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
-use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
-use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues, KnownResponse};
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::synthetic::{Measurement, Structure};
 use crate::linalg::{self, ComplexMatrix};
@@ -17,11 +15,11 @@ use crate::modal::Pole;
 const SENSORS: usize = 60;
 
 /// Two modes with large components at the even sensors and small ones at the odd.
-fn measured() -> (FitData, FrfMatrix, [Complex64; 2]) {
+fn measured() -> (FitData, [Complex64; 2]) {
     measured_at(50.0)
 }
 
-fn measured_at(snr_db: f64) -> (FitData, FrfMatrix, [Complex64; 2]) {
+fn measured_at(snr_db: f64) -> (FitData, [Complex64; 2]) {
     let shape = |a: f64| {
         let value = |p: usize| {
             if p.is_multiple_of(2) {
@@ -51,7 +49,7 @@ fn measured_at(snr_db: f64) -> (FitData, FrfMatrix, [Complex64; 2]) {
     });
     let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
     let poles = modes.map(|(hz, zeta)| Pole::from_frequency(hz, zeta).lambda);
-    (data, FrfMatrix::new(set.functions()), poles)
+    (data, poles)
 }
 
 fn members(poles: &[Complex64]) -> Vec<ModelPole> {
@@ -60,20 +58,16 @@ fn members(poles: &[Complex64]) -> Vec<ModelPole> {
 }
 
 /// Coordinates of all values of a compressed band, with nothing subtracted, and their energy.
-fn all(window: &CompressedBand, (data, sides): (&FitData, &FrfMatrix)) -> (CompressedValues, f64) {
+fn all(window: &CompressedBand, data: &FitData) -> (CompressedValues, f64) {
     let zero = |rows, columns| linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO);
     let residues: ComplexMatrix = zero(2, SENSORS);
-    let around = FitContext {
-        data,
-        sides,
-        roots: &[],
+    let known = KnownResponse {
+        line_shapes: &zero(window.lines().len(), 2),
         residues: &residues,
-        far: None,
-        last: false,
+        out_of_band: None,
     };
-    let known = zero(window.lines().len(), 2);
-    let near = window.near(&around, &known);
-    let energy = window.energy(&around, (&known, &near));
+    let near = window.near(&known);
+    let energy = window.energy(data, &known, &near);
     (near, energy)
 }
 
@@ -82,7 +76,8 @@ fn all(window: &CompressedBand, (data, sides): (&FitData, &FrfMatrix)) -> (Compr
 fn by_lines(
     data: &FitData,
     window: &CompressedBand,
-    (poles, powers): (&[Complex64], usize),
+    poles: &[Complex64],
+    powers: usize,
 ) -> (f64, f64) {
     let (lines, profile) = (window.lines().clone(), window.profile());
     let omega = &data.frfs.omega[lines.clone()];
@@ -108,7 +103,7 @@ fn by_lines(
 
 #[test]
 fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_poles() {
-    let (data, sides, truth) = measured();
+    let (data, truth) = measured();
     let mut window = CompressedBand::new(&data, &(60..341), truth.to_vec());
     // Within range, half a decay rate off one after the other, and back.
     let offsets = [[0.0, 2e-5], [0.5, 2e-5], [0.5, -0.4], [0.0, 0.0]];
@@ -119,12 +114,12 @@ fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_pol
             window.follow(&data, poles.to_vec());
         }
         assert!(window.serves(&poles));
-        let (near, energy) = all(&window, (&data, &sides));
+        let (near, energy) = all(&window, &data);
         // With the derivatives of both, and with line shapes alone.
         let mut whole = 0.0;
         for (moving, powers) in [(&[0, 1][..], 2), (&[], 1)] {
-            let (_, explained) = window.compressed(&near, (&members(&poles), moving));
-            let (expected, all) = by_lines(&data, &window, (&poles, powers));
+            let (_, explained) = window.compressed(&near, &members(&poles), moving);
+            let (expected, all) = by_lines(&data, &window, &poles, powers);
             // Ten digits of the whole: the residual is 1e-5 of it.
             let difference = (explained - expected).abs();
             assert!(difference < 1e-10 * all, "{explained} {expected}");
@@ -139,7 +134,7 @@ fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_pol
 
 #[test]
 fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
-    let (data, sides, truth) = measured_at(90.0);
+    let (data, truth) = measured_at(90.0);
     let lines = 60..341;
     let window = |offset: f64| {
         let about = truth.map(|lambda| lambda + offset * lambda.re.abs());
@@ -158,9 +153,9 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
     let expected = (1e-3 / strongest.fold(0.0, f64::max).sqrt()).cbrt();
     assert!((range / expected - 1.0).abs() < 0.15, "{range} {expected}");
     let window = window(range);
-    let (near, _) = all(&window, (&data, &sides));
-    let (_, explained) = window.compressed(&near, (&members(&truth), &[]));
-    let (expected, _) = by_lines(&data, &window, (&truth, 1));
+    let (near, _) = all(&window, &data);
+    let (_, explained) = window.compressed(&near, &members(&truth), &[]);
+    let (expected, _) = by_lines(&data, &window, &truth, 1);
     // A thousandth of the noise, added to noise, in each of the FRFs.
     let difference = (explained - expected).abs();
     assert!(difference < 2e-3 * SENSORS as f64, "{explained} {expected}");
@@ -168,7 +163,7 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
 
 #[test]
 fn a_compressed_band_is_valid_for_its_noise_and_its_lines_only() {
-    let (mut data, _, truth) = measured();
+    let (mut data, truth) = measured();
     let window = CompressedBand::new(&data, &(60..341), truth.to_vec());
     assert!(window.is_of(&data));
     assert!(

@@ -70,7 +70,8 @@ pub(in crate::identify) fn noise_norm_quantile(sides: &FrfMatrix, false_alarm: f
 /// van Handel 2016, without their term of the logarithm of the size, which is small where standard
 /// deviations are nearly equal).
 pub(in crate::identify) fn uneven_noise_norm_quantile(
-    (outputs, inputs): (usize, usize),
+    outputs: usize,
+    inputs: usize,
     deviation: impl Fn(usize, usize) -> f64,
     false_alarm: f64,
 ) -> f64 {

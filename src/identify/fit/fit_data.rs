@@ -100,6 +100,11 @@ impl FitData {
             .predict(&self.frfs, &self.noise.variance, poles)
     }
 
+    /// Residual of poles and out-of-band terms on all lines.
+    pub fn residual(&self, poles: &[ModelPole]) -> Residual {
+        self.predict(poles).residual(0..self.frfs.lines())
+    }
+
     /// Sets the line shape of poles, with the line correlation of the noise that it implies.
     pub fn set_line_shape(&mut self, line_shape: LineShape) {
         self.frfs.line_shape = line_shape;

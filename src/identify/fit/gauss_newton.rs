@@ -27,10 +27,11 @@ use rayon::prelude::*;
 use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_allowed_pole};
 use crate::identify::data::residual::courses;
-use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues};
-use crate::identify::fit::fit_context::FitContext;
+use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues, KnownResponse};
+use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::mode_strength::{Strength, Strengths};
 use crate::identify::fit::shape_covariance::ShapeCovariance;
 use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
@@ -80,12 +81,37 @@ pub(in crate::identify) struct Fitted {
     pub next: Vec<Complex64>,
 }
 
+/// Data and poles around a block.
+pub(in crate::identify) struct FitContext<'a> {
+    pub data: &'a FitData,
+    pub sides: &'a FrfMatrix,
+    /// All poles, and their residues.
+    pub roots: &'a [ModelPole],
+    pub residues: &'a ComplexMatrix,
+    /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
+    pub far: Option<&'a ComplexMatrix>,
+    /// Whether all poles have converged and the shapes need standard deviations.
+    pub last: bool,
+}
+
+impl FitContext<'_> {
+    /// Response of the poles, with their line shapes, and of the out-of-band terms.
+    fn known_response<'a>(&'a self, line_shapes: &'a ComplexMatrix) -> KnownResponse<'a> {
+        KnownResponse {
+            line_shapes,
+            residues: self.residues,
+            out_of_band: self.far,
+        }
+    }
+}
+
 /// Fits a block with at most `steps` steps; with none, the residues alone. The compressed band is
 /// returned as the last step needed it.
 pub(in crate::identify) fn fit(
     around: &FitContext,
     block: &Block,
-    (window, steps): (&mut Option<CompressedBand>, usize),
+    window: &mut Option<CompressedBand>,
+    steps: usize,
 ) -> Fitted {
     let mut members: Vec<ModelPole> = block
         .members
@@ -120,7 +146,7 @@ pub(in crate::identify) fn fit(
         root.residues = std::mem::take(residues);
     }
     if around.last {
-        problem.add_pole_uncertainty((&members, &block.core), &mut here);
+        problem.add_pole_uncertainty(&members, &block.core, &mut here);
     }
     for (root, variances) in members.iter_mut().zip(here.residue_variances) {
         root.residue_variances = variances;
@@ -193,9 +219,10 @@ impl<'a> BandProblem<'a> {
             None => CompressedBand::new(around.data, &block.lines, poles),
         };
         let known = other_line_shapes(&around.data.frfs, around.roots, block);
-        let near = window.near(around, &known);
+        let response = around.known_response(&known);
+        let near = window.near(&response);
         Self {
-            energy: window.energy(around, (&known, &near)),
+            energy: window.energy(around.data, &response, &near),
             near,
             patterns: patterns(around.sides, window.profile()),
             around,
@@ -217,11 +244,7 @@ impl<'a> BandProblem<'a> {
     }
 
     /// Adds the effect of the errors of the unknowns to the variances of the residues of the core.
-    fn add_pole_uncertainty(
-        &self,
-        (members, core): (&[ModelPole], &[usize]),
-        here: &mut Linearised,
-    ) {
+    fn add_pole_uncertainty(&self, members: &[ModelPole], core: &[usize], here: &mut Linearised) {
         if here.information.nrows() == 0 {
             return;
         }
@@ -235,7 +258,7 @@ impl<'a> BandProblem<'a> {
             covariance: &covariance,
         };
         for &j in core {
-            shape_covariance.add_pole_uncertainty((j, &members[j]), &mut here.residue_variances[j]);
+            shape_covariance.add_pole_uncertainty(j, &members[j], &mut here.residue_variances[j]);
         }
     }
 
@@ -245,7 +268,7 @@ impl<'a> BandProblem<'a> {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
             self.window.follow(self.around.data, poles);
-            self.near = self.window.near(self.around, &self.known);
+            self.near = self.window.near(&self.around.known_response(&self.known));
         }
         let moving: Vec<usize> = unknowns
             .iter()
@@ -254,7 +277,7 @@ impl<'a> BandProblem<'a> {
                 Unknown::Factor(..) => None,
             })
             .collect();
-        let (data, explained) = self.window.compressed(&self.near, (members, &moving));
+        let (data, explained) = self.window.compressed(&self.near, members, &moving);
         let columns = columns(members);
         let linearise = |pattern: &Pattern| {
             let problem = Problem {

@@ -13,7 +13,6 @@ pub(in crate::identify) mod compressed_band;
 #[cfg(test)]
 mod compressed_band_tests;
 pub(in crate::identify) mod detection_threshold;
-pub(in crate::identify) mod fit_context;
 pub(in crate::identify) mod fit_data;
 pub(in crate::identify) mod gauss_newton;
 pub(in crate::identify) mod mode_strength;

@@ -48,16 +48,15 @@ const MIN_FREEDOM: f64 = 3.0;
 /// Minimum independent component of the derivative, over its length.
 const MIN_INDEPENDENT_FRACTION: f64 = 1e-6;
 
-/// Sets the standard deviations of the poles with the estimated noise model; `residual` of data
-/// under steady random force.
-pub(in crate::identify) fn add_noise_model_uncertainty(
-    data: &FitData,
-    roots: &mut [ModelPole],
-    residual: Option<&Residual>,
-) {
+/// Sets the standard deviations of the poles with the estimated noise model.
+pub(in crate::identify) fn add_noise_model_uncertainty(data: &FitData, roots: &mut [ModelPole]) {
+    let is_smoothed = data.frfs.line_shape.is_smoothed();
+    let residual = is_smoothed.then(|| data.residual(roots));
     let factor = |root: &ModelPole| {
-        let common_power = residual.map(|residual| power_along(data, residual, root));
-        variance_inflation(data, roots, (root, common_power.unwrap_or(0.0)))
+        let common_power = residual
+            .as_ref()
+            .map(|residual| power_along(data, residual, root));
+        variance_inflation(data, roots, root, common_power.unwrap_or(0.0))
     };
     let factors: Vec<Option<f64>> = roots.par_iter().map(factor).collect();
     for (root, factor) in roots.iter_mut().zip(factors) {
@@ -104,7 +103,8 @@ fn power_along(data: &FitData, rest: &Residual, root: &ModelPole) -> f64 {
 fn variance_inflation(
     data: &FitData,
     roots: &[ModelPole],
-    (root, along): (&ModelPole, f64),
+    root: &ModelPole,
+    along: f64,
 ) -> Option<f64> {
     let lines = window(&data.frfs, std::iter::once(root));
     let profile = BandProfile::new(&data.noise, lines.clone());
@@ -113,7 +113,7 @@ fn variance_inflation(
         course: &profile.course,
         lines: lines.clone(),
     };
-    let sensitivity = orthogonal_derivative(&data.frfs, (roots, root), &fit)?;
+    let sensitivity = orthogonal_derivative(&data.frfs, roots, root, &fit)?;
     let energy = sensitivity.iter().map(Complex64::norm_sqr).sum::<f64>();
     let over = |f: usize| profile.level[f] * profile.level[f];
     let weights = root.residues.iter().enumerate();
@@ -188,7 +188,8 @@ pub(in crate::identify) struct FitLines<'a> {
 /// around do not explain; `None` where there are too few lines.
 pub(in crate::identify) fn orthogonal_derivative(
     frfs: &BandFrfs,
-    (roots, root): (&[ModelPole], &ModelPole),
+    roots: &[ModelPole],
+    root: &ModelPole,
     fit: &FitLines,
 ) -> Option<Vec<Complex64>> {
     let FitLines {
@@ -208,7 +209,7 @@ pub(in crate::identify) fn orthogonal_derivative(
     }
     let power = |k: usize, root: &ModelPole, n: usize| {
         frfs.line_shape
-            .power(root.decay(), (omega[k], root.lambda), n)
+            .power(root.decay(), omega[k], root.lambda, n)
     };
     let others = linalg::complex_matrix(lines.len(), columns + near.len(), |k, column| {
         let value = match column.checked_sub(columns) {

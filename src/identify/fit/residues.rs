@@ -24,30 +24,31 @@ const JOINT_FIT_BANDWIDTHS: f64 = 6.0;
 
 /// Residues, m/(N s), by mode, then by FRF, for poles λ (rad/s) with the lines around each.
 pub(in crate::identify) fn residues(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     poles: &[Complex64],
     windows: &[Range<usize>],
 ) -> Vec<Vec<Complex64>> {
-    let mut residues = vec![vec![Complex64::ZERO; data.functions()]; poles.len()];
+    let mut residues = vec![vec![Complex64::ZERO; frfs.functions()]; poles.len()];
     for _ in 0..ITERATIONS {
         residues = (0..poles.len())
             .into_par_iter()
-            .map(|j| residues_of_one_mode(data, poles, &residues, (j, windows[j].clone())))
+            .map(|j| residues_of_one_mode(frfs, poles, &residues, j, windows[j].clone()))
             .collect();
     }
     residues
 }
 
 fn residues_of_one_mode(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     poles: &[Complex64],
     before: &[Vec<Complex64>],
-    (mode, lines): (usize, Range<usize>),
+    mode: usize,
+    lines: Range<usize>,
 ) -> Vec<Complex64> {
     let together = jointly_fitted_modes(poles, mode, lines.len());
-    let remaining = remainder(data, poles, before, (&together, lines.clone()));
+    let remaining = remainder(frfs, poles, before, &together, lines.clone());
     let first = lines.start;
-    let omega = |i: usize| data.omega[first + i];
+    let omega = |i: usize| frfs.omega[first + i];
     let (center, span) = (poles[mode].im, omega(lines.len() - 1) - omega(0));
     let columns = linalg::complex_matrix(lines.len(), together.len() + 2, |i, c| {
         match together.get(c) {
@@ -56,10 +57,10 @@ fn residues_of_one_mode(
             None => Complex64::from((omega(i) - center) / span),
         }
     });
-    let right = linalg::complex_matrix(lines.len(), data.functions(), |i, f| remaining[f][i]);
+    let right = linalg::complex_matrix(lines.len(), frfs.functions(), |i, f| remaining[f][i]);
     let solution = linalg::least_squares(&columns, &right)
         .unwrap_or_else(|_| linalg::not_a_number(columns.ncols(), right.ncols()));
-    (0..data.functions())
+    (0..frfs.functions())
         .map(|f| solution[(0, f)] * poles[mode].re.abs())
         .collect()
 }
@@ -70,11 +71,12 @@ fn residues_of_one_mode(
 /// at the shifted pole. The decay rate is common: the height of a resonance is determined far
 /// better than its width.
 pub(in crate::identify) fn residues_at_individual_frequencies(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     lambda: Complex64,
-    (residuals, lines): (&[Vec<Complex64>], Range<usize>),
+    residuals: &[Vec<Complex64>],
+    lines: Range<usize>,
 ) -> Vec<Complex64> {
-    let omega = &data.omega[lines];
+    let omega = &frfs.omega[lines];
     let fit_frf = |values: &Vec<Complex64>| {
         let values = std::slice::from_ref(values);
         let mut shifted = lambda;
@@ -142,12 +144,13 @@ fn jointly_fitted_modes(poles: &[Complex64], mode: usize, lines: usize) -> Vec<u
 /// The values of all FRFs on some lines minus the conjugate terms of all modes and the terms of all
 /// modes except the kept ones.
 pub(in crate::identify) fn remainder(
-    data: &BandFrfs,
+    frfs: &BandFrfs,
     poles: &[Complex64],
     residues: &[Vec<Complex64>],
-    (kept, lines): (&[usize], Range<usize>),
+    kept: &[usize],
+    lines: Range<usize>,
 ) -> Vec<Vec<Complex64>> {
-    let mut remaining: Vec<Vec<Complex64>> = data
+    let mut remaining: Vec<Vec<Complex64>> = frfs
         .values
         .iter()
         .map(|v| v[lines.clone()].to_vec())
@@ -155,7 +158,7 @@ pub(in crate::identify) fn remainder(
     for (j, (lambda, mode_residues)) in poles.iter().zip(residues).enumerate() {
         let keep = kept.contains(&j);
         for (i, line) in lines.clone().enumerate() {
-            let s = Complex64::new(0.0, data.omega[line]);
+            let s = Complex64::new(0.0, frfs.omega[line]);
             let (term, mirrored) = ((s - lambda).inv(), (s - lambda.conj()).inv());
             for (values, residue) in remaining.iter_mut().zip(mode_residues) {
                 values[i] -= residue.conj() * mirrored;

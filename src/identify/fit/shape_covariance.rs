@@ -29,7 +29,7 @@ pub(in crate::identify) struct ShapeCovariance<'a> {
 impl ShapeCovariance<'_> {
     /// Adds the effect of the errors of the unknowns to the variances of the residues of a member;
     /// none for a repeated pole.
-    pub fn add_pole_uncertainty(&self, (j, root): (usize, &ModelPole), variances: &mut [f64]) {
+    pub fn add_pole_uncertainty(&self, j: usize, root: &ModelPole, variances: &mut [f64]) {
         if root.multiplicity() > 1 {
             return;
         }

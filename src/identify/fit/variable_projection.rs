@@ -218,9 +218,9 @@ impl Problem<'_> {
             .map(|o| residual.col(o).iter().map(Complex64::norm_sqr).sum::<f64>())
             .sum::<f64>();
         let terms = self.terms();
-        let within = self.add_information(&mut sums, &terms, (&qr.q, &shapes, &residual));
-        self.add_significance(&mut sums, (&inverse, &shapes));
-        self.set_residues(&mut sums, (&inverse, &shapes));
+        let within = self.add_information(&mut sums, &terms, &qr.q, &shapes, &residual);
+        self.add_significance(&mut sums, &inverse, &shapes);
+        self.set_residues(&mut sums, &inverse, &shapes);
         sums.shape_derivatives.push(ShapeDerivative {
             moves: &inverse * &within,
             of: terms
@@ -278,7 +278,9 @@ impl Problem<'_> {
         &self,
         sums: &mut Linearised,
         terms: &[Term],
-        (q, shapes, residual): (&ComplexMatrix, &ComplexMatrix, &ComplexMatrix),
+        q: &ComplexMatrix,
+        shapes: &ComplexMatrix,
+        residual: &ComplexMatrix,
     ) -> ComplexMatrix {
         let rows = self.data.g.nrows();
         let (inputs, outputs) = (self.pattern.inputs.len(), residual.ncols());
@@ -329,7 +331,8 @@ impl Problem<'_> {
     fn add_significance(
         &self,
         sums: &mut Linearised,
-        (inverse, shapes): (&ComplexMatrix, &ComplexMatrix),
+        inverse: &ComplexMatrix,
+        shapes: &ComplexMatrix,
     ) {
         for (j, strength) in sums.strength.iter_mut().enumerate() {
             let columns: Vec<usize> = (0..self.columns.len())
@@ -351,11 +354,7 @@ impl Problem<'_> {
 
     /// Residues, and their variances from those of the shapes, `R⁻¹R⁻ᴴ` over the noise of the
     /// output.
-    fn set_residues(
-        &self,
-        sums: &mut Linearised,
-        (inverse, shapes): (&ComplexMatrix, &ComplexMatrix),
-    ) {
+    fn set_residues(&self, sums: &mut Linearised, inverse: &ComplexMatrix, shapes: &ComplexMatrix) {
         for (index, input) in self.pattern.inputs.iter().enumerate() {
             let factor = |(j, part): &(usize, usize)| {
                 let root = &self.members[*j];

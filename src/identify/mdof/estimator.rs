@@ -148,9 +148,14 @@ fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<Model
     let free = std::mem::take(&mut fit.roots);
     let chance = fit.options.false_alarm_probability / fit.data.frfs.lines() as f64;
     fit.sides = frf_matrix;
-    let data_and_matrix = (&fit.data, &fit.sides);
-    fit.roots =
-        complete_multiplicities(data_and_matrix, Vec::new(), (&free, &pole_metrics), chance);
+    fit.roots = complete_multiplicities(
+        &fit.data,
+        &fit.sides,
+        Vec::new(),
+        &free,
+        &pole_metrics,
+        chance,
+    );
     free
 }
 

@@ -34,6 +34,7 @@ use crate::modal::mac;
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
 use crate::identify::pole_model::PoleModel;
 use crate::identify::pole_model::findings::DropReason;
 
@@ -133,7 +134,7 @@ impl PoleModel {
         self.dropped = rejected;
         self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        self.add_noise_model_uncertainty();
+        add_noise_model_uncertainty(&self.data, &mut self.roots);
     }
 
     fn mark_companions(&mut self) {

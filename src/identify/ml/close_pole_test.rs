@@ -33,7 +33,8 @@ const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 /// Indices of poles that stand for two, each with a trial pole near it, the most significant first.
 /// Noise produces one of them with less than the false-alarm probability.
 pub(in crate::identify) fn close_pair_candidates(
-    (data, sides): (&FitData, &FrfMatrix),
+    data: &FitData,
+    sides: &FrfMatrix,
     poles: &[ModelPole],
     residual: &Residual,
     false_alarm_probability: f64,
@@ -51,7 +52,7 @@ pub(in crate::identify) fn close_pair_candidates(
         if reduced_chi_square(data, residual, pole) > MAX_CHI_SQUARE_CLOSE_PAIR {
             return None;
         }
-        let terms = second_terms(data, (poles, j), residual)?;
+        let terms = second_terms(data, poles, pole, residual)?;
         let top = data.frfs.line_of(pole.lambda);
         let energy = data
             .noise
@@ -77,12 +78,11 @@ pub(in crate::identify) fn close_pair_candidates(
 /// around explain its profile.
 fn second_terms(
     data: &FitData,
-    (poles, j): (&[ModelPole], usize),
+    poles: &[ModelPole],
+    pole: &ModelPole,
     residual: &Residual,
 ) -> Option<Vec<Complex64>> {
-    let lines = data
-        .frfs
-        .lines_around(poles[j].lambda, HALF_WIDTH_BANDWIDTHS);
+    let lines = data.frfs.lines_around(pole.lambda, HALF_WIDTH_BANDWIDTHS);
     let (lo, hi) = (data.frfs.omega[lines.start], data.frfs.omega[lines.end - 1]);
     let inside = |pole: &&ModelPole| {
         pole.lambda.im > lo - pole.width() && pole.lambda.im < hi + pole.width()
@@ -94,8 +94,10 @@ fn second_terms(
     }
     let profile = BandProfile::new(&data.noise, lines.clone()).course;
     let power = |k: usize, pole: &ModelPole, n: usize| {
-        let at = (data.frfs.omega[lines.start + k], pole.lambda);
-        data.frfs.line_shape.power(pole.decay(), at, n)
+        let omega = data.frfs.omega[lines.start + k];
+        data.frfs
+            .line_shape
+            .power(pole.decay(), omega, pole.lambda, n)
     };
     let middle = 0.5 * lines.len() as f64;
     let others = linalg::complex_matrix(lines.len(), near.len() + 2, |k, column| {
@@ -106,7 +108,7 @@ fn second_terms(
         };
         value / profile[k]
     });
-    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, &poles[j], 2) / profile[k]);
+    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, pole, 2) / profile[k]);
     let basis = linalg::thin_qr(&others).ok()?.q;
     let unexplained = &second - &basis * (basis.adjoint() * &second);
     let norm = unexplained.norm_l2();
@@ -173,12 +175,8 @@ mod tests {
             noise.at(f, k) + sign * second(k)
         });
         let residual = Residual::of_all(residual);
-        let found = close_pair_candidates(
-            (&data, &sides),
-            std::slice::from_ref(&pole),
-            &residual,
-            1e-3,
-        );
+        let found =
+            close_pair_candidates(&data, &sides, std::slice::from_ref(&pole), &residual, 1e-3);
         let [(index, beside)] = &found[..] else {
             panic!("{} poles", found.len());
         };
@@ -190,9 +188,9 @@ mod tests {
     fn noise_alone_is_no_close_pair() {
         for seed in 0..20 {
             let (data, sides, pole, residual) = fitted(seed);
-            assert!(close_pair_candidates((&data, &sides), &[pole], &residual, 1e-3).is_empty());
+            assert!(close_pair_candidates(&data, &sides, &[pole], &residual, 1e-3).is_empty());
         }
         let (data, sides, _, residual) = fitted(0);
-        assert!(close_pair_candidates((&data, &sides), &[], &residual, 1e-3).is_empty());
+        assert!(close_pair_candidates(&data, &sides, &[], &residual, 1e-3).is_empty());
     }
 }

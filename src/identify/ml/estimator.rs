@@ -30,7 +30,7 @@
 //!    enlarges its standard deviations.
 //!
 //! Where the file states a window for steady excitation, each pole has the line shape of that
-//! window ([`band_frfs`](crate::identify::data::band_frfs)). Where it states none, close poles
+//! window ([`line_shape`](crate::identify::data::line_shape)). Where it states none, close poles
 //! that the line shape of a Hann or flat top window explains are merged
 //! ([`leakage`](crate::identify::ml::leakage)).
 //!
@@ -51,6 +51,7 @@ use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Convergence;
 use crate::identify::fit::fit_data::FitData;
+use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
 use crate::identify::mdof::lscf::LeastSquaresComplexFrequency;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_orders, stabilise};
 use crate::identify::method::{Method, Outcome};
@@ -236,11 +237,12 @@ impl PoleModel {
         self.sides = sides;
         let false_alarm_probability =
             self.options.false_alarm_probability / self.data.frfs.lines() as f64;
-        let frfs = (&self.data, &self.sides);
         self.roots = complete_multiplicities(
-            frfs,
+            &self.data,
+            &self.sides,
             by_inputs,
-            (&free, &pole_metrics),
+            &free,
+            &pole_metrics,
             false_alarm_probability,
         );
         Ok(())
@@ -266,7 +268,7 @@ impl PoleModel {
         self.reject_spurious_poles();
         self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        self.add_noise_model_uncertainty();
+        add_noise_model_uncertainty(&self.data, &mut self.roots);
     }
 
     pub fn reestimate_noise_and_prune(&mut self) -> bool {

@@ -37,10 +37,12 @@ struct Segment {
 /// most a given number. Noise reaches such a peak anywhere in the band with less than the
 /// false-alarm probability.
 pub(in crate::identify) fn residual_peak_poles(
-    (data, sides): (&FitData, &FrfMatrix),
+    data: &FitData,
+    sides: &FrfMatrix,
     poles: &[ModelPole],
     residual: &Residual,
-    (false_alarm_probability, most): (f64, usize),
+    false_alarm_probability: f64,
+    most: usize,
 ) -> Vec<ModelPole> {
     let functions = data.frfs.functions();
     let power = data
@@ -49,7 +51,8 @@ pub(in crate::identify) fn residual_peak_poles(
     let segments = segments(
         &power,
         functions,
-        (false_alarm_probability, data.noise.line_correlation.alike()),
+        false_alarm_probability,
+        data.noise.line_correlation.alike(),
     );
     let peak = ResidualPeak {
         data,
@@ -82,9 +85,9 @@ impl ResidualPeak<'_> {
         let there = there.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let more = there.and_then(|existing| {
             let most = self.remaining_multiplicity(existing.lambda, poles);
-            self.pole_at((existing.lambda, most), segment, poles)
+            self.pole_at(existing.lambda, most, segment, poles)
         });
-        more.or_else(|| self.pole_at((middle, 1), segment, poles))
+        more.or_else(|| self.pole_at(middle, 1, segment, poles))
             .filter(|pole| is_resonance(pole.lambda))
     }
 
@@ -102,7 +105,8 @@ impl ResidualPeak<'_> {
     /// Trial pole at `lambda` with at most a given number of modes.
     fn pole_at(
         &self,
-        (lambda, most): (Complex64, usize),
+        lambda: Complex64,
+        most: usize,
         segment: &Segment,
         poles: &[ModelPole],
     ) -> Option<ModelPole> {
@@ -166,7 +170,8 @@ fn is_same_pole(existing: &ModelPole, lambda: Complex64) -> bool {
 fn segments(
     power: &[f64],
     functions: usize,
-    (false_alarm_probability, effective_ratio): (f64, f64),
+    false_alarm_probability: f64,
+    effective_ratio: f64,
 ) -> Vec<Segment> {
     let lines = power.len();
     let mut sums = vec![0.0; lines + 1];
@@ -261,7 +266,7 @@ mod tests {
         });
         let residual = Residual::of_all(residual);
         let tried = |poles: &[ModelPole]| {
-            let found = residual_peak_poles((&data, &sides), poles, &residual, (1e-3, 4));
+            let found = residual_peak_poles(&data, &sides, poles, &residual, 1e-3, 4);
             let at_pole = |pole: &&ModelPole| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();
             found.iter().find(at_pole).map(ModelPole::multiplicity)
         };

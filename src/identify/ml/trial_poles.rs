@@ -31,11 +31,10 @@ const REMOVE_ONE_IN: usize = 4;
 
 impl PoleModel {
     /// Detects noise that is correlated between frequency lines
-    /// (`NoiseModel::detect_correlated_noise`).
-    /// If there is such noise, poles that were fitted to it are removed, the least determined
-    /// first, and the noise is estimated again with their contribution; the search finds modes
-    /// among them again. Where the residual without these poles is no noise, all changes are
-    /// undone.
+    /// (`NoiseModel::detect_correlated_noise`). Poles that were fitted to such noise are removed,
+    /// the least determined first, and the noise is estimated again with their contribution; the
+    /// search finds modes among them again. Where the residual without these poles is no noise, all
+    /// changes are undone.
     pub fn detect_correlated_noise(&mut self) -> bool {
         let (noise, poles, drops_before) = (
             self.data.noise.clone(),
@@ -84,12 +83,13 @@ impl PoleModel {
     pub fn search(&mut self) -> Option<f64> {
         let false_alarm_probability = self.options.false_alarm_probability;
         let residual = self.rest();
-        let frfs = (&self.data, &self.sides);
         let found = residual_peak_poles(
-            frfs,
+            &self.data,
+            &self.sides,
             &self.roots,
             &residual,
-            (false_alarm_probability, self.max_trial_poles()),
+            false_alarm_probability,
+            self.max_trial_poles(),
         );
         if found.is_empty() {
             return self.split_close_pairs(&residual);
@@ -100,11 +100,11 @@ impl PoleModel {
 
     /// Whether the residual exceeds the noise: in a segment of lines, or as a close pair.
     pub fn has_unexplained_residual(&self) -> bool {
-        let false_alarm_probability = self.options.false_alarm_probability;
-        let (frfs, residual) = ((&self.data, &self.sides), self.rest());
-        !residual_peak_poles(frfs, &self.roots, &residual, (false_alarm_probability, 1)).is_empty()
-            || !close_pair_candidates(frfs, &self.roots, &residual, false_alarm_probability)
-                .is_empty()
+        let (data, sides, poles) = (&self.data, &self.sides, &self.roots);
+        let (residual, probability) = (self.rest(), self.options.false_alarm_probability);
+        let peaks = residual_peak_poles(data, sides, poles, &residual, probability, 1);
+        !peaks.is_empty()
+            || !close_pair_candidates(data, sides, poles, &residual, probability).is_empty()
     }
 
     fn max_trial_poles(&self) -> usize {
@@ -154,8 +154,13 @@ impl PoleModel {
     /// does in noise.
     fn split_close_pairs(&mut self, residual: &Residual) -> Option<f64> {
         let false_alarm_probability = self.options.false_alarm_probability;
-        let frfs = (&self.data, &self.sides);
-        let found = close_pair_candidates(frfs, &self.roots, residual, false_alarm_probability);
+        let found = close_pair_candidates(
+            &self.data,
+            &self.sides,
+            &self.roots,
+            residual,
+            false_alarm_probability,
+        );
         let lambdas: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
         let false_alarm_probability = false_alarm_probability / lambdas.len().max(1) as f64;
         let (first, most) = (self.residual_energy(residual), self.max_trial_poles());
@@ -172,7 +177,7 @@ impl PoleModel {
                 continue;
             };
             let (before, drops_before) = (self.roots.clone(), self.dropped.len());
-            match self.try_close_pair((j, second), (residual_energy, false_alarm_probability)) {
+            match self.try_close_pair(j, second, residual_energy, false_alarm_probability) {
                 Some(now) => residual_energy = now,
                 None => {
                     self.roots = before;
@@ -187,8 +192,10 @@ impl PoleModel {
     /// the second pole is no mode.
     fn try_close_pair(
         &mut self,
-        (j, second): (usize, ModelPole),
-        (residual_energy, false_alarm_probability): (f64, f64),
+        j: usize,
+        second: ModelPole,
+        residual_energy: f64,
+        false_alarm_probability: f64,
     ) -> Option<f64> {
         let pairs = self.roots.iter().filter_map(|pole| pole.pair);
         let pair = Some(pairs.max().map_or(0, |last| last + 1));

@@ -114,8 +114,8 @@ impl NoiseModel {
         let lines = frfs.lines_around(root.lambda, COMPARED_BANDWIDTHS);
         let stride = lines.len().div_ceil(MAX_COMPARED_LINES);
         for k in lines.step_by(stride) {
-            let at = (frfs.omega[k], root.lambda);
-            let line_shape = frfs.line_shape.power(root.decay(), at, power);
+            let (omega, decay) = (frfs.omega[k], root.decay());
+            let line_shape = frfs.line_shape.power(decay, omega, root.lambda, power);
             for (number, group) in self.force_noise.groups().iter().enumerate() {
                 let amplitude = |f: usize| root.residues[f] * line_shape / self.std(f, k);
                 let part =

@@ -280,8 +280,8 @@ impl VarianceSamples {
                 .as_ref()
                 .map(|noise| &noise[lines.clone()]);
             let sum = match response_noise {
-                Some(noise) => deviance((noise, variance, power), *b, max_ratio),
-                None => deviance((&constant(*b), variance, power), *b, max_ratio),
+                Some(noise) => deviance(noise, variance, power, *b, max_ratio),
+                None => deviance(&constant(*b), variance, power, *b, max_ratio),
             };
             -0.5 * self.freedom() / self.alike * sum
         };
@@ -299,19 +299,21 @@ const FACTORS: usize = 256;
 ///
 /// The sum of logarithms is that of a product, kept as mantissas and exponents: a logarithm for
 /// each would be most of the work of an identification of many FRFs.
-fn deviance((response, variance, power): (&[f64], &[f64], &[f64]), b: f64, max_ratio: f64) -> f64 {
+fn deviance(response: &[f64], variance: &[f64], power: &[f64], b: f64, max_ratio: f64) -> f64 {
     if !response.iter().any(|a| *a > 0.0) {
         return 0.0;
     }
     vectorised(
         #[inline(always)]
-        || sum_of_deviances((response, variance, power), b, max_ratio),
+        || sum_of_deviances(response, variance, power, b, max_ratio),
     )
 }
 
 #[inline(always)]
 fn sum_of_deviances(
-    (response, variance, power): (&[f64], &[f64], &[f64]),
+    response: &[f64],
+    variance: &[f64],
+    power: &[f64],
     b: f64,
     max_ratio: f64,
 ) -> f64 {
@@ -327,13 +329,14 @@ fn sum_of_deviances(
                 sums.add(
                     lane,
                     response[lane] + b * power[lane],
-                    (variance[lane], max_ratio),
+                    variance[lane],
+                    max_ratio,
                 );
             }
         }
         for lane in 0..last_response.len() {
             let expected = last_response[lane] + b * last_power[lane];
-            sums.add(lane, expected, (last_variance[lane], max_ratio));
+            sums.add(lane, expected, last_variance[lane], max_ratio);
         }
         total += sums.total();
     }
@@ -357,7 +360,7 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn add(&mut self, lane: usize, expected: f64, (variance, max_ratio): (f64, f64)) {
+    fn add(&mut self, lane: usize, expected: f64, variance: f64, max_ratio: f64) {
         let expected = expected.max(f64::MIN_POSITIVE);
         let (mantissa, exponent) = mantissa_and_exponent(expected);
         self.mantissas[lane] *= mantissa;
@@ -480,10 +483,10 @@ mod tests {
         );
         let expected = |a: &f64| (1.2 * a).ln() + (1.0 / (1.2 * a)).min(3.0);
         let sum: f64 = response.iter().map(expected).sum();
-        let computed = deviance((&response, &variance, &power), 0.1, 3.0);
+        let computed = deviance(&response, &variance, &power, 0.1, 3.0);
         // 8195 terms of up to 300 each.
         assert!((computed - sum).abs() < 1e-9, "{computed} {sum}");
-        assert!(deviance((&[0.0], &[1.0], &[1.0]), 0.1, 3.0).abs() < f64::MIN_POSITIVE);
+        assert!(deviance(&[0.0], &[1.0], &[1.0], 0.1, 3.0).abs() < f64::MIN_POSITIVE);
     }
 
     #[test]

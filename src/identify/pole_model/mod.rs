@@ -25,7 +25,6 @@ use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleTabl
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
-use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
 use crate::identify::run_variation::RunShifts;
 
 pub(in crate::identify) mod acceptance;
@@ -103,8 +102,14 @@ impl PoleModel {
             stop
         };
         let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
-        let frfs = (&self.data, &self.sides);
-        self.roots = refine(frfs, &mut self.windows, poles, (limits, stop));
+        self.roots = refine(
+            &self.data,
+            &self.sides,
+            &mut self.windows,
+            poles,
+            limits,
+            stop,
+        );
     }
 
     /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
@@ -170,7 +175,7 @@ impl PoleModel {
     }
 
     pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
-        pole_metrics((&self.data, &self.sides), &self.roots)
+        pole_metrics(&self.data, &self.sides, &self.roots)
     }
 
     /// Estimates the noise variance (where the data state none) and the line correlation from the
@@ -200,15 +205,7 @@ impl PoleModel {
 
     /// Residual of the poles and the out-of-band terms.
     pub fn rest(&self) -> Residual {
-        self.data
-            .predict(&self.roots)
-            .residual(0..self.data.frfs.lines())
-    }
-
-    /// Sets the standard deviations of the poles with the estimated noise model.
-    pub fn add_noise_model_uncertainty(&mut self) {
-        let residual = self.data.frfs.line_shape.is_smoothed().then(|| self.rest());
-        add_noise_model_uncertainty(&self.data, &mut self.roots, residual.as_ref());
+        self.data.residual(&self.roots)
     }
 
     /// Standard deviations of real and imaginary part of the residues of a pole, from the noise of

@@ -44,9 +44,11 @@ pub(in crate::identify) fn distinct_poles(estimates: &[ModelPole]) -> Vec<ModelP
 /// with free residues. Where a free pole has more modes than the poles near it, or is near one pole
 /// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
 pub(in crate::identify) fn complete_multiplicities(
-    (data, sides): (&FitData, &FrfMatrix),
+    data: &FitData,
+    sides: &FrfMatrix,
     estimates: Vec<ModelPole>,
-    (free, pole_metrics): (&[ModelPole], &[PoleMetrics]),
+    free: &[ModelPole],
+    pole_metrics: &[PoleMetrics],
     false_alarm_probability: f64,
 ) -> Vec<ModelPole> {
     let nearest = |estimate: &ModelPole| {
@@ -69,8 +71,10 @@ pub(in crate::identify) fn complete_multiplicities(
             continue;
         }
         let factors = participation_factors(
-            (data, sides),
-            (&free[index], &pole_metrics[index]),
+            data,
+            sides,
+            &free[index],
+            &pole_metrics[index],
             false_alarm_probability,
         );
         let keep_group =
@@ -115,8 +119,10 @@ fn split_pole(pole: &ModelPole, mut factors: Vec<Vec<Complex64>>) -> Vec<ModelPo
 
 /// Participation factors of the modes of one pole.
 fn participation_factors(
-    (data, sides): (&FitData, &FrfMatrix),
-    (pole, metrics): (&ModelPole, &PoleMetrics),
+    data: &FitData,
+    sides: &FrfMatrix,
+    pole: &ModelPole,
+    metrics: &PoleMetrics,
     false_alarm_probability: f64,
 ) -> Vec<Vec<Complex64>> {
     let line = data.frfs.line_of(pole.lambda);
@@ -150,7 +156,7 @@ fn terms_above_noise(
         return Vec::new();
     };
     let uneven = |o: usize, i: usize| deviations[(o, i)] / over(o, i);
-    let limit = uneven_noise_norm_quantile((outputs, inputs), uneven, false_alarm_probability);
+    let limit = uneven_noise_norm_quantile(outputs, inputs, uneven, false_alarm_probability);
     let count = svd.values.iter().take_while(|s| **s > limit).count();
     // A = U S Vᴴ, so that the row space is that of conj(V).
     let factor = |rank: usize, i: usize| svd.right[(i, rank)].conj() * by_input[i];

@@ -101,8 +101,8 @@ impl<'a> NarrowerBands<'a> {
         let variance = pole.quality.pole_std.powi(2);
         let correlated_over_white = variance / pole.quality.pole_bound.powi(2);
         let max_variance = (MAX_LINEAR_DECAY_RATES * pole.decay()).powi(2);
-        BANDS.map(|parts| {
-            let (fitted, band) = (fitted?, fit.band(parts));
+        BANDS.map(|(below, above)| {
+            let (fitted, band) = (fitted?, fit.band(below, above));
             if band.len() < MIN_LINES {
                 return None;
             }
@@ -166,7 +166,7 @@ impl<'a> PoleFit<'a> {
     }
 
     /// Lines of a band, by its parts below and above the pole.
-    fn band(&self, (below, above): (f64, f64)) -> Range<usize> {
+    fn band(&self, below: f64, above: f64) -> Range<usize> {
         let pole_line = self.model.data.frfs.line_of(self.pole.lambda);
         let below = below * (pole_line - self.lines.start) as f64;
         let above = above * (self.lines.end - 1 - pole_line) as f64;
@@ -182,7 +182,7 @@ impl<'a> PoleFit<'a> {
             course: &self.course[at.clone()],
             background,
         };
-        let derivative = orthogonal_derivative(&data.frfs, (poles, self.pole), &fit)?;
+        let derivative = orthogonal_derivative(&data.frfs, poles, self.pole, &fit)?;
         let energy: f64 = derivative.iter().map(Complex64::norm_sqr).sum();
         let terms = derivative.iter().zip(&self.projected[at]);
         let along: Complex64 = terms.map(|(g, r)| g.conj() * r).sum();
@@ -204,6 +204,7 @@ mod tests {
     use crate::identify::data::frf_matrix::FrfMatrix;
     use crate::identify::estimator::{IdentifyOptions, MethodOptions};
     use crate::identify::fit::block_descent::Convergence;
+    use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
     use crate::identify::identify;
     use crate::identify::pole_model::PoleModel;
     use crate::identify::pole_model::narrower_bands::*;
@@ -303,7 +304,7 @@ mod tests {
             .map(|mode| ModelPole::single(truth(mode), &one, 6))
             .collect();
         fit.refine(Convergence::Fine);
-        fit.add_noise_model_uncertainty();
+        add_noise_model_uncertainty(&fit.data, &mut fit.roots);
         fit
     }
 
@@ -343,7 +344,7 @@ mod tests {
         let error = error(&fit.roots[1]);
         fit.roots[1].lambda += error;
         fit.refine(Convergence::Residues);
-        fit.add_noise_model_uncertainty();
+        add_noise_model_uncertainty(&fit.data, &mut fit.roots);
         fit
     }
 
@@ -355,14 +356,14 @@ mod tests {
         let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
         let (pole, error) = (&fit.roots[1], error(&fit.roots[1]));
         let pole_fit = PoleFit::new(&bands, pole);
-        for parts in BANDS {
-            let band = pole_fit.band(parts);
+        for (below, above) in BANDS {
+            let band = pole_fit.band(below, above);
             let omega = &fit.data.frfs.omega[band.clone()];
             let background =
                 OutOfBandBasis::new(omega, &(0..omega.len()), &OutOfBandTerms::Anywhere);
             let step = pole_fit.step(band, background).expect("enough lines");
             let left = (step.value + error).norm() / error.norm();
-            assert!(left < 0.05, "{parts:?}: {left}");
+            assert!(left < 0.05, "{below} {above}: {left}");
         }
     }
 

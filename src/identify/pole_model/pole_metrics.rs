@@ -80,7 +80,8 @@ pub(in crate::identify) struct PoleMetrics {
 
 /// Metrics of each pole.
 pub(in crate::identify) fn pole_metrics(
-    (data, sides): (&FitData, &FrfMatrix),
+    data: &FitData,
+    sides: &FrfMatrix,
     poles: &[ModelPole],
 ) -> Vec<PoleMetrics> {
     let described = data.predict(poles);

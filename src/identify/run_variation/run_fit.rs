@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
             ..
         } = self.resonance;
         linalg::complex_matrix(omega.len(), poles.len(), |k, j| {
-            data.frfs.line_shape.power(1.0, (omega[k], poles[j]), power) / profile.course[k]
+            data.frfs.line_shape.power(1.0, omega[k], poles[j], power) / profile.course[k]
         })
     }
 

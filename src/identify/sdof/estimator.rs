@@ -124,7 +124,7 @@ impl<M: SingleModeMethod> SingleModeEstimator<M> {
         let lines = window(&data.frfs, poles, mode, half_bandwidths, min_side_lines);
         let isolated = Isolated {
             omega: &data.frfs.omega[lines.clone()],
-            values: residues::remainder(&data.frfs, poles, residues, (&[mode], lines.clone())),
+            values: residues::remainder(&data.frfs, poles, residues, &[mode], lines.clone()),
             variance: (0..data.frfs.functions())
                 .map(|f| data.noise.mean_variance(f, lines.clone()))
                 .collect(),

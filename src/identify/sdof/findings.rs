@@ -83,7 +83,7 @@ pub(in crate::identify) fn verdicts(
             });
         }
         let lines = resonances[mode].lines.clone();
-        let isolated = residues::remainder(&data.frfs, &poles, residues, (&[mode], lines.clone()));
+        let isolated = residues::remainder(&data.frfs, &poles, residues, &[mode], lines.clone());
         let functions = 0..data.frfs.functions();
         let variance: Vec<f64> = functions
             .map(|f| data.noise.mean_variance(f, lines.clone()))
@@ -100,7 +100,8 @@ pub(in crate::identify) fn verdicts(
             Some(_) => residues::residues_at_individual_frequencies(
                 &data.frfs,
                 poles[mode],
-                (&isolated, lines),
+                &isolated,
+                lines,
             ),
             None => mode_residues.clone(),
         };
