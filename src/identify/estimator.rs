@@ -66,21 +66,21 @@ pub struct Candidate {
 /// Status of a pole of one model order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PoleStatus {
-    /// Unstable: its track has fewer than three orders.
-    Alone,
+    /// Its track has fewer than three orders.
+    Unstable,
     /// Stable over three orders or more, and not selected as a mode.
     Stable,
     /// Selected as a mode by [`identification`](crate::identify::identification).
-    Chosen,
+    Selected,
 }
 
 impl PoleStatus {
     /// Its name in the listing.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Alone => "alone",
+            Self::Unstable => "alone",
             Self::Stable => "stable",
-            Self::Chosen => "chosen",
+            Self::Selected => "chosen",
         }
     }
 }

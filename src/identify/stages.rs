@@ -17,7 +17,7 @@ use crate::identify::run_variation::RunShifts;
 /// Receptances of a band, with all references or as if of a single one.
 pub struct Lines {
     data: FitData,
-    sides: FrfMatrix,
+    frf_matrix: FrfMatrix,
 }
 
 /// Transforms of the lines.
@@ -32,13 +32,13 @@ impl Lines {
     /// # Errors
     /// [`IdentifyError`] when set and band do not match.
     pub fn new(set: &FrfSet, band: Band, one_reference: bool) -> Result<Self, IdentifyError> {
-        let sides = FrfMatrix::new(set.functions());
+        let frf_matrix = FrfMatrix::new(set.functions());
         Ok(Self {
             data: FitData::guarded(set, band)?,
-            sides: if one_reference {
-                sides.as_one_input()
+            frf_matrix: if one_reference {
+                frf_matrix.as_one_input()
             } else {
-                sides
+                frf_matrix
             },
         })
     }
@@ -46,7 +46,13 @@ impl Lines {
     /// Transforms for equations up to an order.
     pub fn transformed(&self, order: usize) -> Transformed {
         let whole = 0..self.data.frfs.lines();
-        Transformed(Transforms::new(&self.data, &self.sides, whole, order, &[]))
+        Transformed(Transforms::new(
+            &self.data,
+            &self.frf_matrix,
+            whole,
+            order,
+            &[],
+        ))
     }
 }
 

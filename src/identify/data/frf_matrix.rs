@@ -52,7 +52,7 @@ impl FrfMatrix {
     }
 
     /// Whether the matrix is complete: every output has every input.
-    pub fn complete(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         self.outputs.iter().all(|frfs| frfs.len() == self.inputs)
     }
 
@@ -92,17 +92,17 @@ mod tests {
     #[test]
     fn the_smaller_dimension_of_the_frf_matrix_is_the_inputs() {
         let fixed = ["1:+Z", "2:+Z", "3:+Z"].map(|r| function(r, "1:+Z"));
-        let sides = FrfMatrix::new(&fixed);
-        assert_eq!((sides.inputs, sides.outputs.len()), (1, 3));
+        let frf_matrix = FrfMatrix::new(&fixed);
+        assert_eq!((frf_matrix.inputs, frf_matrix.outputs.len()), (1, 3));
         let roving = ["1:+Z", "2:+Z", "3:+Z"].map(|r| function("1:+Z", r));
-        assert_eq!(FrfMatrix::new(&roving), sides);
+        assert_eq!(FrfMatrix::new(&roving), frf_matrix);
         let mut two: Vec<Function> = fixed.to_vec();
         two.extend([function("3:+Z", "2:+Z"), function("1:+Z", "2:+Z")]);
-        let sides = FrfMatrix::new(&two);
-        assert_eq!(sides.outputs[0], [(0, 0), (1, 4)]);
-        assert_eq!(sides.outputs[1], [(0, 1)]);
-        assert!(!sides.complete() && sides.as_one_input().complete());
-        assert_eq!(sides.outputs[2], [(0, 2), (1, 3)]);
-        assert_eq!(sides.as_one_input().outputs[4], [(0, 4)]);
+        let frf_matrix = FrfMatrix::new(&two);
+        assert_eq!(frf_matrix.outputs[0], [(0, 0), (1, 4)]);
+        assert_eq!(frf_matrix.outputs[1], [(0, 1)]);
+        assert!(!frf_matrix.is_complete() && frf_matrix.as_one_input().is_complete());
+        assert_eq!(frf_matrix.outputs[2], [(0, 2), (1, 3)]);
+        assert_eq!(frf_matrix.as_one_input().outputs[4], [(0, 4)]);
     }
 }

@@ -145,7 +145,7 @@ impl OutOfBandFit {
             out_of_band: self,
             frfs,
             variance,
-            roots,
+            poles: roots,
             amplitudes,
         }
     }
@@ -213,7 +213,7 @@ pub(in crate::identify) struct PredictedResponse<'a> {
     out_of_band: &'a OutOfBandFit,
     frfs: &'a BandFrfs,
     variance: &'a [Vec<f64>],
-    roots: &'a [ModelPole],
+    poles: &'a [ModelPole],
     /// Amplitudes of out-of-band terms, poles and conjugates: columns × FRFs.
     amplitudes: ComplexMatrix,
 }
@@ -225,7 +225,7 @@ impl PredictedResponse<'_> {
         let pole_columns = courses(
             self.out_of_band.line_shape,
             &self.out_of_band.omega[lines.clone()],
-            self.roots,
+            self.poles,
         );
         let courses = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
             if c < first {

@@ -69,7 +69,7 @@ pub(in crate::identify) enum Convergence {
 /// refinement.
 pub(in crate::identify) fn refine(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     windows: &mut Vec<CompressedBand>,
     mut roots: Vec<ModelPole>,
     limits: [f64; 2],
@@ -113,11 +113,11 @@ pub(in crate::identify) fn refine(
         sweep += usize::from(!fresh);
         let around = FitContext {
             data,
-            sides,
-            roots: &roots,
+            frf_matrix,
+            poles: &roots,
             residues: &residues(&roots, data.frfs.functions()),
             far: beyond.as_ref(),
-            last: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
+            needs_shape_stds: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
         let fitted: Vec<Fitted> = active
             .par_iter_mut()

@@ -17,12 +17,12 @@ const MIN_PROBABILITY: f64 = 1e-14;
 /// with two degrees of freedom per output.
 pub(in crate::identify) fn significance(
     root: &ModelPole,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     false_alarm: f64,
 ) -> (f64, f64) {
-    let outputs = sides.outputs.len();
+    let outputs = frf_matrix.outputs.len();
     let quality = &root.quality;
-    let whole = (quality.significance(), limit(root, sides, false_alarm));
+    let whole = (quality.significance(), limit(root, frf_matrix, false_alarm));
     // A single output does not determine the number of modes.
     let one_output = (
         quality.largest,
@@ -39,10 +39,10 @@ pub(in crate::identify) fn significance(
 /// Number of independent modes of a pole above the noise.
 pub(in crate::identify) fn modes_above_noise(
     root: &ModelPole,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     false_alarm: f64,
 ) -> usize {
-    let limit = limit(root, sides, false_alarm);
+    let limit = limit(root, frf_matrix, false_alarm);
     root.quality
         .strengths
         .iter()
@@ -50,18 +50,18 @@ pub(in crate::identify) fn modes_above_noise(
         .count()
 }
 
-fn limit(root: &ModelPole, sides: &FrfMatrix, false_alarm: f64) -> f64 {
-    let white = match sides.inputs {
-        1 => upper_quantile(2.0 * sides.outputs.len() as f64, false_alarm),
-        _ => 2.0 * noise_norm_quantile(sides, false_alarm).powi(2),
+fn limit(root: &ModelPole, frf_matrix: &FrfMatrix, false_alarm: f64) -> f64 {
+    let white = match frf_matrix.inputs {
+        1 => upper_quantile(2.0 * frf_matrix.outputs.len() as f64, false_alarm),
+        _ => 2.0 * noise_norm_quantile(frf_matrix, false_alarm).powi(2),
     };
     root.quality.by_lines * white
 }
 
 /// Value that the largest singular value of outputs × inputs of noise of unit variance exceeds with
 /// at most this probability.
-pub(in crate::identify) fn noise_norm_quantile(sides: &FrfMatrix, false_alarm: f64) -> f64 {
-    let (outputs, inputs) = (sides.outputs.len() as f64, sides.inputs as f64);
+pub(in crate::identify) fn noise_norm_quantile(frf_matrix: &FrfMatrix, false_alarm: f64) -> f64 {
+    let (outputs, inputs) = (frf_matrix.outputs.len() as f64, frf_matrix.inputs as f64);
     outputs.sqrt() + inputs.sqrt() + (-false_alarm.ln()).sqrt()
 }
 

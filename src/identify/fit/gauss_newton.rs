@@ -84,14 +84,14 @@ pub(in crate::identify) struct Fitted {
 /// Data and poles around a block.
 pub(in crate::identify) struct FitContext<'a> {
     pub data: &'a FitData,
-    pub sides: &'a FrfMatrix,
+    pub frf_matrix: &'a FrfMatrix,
     /// All poles, and their residues.
-    pub roots: &'a [ModelPole],
+    pub poles: &'a [ModelPole],
     pub residues: &'a ComplexMatrix,
     /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
     pub far: Option<&'a ComplexMatrix>,
-    /// Whether all poles have converged and the shapes need standard deviations.
-    pub last: bool,
+    /// Whether the shapes need standard deviations: all poles have converged.
+    pub needs_shape_stds: bool,
 }
 
 impl FitContext<'_> {
@@ -116,7 +116,7 @@ pub(in crate::identify) fn fit(
     let mut members: Vec<ModelPole> = block
         .members
         .iter()
-        .map(|j| around.roots[*j].clone())
+        .map(|j| around.poles[*j].clone())
         .collect();
     let unknowns = unknowns(&members, &block.free);
     let mut problem = BandProblem::new(around, block, window);
@@ -145,7 +145,7 @@ pub(in crate::identify) fn fit(
     for (root, residues) in members.iter_mut().zip(&mut here.residues) {
         root.residues = std::mem::take(residues);
     }
-    if around.last {
+    if around.needs_shape_stds {
         problem.add_pole_uncertainty(&members, &block.core, &mut here);
     }
     for (root, variances) in members.iter_mut().zip(here.residue_variances) {
@@ -207,7 +207,7 @@ impl<'a> BandProblem<'a> {
         let poles: Vec<Complex64> = block
             .members
             .iter()
-            .map(|j| around.roots[*j].lambda)
+            .map(|j| around.poles[*j].lambda)
             .collect();
         let window = match window.take() {
             Some(mut band) => {
@@ -218,13 +218,13 @@ impl<'a> BandProblem<'a> {
             }
             None => CompressedBand::new(around.data, &block.lines, poles),
         };
-        let known = other_line_shapes(&around.data.frfs, around.roots, block);
+        let known = other_line_shapes(&around.data.frfs, around.poles, block);
         let response = around.known_response(&known);
         let near = window.near(&response);
         Self {
             energy: window.energy(around.data, &response, &near),
             near,
-            patterns: patterns(around.sides, window.profile()),
+            patterns: patterns(around.frf_matrix, window.profile()),
             around,
             window,
             known,
@@ -236,7 +236,7 @@ impl<'a> BandProblem<'a> {
         let shapes: usize = members.iter().map(ModelPole::multiplicity).sum();
         let functions = self.around.data.frfs.functions();
         let fitted = self.window.background() * functions
-            + shapes * self.around.sides.outputs.len()
+            + shapes * self.around.frf_matrix.outputs.len()
             + unknowns.len();
         (self.known.nrows() * functions)
             .saturating_sub(fitted)

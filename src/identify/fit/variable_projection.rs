@@ -142,9 +142,9 @@ const MAX_RATIO_DIFFERENCE: f64 = 0.1;
 const ROUND_OFF_ENERGY: f64 = 1e-15;
 
 /// The patterns of all outputs.
-pub(in crate::identify) fn patterns(sides: &FrfMatrix, profile: &BandProfile) -> Vec<Pattern> {
+pub(in crate::identify) fn patterns(frf_matrix: &FrfMatrix, profile: &BandProfile) -> Vec<Pattern> {
     let mut patterns: Vec<Pattern> = Vec::new();
-    for output in &sides.outputs {
+    for output in &frf_matrix.outputs {
         let inputs: Vec<usize> = output.iter().map(|(input, _)| *input).collect();
         let functions: Vec<usize> = output.iter().map(|(_, f)| *f).collect();
         let level = profile.level[functions[0]];

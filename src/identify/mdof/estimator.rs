@@ -57,7 +57,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let data = FitData::guarded(set, band)?;
         let frf_matrix = FrfMatrix::new(set.functions());
-        let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
+        let has_participation = frf_matrix.is_complete() && frf_matrix.inputs > 1;
         let single_input = frf_matrix.as_one_input();
         let is_scalar = !has_participation || !self.method.gives_participation();
         let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
@@ -78,8 +78,8 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         );
         fit.fixed = true;
         let limits = fit.limits();
-        let stable = stabilise_weighted(&self.method, &fit.data, &fit.sides, &found, limits)?;
-        fit.roots = model_poles(&stable.seeds, fit.data.frfs.functions());
+        let stable = stabilise_weighted(&self.method, &fit.data, &fit.frf_matrix, &found, limits)?;
+        fit.poles = model_poles(&stable.initial_poles, fit.data.frfs.functions());
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();
         if has_participation && is_scalar {
@@ -92,7 +92,7 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         let mut table = fit.table(set, band, &found, &[]);
         let references = set.references().len();
         for candidate in &mut table.candidates {
-            complete(candidate, &stable.seeds, &fit, references);
+            complete(candidate, &stable.initial_poles, &fit, references);
         }
         table.stabilization = stable.poles;
         Ok(table)
@@ -115,20 +115,20 @@ pub(in crate::identify) fn fit_at_poles(
     let mut data = FitData::guarded(set, band)?;
     run_shifts.align_runs(&mut data);
     let frf_matrix = FrfMatrix::new(set.functions());
-    let has_participation = frf_matrix.complete() && frf_matrix.inputs > 1;
+    let has_participation = frf_matrix.is_complete() && frf_matrix.inputs > 1;
     let functions = data.frfs.functions();
     let mut fit = PoleModel::new(data, frf_matrix.as_one_input(), MethodOptions::default());
     fit.fixed = true;
-    fit.moved = run_shifts;
+    fit.run_shifts = run_shifts;
     let single_pole = |pole: &Complex64| ModelPole::single(*pole, &[Complex64::ONE], functions);
-    fit.roots = poles.iter().map(single_pole).collect();
+    fit.poles = poles.iter().map(single_pole).collect();
     fit.residues();
     fit.estimate_noise();
     if has_participation {
         let free = assign_participation(&mut fit, frf_matrix);
         for pole in free {
-            if !fit.roots.iter().any(|fitted| fitted.lambda == pole.lambda) {
-                fit.roots.push(strongest(&fit.sides, &pole)?);
+            if !fit.poles.iter().any(|fitted| fitted.lambda == pole.lambda) {
+                fit.poles.push(strongest(&fit.frf_matrix, &pole)?);
             }
         }
     }
@@ -145,12 +145,12 @@ pub(in crate::identify) fn fit_at_poles(
 /// show. Returns the replaced poles.
 fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<ModelPole> {
     let pole_metrics = fit.pole_metrics();
-    let free = std::mem::take(&mut fit.roots);
+    let free = std::mem::take(&mut fit.poles);
     let chance = fit.options.false_alarm_probability / fit.data.frfs.lines() as f64;
-    fit.sides = frf_matrix;
-    fit.roots = complete_multiplicities(
+    fit.frf_matrix = frf_matrix;
+    fit.poles = complete_multiplicities(
         &fit.data,
-        &fit.sides,
+        &fit.frf_matrix,
         Vec::new(),
         &free,
         &pole_metrics,
@@ -161,15 +161,20 @@ fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<Model
 
 /// Completes a candidate with the order of the nearest stable pole, the error of the method in its
 /// standard deviations, and participation factors, where the inputs of the fit are the references.
-fn complete(candidate: &mut Candidate, seeds: &[StablePole], fit: &PoleModel, references: usize) {
+fn complete(
+    candidate: &mut Candidate,
+    stable_poles: &[StablePole],
+    fit: &PoleModel,
+    references: usize,
+) {
     let lambda = candidate.pole.lambda;
     let distance = |seed: &&StablePole| (seed.pole.lambda - lambda).norm();
-    let nearest = seeds
+    let nearest = stable_poles
         .iter()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)));
     candidate.order = nearest.map(|seed| seed.order);
     let Some(model_pole) = fit
-        .roots
+        .poles
         .iter()
         .find(|model_pole| model_pole.lambda == lambda)
     else {

@@ -153,13 +153,13 @@ fn orders_stay_below_the_stated_one_and_each_mode_has_its_selected_pole() {
             let decay_hz = mode.frequency_hz * mode.damping_ratio.unwrap();
             let near = if method == "ml" { 0.5 * decay_hz } else { 1e-9 };
             let selected = poles.iter().filter(|point| {
-                point.status == PoleStatus::Chosen
+                point.status == PoleStatus::Selected
                     && Some(point.order) == mode.order
                     && (point.pole.natural_frequency_hz() - mode.frequency_hz).abs() < near
             });
             assert_eq!(selected.count(), 1, "{method} {:?}", mode.frequency_hz);
         }
-        let chosen = poles.iter().filter(|p| p.status == PoleStatus::Chosen);
+        let chosen = poles.iter().filter(|p| p.status == PoleStatus::Selected);
         assert_eq!(chosen.count(), result.model.modes.len(), "{method}");
         assert!(poles.iter().any(|p| p.status == PoleStatus::Stable));
     }
@@ -250,10 +250,9 @@ fn poles_are_estimated_per_frf_where_those_of_all_references_leave_a_residual() 
     assert_eq!(orders(&result).into_iter().max(), Some(top / 2));
     assert!(falls(&orders(&result)).is_empty());
     for mode in &result.model.modes {
-        let chosen = result
-            .stabilization
-            .iter()
-            .filter(|point| point.status == PoleStatus::Chosen && Some(point.order) == mode.order);
+        let chosen = result.stabilization.iter().filter(|point| {
+            point.status == PoleStatus::Selected && Some(point.order) == mode.order
+        });
         assert!(chosen.count() > 0, "{}", mode.frequency_hz);
     }
     // Orders that are too low for these modes: their poles come first, then those of one input.

@@ -88,7 +88,7 @@ pub(in crate::identify) fn stable_poles(tables: &[OrderPoles], step_rad_s: f64) 
     let stable = tracks
         .into_iter()
         .filter(|track| track.orders.len() >= MIN_TRACK_ORDERS);
-    let mut seeds: Vec<StablePole> = stable
+    let mut stable_poles: Vec<StablePole> = stable
         .map(|track| {
             let median = medoid(&track.poles);
             StablePole {
@@ -99,8 +99,8 @@ pub(in crate::identify) fn stable_poles(tables: &[OrderPoles], step_rad_s: f64) 
             }
         })
         .collect();
-    seeds.sort_by(|a, b| a.pole.lambda.im.total_cmp(&b.pole.lambda.im));
-    seeds
+    stable_poles.sort_by(|a, b| a.pole.lambda.im.total_cmp(&b.pole.lambda.im));
+    stable_poles
 }
 
 fn members(track: &Track) -> Vec<(usize, Complex64)> {
@@ -155,8 +155,8 @@ pub(in crate::identify) fn matching_pole(seed: StablePole, others: &[StablePole]
 
 /// Stable poles without duplicates: nearer than a fifth of a decay rate with the same
 /// participation.
-pub(in crate::identify) fn without_duplicates(seeds: Vec<StablePole>) -> Vec<StablePole> {
-    let mut order: Vec<StablePole> = seeds;
+pub(in crate::identify) fn without_duplicates(stable_poles: Vec<StablePole>) -> Vec<StablePole> {
+    let mut order: Vec<StablePole> = stable_poles;
     order.sort_by_key(|seed| std::cmp::Reverse(seed.orders.len()));
     let mut kept: Vec<StablePole> = Vec::new();
     for seed in order {

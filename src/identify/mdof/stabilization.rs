@@ -66,8 +66,8 @@ pub(in crate::identify) struct BandSegment {
 
 /// Stable poles, and the poles of all orders.
 pub(in crate::identify) struct StablePoles {
-    /// Stable poles.
-    pub seeds: Vec<StablePole>,
+    /// Stable poles, with which a fit starts.
+    pub initial_poles: Vec<StablePole>,
     /// All poles in the band, by segment, order and frequency.
     pub poles: Vec<PoleAtOrder>,
 }
@@ -92,7 +92,7 @@ pub(in crate::identify) fn stabilise(
     limits: [f64; 2],
     weight_poles: &[Complex64],
 ) -> Result<StablePoles, IdentifyError> {
-    let (mut seeds, mut poles) = (Vec::new(), Vec::new());
+    let (mut stable_poles, mut poles) = (Vec::new(), Vec::new());
     for segment in method.segments(data, frf_matrix, found, weight_poles)? {
         let tables: Vec<OrderPoles> = segment
             .tables
@@ -113,14 +113,17 @@ pub(in crate::identify) fn stabilise(
                 status: if tracked.iter().any(|seed| seed.contains(*order, pole)) {
                     PoleStatus::Stable
                 } else {
-                    PoleStatus::Alone
+                    PoleStatus::Unstable
                 },
             }));
         }
-        seeds.extend(tracked.into_iter().filter(|seed| is_inside(&seed.pole)));
+        stable_poles.extend(tracked.into_iter().filter(|seed| is_inside(&seed.pole)));
     }
-    let seeds = without_duplicates(seeds);
-    Ok(StablePoles { seeds, poles })
+    let stable_poles = without_duplicates(stable_poles);
+    Ok(StablePoles {
+        initial_poles: stable_poles,
+        poles,
+    })
 }
 
 /// Stable poles of a method, estimated again [`WEIGHTED_ROUNDS`] times with lines weighted by the
@@ -142,19 +145,22 @@ pub(in crate::identify) fn stabilise_weighted(
         0
     };
     for _ in 0..rounds {
-        let weight_poles: Vec<Complex64> =
-            stable.seeds.iter().map(|seed| seed.pole.lambda).collect();
-        let again = stabilise(method, data, frf_matrix, found, limits, &weight_poles)?;
-        stable.seeds = stable
-            .seeds
-            .into_iter()
-            .map(|seed| pole_tracks::matching_pole(seed, &again.seeds))
+        let weight_poles: Vec<Complex64> = stable
+            .initial_poles
+            .iter()
+            .map(|seed| seed.pole.lambda)
             .collect();
-        stable.seeds = without_duplicates(stable.seeds);
+        let again = stabilise(method, data, frf_matrix, found, limits, &weight_poles)?;
+        stable.initial_poles = stable
+            .initial_poles
+            .into_iter()
+            .map(|seed| pole_tracks::matching_pole(seed, &again.initial_poles))
+            .collect();
+        stable.initial_poles = without_duplicates(stable.initial_poles);
         stable.poles = again.poles;
     }
     // Poles without a match in the last estimate keep their position and are listed with it.
-    for seed in &stable.seeds {
+    for seed in &stable.initial_poles {
         let point = PoleAtOrder {
             order: seed.order,
             pole: Pole {
@@ -171,11 +177,14 @@ pub(in crate::identify) fn stabilise_weighted(
 }
 
 /// A model pole of one mode at each stable pole.
-pub(in crate::identify) fn model_poles(seeds: &[StablePole], functions: usize) -> Vec<ModelPole> {
+pub(in crate::identify) fn model_poles(
+    stable_poles: &[StablePole],
+    functions: usize,
+) -> Vec<ModelPole> {
     let model_pole = |seed: &StablePole| {
         ModelPole::single(seed.pole.lambda, &seed.pole.participation, functions)
     };
-    seeds.iter().map(model_pole).collect()
+    stable_poles.iter().map(model_pole).collect()
 }
 
 /// Position of the listed pole of a mode: the nearest within [`MATCH_DECAY_RATES`] decay rates, of
@@ -206,7 +215,7 @@ pub(in crate::identify) fn set_orders(table: &mut PoleTable) {
 pub(in crate::identify) fn mark_selected(table: &mut PoleTable) {
     for mode in &table.candidates {
         if let Some(position) = source_pole(mode, &table.stabilization) {
-            table.stabilization[position].status = PoleStatus::Chosen;
+            table.stabilization[position].status = PoleStatus::Selected;
         }
     }
 }

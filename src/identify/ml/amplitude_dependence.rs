@@ -89,7 +89,7 @@ impl PoleModel {
     /// a pole was rejected. Companions that remain significant are kept, and so are all modes.
     pub fn add_companions(&mut self) {
         self.mark_companions();
-        let modes: Vec<&ModelPole> = (self.roots.iter().zip(self.pole_metrics()))
+        let modes: Vec<&ModelPole> = (self.poles.iter().zip(self.pole_metrics()))
             .filter(|(pole, metrics)| self.may_have_companion(pole, metrics.reduced_chi_square))
             .map(|(pole, _)| pole)
             .collect();
@@ -97,9 +97,9 @@ impl PoleModel {
             return;
         }
         let tried: Vec<ModelPole> = modes.iter().map(|mode| trial(mode)).collect();
-        let (before, dropped) = (self.roots.clone(), self.dropped.len());
-        self.roots.extend(tried);
-        mark_unconverged(&mut self.roots);
+        let (before, dropped) = (self.poles.clone(), self.dropped.len());
+        self.poles.extend(tried);
+        mark_unconverged(&mut self.poles);
         self.refine_and_prune(Convergence::Judging);
         self.mark_companions();
         // A pole that was not in the fit before and is no companion is a failed trial.
@@ -107,22 +107,22 @@ impl PoleModel {
             let distance = |mode: &ModelPole| (mode.lambda - pole.lambda).norm() / mode.decay();
             before.iter().any(|mode| distance(mode) < 1.0)
         };
-        let all = self.roots.len();
-        self.roots.retain(|pole| pole.is_companion || is_mode(pole));
-        if self.roots.len() < all {
-            mark_unconverged(&mut self.roots);
+        let all = self.poles.len();
+        self.poles.retain(|pole| pole.is_companion || is_mode(pole));
+        if self.poles.len() < all {
+            mark_unconverged(&mut self.poles);
             self.refine_and_prune(Convergence::Judging);
             self.mark_companions();
         }
         let modes = |poles: &[ModelPole]| poles.iter().filter(|pole| !pole.is_companion).count();
-        let has_companions = self.roots.iter().any(|pole| pole.is_companion);
-        if !has_companions || modes(&self.roots) != modes(&before) {
-            self.roots = before;
+        let has_companions = self.poles.iter().any(|pole| pole.is_companion);
+        if !has_companions || modes(&self.poles) != modes(&before) {
+            self.poles = before;
             self.dropped.truncate(dropped);
             return;
         }
         let is_fitted = |lambda: Complex64| {
-            let mut companions = self.roots.iter().filter(|pole| pole.is_companion);
+            let mut companions = self.poles.iter().filter(|pole| pole.is_companion);
             companions.any(|pole| (pole.lambda - lambda).norm() < pole.decay())
         };
         let rejected: Vec<_> = self
@@ -134,18 +134,18 @@ impl PoleModel {
         self.dropped = rejected;
         self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        add_noise_model_uncertainty(&self.data, &mut self.roots);
+        add_noise_model_uncertainty(&self.data, &mut self.poles);
     }
 
     fn mark_companions(&mut self) {
-        let pairs = companions(&self.roots);
-        for (index, pole) in self.roots.iter_mut().enumerate() {
+        let pairs = companions(&self.poles);
+        for (index, pole) in self.poles.iter_mut().enumerate() {
             pole.is_companion = pairs.iter().any(|pair| pair.0 == index);
         }
     }
 
     fn may_have_companion(&self, pole: &ModelPole, misfit: f64) -> bool {
-        let has_one = self.roots.iter().any(|other| is_companion(other, pole));
+        let has_one = self.poles.iter().any(|other| is_companion(other, pole));
         let rejected = self.dropped.iter().any(|dropped| {
             let [lambda, of] = [dropped.lambda, pole.lambda];
             matches!(dropped.reason, DropReason::Rejected(_))

@@ -34,7 +34,7 @@ const TRIAL_OFFSET_BANDWIDTHS: f64 = 0.25;
 /// Noise produces one of them with less than the false-alarm probability.
 pub(in crate::identify) fn close_pair_candidates(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     poles: &[ModelPole],
     residual: &Residual,
     false_alarm_probability: f64,
@@ -65,7 +65,7 @@ pub(in crate::identify) fn close_pair_candidates(
             return None;
         }
         let physical = |f: usize| terms[f] * data.noise.std(f, top);
-        let parts = strongest_inputs(sides, 1, physical);
+        let parts = strongest_inputs(frf_matrix, 1, physical);
         let lambda = pole.lambda + Complex64::new(0.0, TRIAL_OFFSET_BANDWIDTHS * pole.width());
         Some((energy, j, ModelPole::single(lambda, &parts[0], functions)))
     };
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_close_pair_below_the_noise_of_every_line_is_detected() {
-        let (data, sides, pole, noise) = fitted(1);
+        let (data, frf_matrix, pole, noise) = fitted(1);
         let second = |k: usize| {
             let first = pole.decay() / (Complex64::new(0.0, data.frfs.omega[k]) - pole.lambda);
             first * first
@@ -175,8 +175,13 @@ mod tests {
             noise.at(f, k) + sign * second(k)
         });
         let residual = Residual::of_all(residual);
-        let found =
-            close_pair_candidates(&data, &sides, std::slice::from_ref(&pole), &residual, 1e-3);
+        let found = close_pair_candidates(
+            &data,
+            &frf_matrix,
+            std::slice::from_ref(&pole),
+            &residual,
+            1e-3,
+        );
         let [(index, beside)] = &found[..] else {
             panic!("{} poles", found.len());
         };
@@ -187,10 +192,10 @@ mod tests {
     #[test]
     fn noise_alone_is_no_close_pair() {
         for seed in 0..20 {
-            let (data, sides, pole, residual) = fitted(seed);
-            assert!(close_pair_candidates(&data, &sides, &[pole], &residual, 1e-3).is_empty());
+            let (data, frf_matrix, pole, residual) = fitted(seed);
+            assert!(close_pair_candidates(&data, &frf_matrix, &[pole], &residual, 1e-3).is_empty());
         }
-        let (data, sides, _, residual) = fitted(0);
-        assert!(close_pair_candidates(&data, &sides, &[], &residual, 1e-3).is_empty());
+        let (data, frf_matrix, _, residual) = fitted(0);
+        assert!(close_pair_candidates(&data, &frf_matrix, &[], &residual, 1e-3).is_empty());
     }
 }

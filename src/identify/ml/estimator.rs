@@ -110,11 +110,11 @@ impl Method for MaximumLikelihood {
                 let code = Code::WindowContradicted;
                 let finding = Finding::new(Severity::Warning, code, Location::Whole);
                 table.findings.push(finding);
-                (table, plain.moved)
+                (table, plain.run_shifts)
             }
             None => {
-                let companions = strongest_companions(&fit.roots);
-                (fit.table(set, band, &found, &companions), fit.moved)
+                let companions = strongest_companions(&fit.poles);
+                (fit.table(set, band, &found, &companions), fit.run_shifts)
             }
         };
         table.findings.extend(splits);
@@ -153,11 +153,11 @@ impl MaximumLikelihood {
             let mut data = FitData::guarded(set, band)?;
             data.set_line_shape(shape);
             moved.align_runs(&mut data);
-            let sides = FrfMatrix::new(set.functions());
-            let sides = if sides.complete() {
-                sides
+            let frf_matrix = FrfMatrix::new(set.functions());
+            let frf_matrix = if frf_matrix.is_complete() {
+                frf_matrix
             } else {
-                sides.as_one_input()
+                frf_matrix.as_one_input()
             };
             let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
             let found = peak_detection::search(
@@ -166,10 +166,10 @@ impl MaximumLikelihood {
                 &indicator,
                 self.options.false_alarm_probability,
             );
-            let mut fit = PoleModel::new(data, sides, self.options);
+            let mut fit = PoleModel::new(data, frf_matrix, self.options);
             fit.fit_initial_poles(&found)?;
-            fit.moved = moved.clone();
-            let changed = moved.update_from_fit(&fit.data, &fit.roots);
+            fit.run_shifts = moved.clone();
+            let changed = moved.update_from_fit(&fit.data, &fit.poles);
             fits.push((fit, found));
             if !changed {
                 break;
@@ -177,9 +177,9 @@ impl MaximumLikelihood {
         }
         let moves = |pole: &&ModelPole| {
             fits.iter()
-                .any(|(fit, _)| fit.moved.contains_pole(pole.lambda))
+                .any(|(fit, _)| fit.run_shifts.contains_pole(pole.lambda))
         };
-        let needed = |(fit, _): &(PoleModel, DetectedPeaks)| fit.roots.iter().filter(moves).count();
+        let needed = |(fit, _): &(PoleModel, DetectedPeaks)| fit.poles.iter().filter(moves).count();
         let fewest = (0..fits.len())
             .rev()
             .min_by_key(|index| needed(&fits[*index]));
@@ -198,9 +198,9 @@ impl PoleModel {
             max_order: self.options.max_order,
         };
         let seeds = self.stable_poles(&lscf, found)?;
-        let has_several_inputs = self.sides.inputs > 1;
+        let has_several_inputs = self.frf_matrix.inputs > 1;
         let noise = has_several_inputs.then(|| self.data.noise.clone());
-        self.roots = seeds.clone();
+        self.poles = seeds.clone();
         let mut changed = self.refine_with_noise_update();
         if has_several_inputs && !self.has_unexplained_residual() {
             return Ok(());
@@ -223,23 +223,23 @@ impl PoleModel {
         found: &DetectedPeaks,
         by_inputs: Vec<ModelPole>,
     ) -> Result<(), IdentifyError> {
-        let one = self.sides.as_one_input();
-        let sides = std::mem::replace(&mut self.sides, one);
-        self.roots = distinct_poles(&[by_inputs.clone(), self.stable_poles(lscf, found)?].concat());
+        let one = self.frf_matrix.as_one_input();
+        let frf_matrix = std::mem::replace(&mut self.frf_matrix, one);
+        self.poles = distinct_poles(&[by_inputs.clone(), self.stable_poles(lscf, found)?].concat());
         self.refine_and_prune(Convergence::Coarse);
         if !self.data.noise.is_stated() {
             self.estimate_noise();
             self.refine_and_prune(Convergence::Coarse);
         }
         let pole_metrics = self.pole_metrics();
-        let free = std::mem::take(&mut self.roots);
+        let free = std::mem::take(&mut self.poles);
         self.dropped.clear();
-        self.sides = sides;
+        self.frf_matrix = frf_matrix;
         let false_alarm_probability =
             self.options.false_alarm_probability / self.data.frfs.lines() as f64;
-        self.roots = complete_multiplicities(
+        self.poles = complete_multiplicities(
             &self.data,
-            &self.sides,
+            &self.frf_matrix,
             by_inputs,
             &free,
             &pole_metrics,
@@ -254,9 +254,9 @@ impl PoleModel {
     fn refine_with_noise_update(&mut self) -> bool {
         self.refine_and_prune(Convergence::Coarse);
         loop {
-            let before = self.roots.len();
+            let before = self.poles.len();
             let changed = self.reestimate_noise_and_prune();
-            if self.roots.len() == before {
+            if self.poles.len() == before {
                 return changed;
             }
         }
@@ -268,7 +268,7 @@ impl PoleModel {
         self.reject_spurious_poles();
         self.refine_and_prune(Convergence::Fine);
         self.add_out_of_band_uncertainty();
-        add_noise_model_uncertainty(&self.data, &mut self.roots);
+        add_noise_model_uncertainty(&self.data, &mut self.poles);
     }
 
     pub fn reestimate_noise_and_prune(&mut self) -> bool {
@@ -281,7 +281,7 @@ impl PoleModel {
     /// the poles were last tested.
     fn search_rounds(&mut self, mut changed: bool) {
         for _ in 0..MAX_SEARCHES {
-            let before = self.roots.clone();
+            let before = self.poles.clone();
             let gain = self.search();
             let worthwhile = gain.is_some_and(|gain| gain >= MIN_RESIDUAL_GAIN);
             // The correlation of the noise is detected once at most.
@@ -289,7 +289,7 @@ impl PoleModel {
                 return self.search_rounds(true);
             }
             // The same poles give the same noise.
-            if gain.is_none() && !changed && self.roots == before {
+            if gain.is_none() && !changed && self.poles == before {
                 break;
             }
             // Where more poles still give reasons for rejection and lower the residual little,
@@ -309,17 +309,17 @@ impl PoleModel {
         found: &DetectedPeaks,
     ) -> Result<Vec<ModelPole>, IdentifyError> {
         let limits = self.limits();
-        let stabilisation = stabilise(method, &self.data, &self.sides, found, limits, &[])?;
-        self.listing.extend(stabilisation.poles);
+        let stabilisation = stabilise(method, &self.data, &self.frf_matrix, found, limits, &[])?;
+        self.stabilization.extend(stabilisation.poles);
         Ok(model_poles(
-            &stabilisation.seeds,
+            &stabilisation.initial_poles,
             self.data.frfs.functions(),
         ))
     }
 
     /// Mean over the FRFs of the residual energy over the FRF energy, each summed over the lines.
     pub fn relative_residual(&self) -> f64 {
-        let normalised = self.rest();
+        let normalised = self.residual();
         let of = |f: usize| {
             let residual =
                 |k: usize| normalised.at(f, k).norm_sqr() * self.data.noise.variance[f][k];

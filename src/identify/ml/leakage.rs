@@ -92,7 +92,7 @@ impl MaximumLikelihood {
                 smoothed: Some(smoothed),
             }));
         }
-        let poles = fit.roots.len();
+        let poles = fit.poles.len();
         // Best: fewer poles than without a window, then the least residual.
         let rank = |hypothesis: &Hypothesis| (!hypothesis.has_fewer_poles(poles), hypothesis.ratio);
         let best = possible.into_iter().min_by(|a, b| {
@@ -121,7 +121,7 @@ struct Hypothesis {
 
 impl Hypothesis {
     fn has_fewer_poles(&self, than: usize) -> bool {
-        (self.smoothed.as_ref()).is_some_and(|fit| fit.roots.len() < than)
+        (self.smoothed.as_ref()).is_some_and(|fit| fit.poles.len() < than)
     }
 }
 
@@ -153,18 +153,18 @@ impl PoleModel {
         let is_of = |pole: &ModelPole, group: &Group| group.distance(pole) < limit;
         let is_other = |pole: &&ModelPole| !groups.iter().any(|group| is_of(pole, group));
         let others = |poles: &[ModelPole]| poles.iter().filter(is_other).count();
-        let expected = others(&self.roots);
-        let (poles, dropped) = (self.roots.clone(), self.dropped.clone());
+        let expected = others(&self.poles);
+        let (poles, dropped) = (self.poles.clone(), self.dropped.clone());
         let (noise, scattered) = (self.data.noise.clone(), self.scattered);
-        self.roots.retain(|pole| is_other(&pole));
+        self.poles.retain(|pole| is_other(&pole));
         let merged = groups.iter().flat_map(|group| &group.merged);
-        self.roots.extend(merged.cloned());
-        (self.roots).sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        self.poles.extend(merged.cloned());
+        (self.poles).sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
         self.reestimate_noise_and_prune();
         self.complete();
-        let is_lost = |group: &Group| !self.roots.iter().any(|pole| is_of(pole, group));
-        if others(&self.roots) < expected || groups.iter().any(is_lost) {
-            (self.roots, self.dropped, self.scattered) = (poles, dropped, scattered);
+        let is_lost = |group: &Group| !self.poles.iter().any(|pole| is_of(pole, group));
+        if others(&self.poles) < expected || groups.iter().any(is_lost) {
+            (self.poles, self.dropped, self.scattered) = (poles, dropped, scattered);
             self.data.set_noise(noise);
             return Vec::new();
         }
@@ -179,7 +179,7 @@ impl PoleModel {
     ) -> Vec<Finding> {
         let finding = |mode: &SplitMode| {
             let distance = |pole: &&ModelPole| (pole.lambda.im - mode.omega).abs();
-            let poles = self.roots.iter();
+            let poles = self.poles.iter();
             let nearest = poles.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             let hz = Pole {
                 lambda: nearest.lambda,
@@ -198,7 +198,7 @@ impl PoleModel {
 fn is_narrow(fit: &PoleModel, shape: LineShape) -> bool {
     let bias = |pole: &ModelPole| shape.leakage_bias(pole.decay());
     let is_biased = |pole: &ModelPole| bias(pole) > Some(MAX_LEAKAGE_BIAS);
-    fit.roots.iter().any(is_biased)
+    fit.poles.iter().any(is_biased)
 }
 
 /// Frequency lines near the modes of a fit, with its noise variances.
@@ -212,7 +212,7 @@ impl NearModes {
         let limit = MAX_LINES_FROM_MODE * fit.data.frfs.step;
         let is_near = |line: &usize| {
             let distance = |pole: &ModelPole| (pole.lambda.im - fit.data.frfs.omega[*line]).abs();
-            fit.roots.iter().any(|pole| distance(pole) < limit)
+            fit.poles.iter().any(|pole| distance(pole) < limit)
         };
         let lines: Vec<usize> = (0..fit.data.frfs.lines()).filter(is_near).collect();
         Self {
@@ -225,7 +225,7 @@ impl NearModes {
 
     /// Squared residual of a fit over these variances, summed over FRFs and lines.
     fn residual(&self, fit: &PoleModel) -> f64 {
-        let normalised = fit.rest();
+        let normalised = fit.residual();
         let of_function = |(f, variance): (usize, &Vec<f64>)| {
             let of_line = |(k, variance): (&usize, &f64)| {
                 normalised.at(f, *k).norm_sqr() * fit.data.noise.variance[f][*k] / variance
@@ -237,22 +237,22 @@ impl NearModes {
 
     /// Squared residual of its poles under a line shape, refined from their present values.
     fn residual_under(&self, fit: &mut PoleModel, shape: LineShape) -> f64 {
-        let poles = fit.roots.clone();
+        let poles = fit.poles.clone();
         let correlation = fit.data.noise.line_correlation.clone();
         fit.data.set_line_shape(shape);
-        mark_unconverged(&mut fit.roots);
+        mark_unconverged(&mut fit.poles);
         fit.refine(Convergence::Coarse);
         let residual = self.residual(fit);
         fit.data.set_line_shape(LineShape::EXACT);
         fit.data.noise.line_correlation = correlation;
-        fit.roots = poles;
+        fit.poles = poles;
         residual
     }
 }
 
 /// Whether two poles lie so close that they may be one mode under a window.
 fn has_close_poles(fit: &PoleModel, shape: LineShape) -> bool {
-    let mut frequencies: Vec<f64> = fit.roots.iter().map(|pole| pole.lambda.im).collect();
+    let mut frequencies: Vec<f64> = fit.poles.iter().map(|pole| pole.lambda.im).collect();
     frequencies.sort_by(f64::total_cmp);
     let limit = shape.split_lines() * fit.data.frfs.step;
     frequencies.windows(2).any(|pair| pair[1] - pair[0] < limit)
@@ -285,8 +285,8 @@ impl Group {
 /// The groups in which leakage under a window may have split poles.
 fn split_groups(fit: &PoleModel, smoothed: &PoleModel, shape: LineShape) -> Vec<Group> {
     let limit = shape.split_lines() * fit.data.frfs.step;
-    let plain = fit.roots.iter().map(|pole| (pole, false));
-    let smoothed = smoothed.roots.iter().map(|pole| (pole, true));
+    let plain = fit.poles.iter().map(|pole| (pole, false));
+    let smoothed = smoothed.poles.iter().map(|pole| (pole, true));
     let mut all: Vec<(&ModelPole, bool)> = plain.chain(smoothed).collect();
     all.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
     let is_near =

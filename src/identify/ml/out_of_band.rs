@@ -40,15 +40,15 @@ impl PoleModel {
     /// Tries a set of out-of-band terms. Returns whether they are sufficient; otherwise nothing
     /// changes.
     fn try_terms(&mut self, terms: Vec<OutOfBandTerm>) -> bool {
-        let (before, drops_before) = (self.roots.clone(), self.dropped.len());
+        let (before, drops_before) = (self.poles.clone(), self.dropped.len());
         self.alternate_terms_and_poles(terms);
         if self.out_of_band_is_significant() && self.search().is_some() {
             self.refine_and_prune(Convergence::Judging);
         }
-        let enough = !self.out_of_band_is_significant() && self.roots.len() >= before.len();
+        let enough = !self.out_of_band_is_significant() && self.poles.len() >= before.len();
         if !enough {
             self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
-            self.roots = before;
+            self.poles = before;
             self.dropped.truncate(drops_before);
         }
         enough
@@ -59,16 +59,16 @@ impl PoleModel {
     fn alternate_terms_and_poles(&mut self, mut terms: Vec<OutOfBandTerm>) {
         let mut count = terms.len();
         for _ in 0..MAX_ROUNDS {
-            let before: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
+            let before: Vec<Complex64> = self.poles.iter().map(|pole| pole.lambda).collect();
             self.data
                 .set_out_of_band_terms(OutOfBandTerms::Courses(terms));
-            mark_unconverged(&mut self.roots);
+            mark_unconverged(&mut self.poles);
             self.refine(Convergence::Judging);
             let moved = |(pole, before): (&ModelPole, &Complex64)| {
                 (pole.lambda - before).norm() > CONVERGED_STEP_STDS * pole.quality.pole_std
             };
-            let same = self.roots.len() == before.len();
-            if count == 0 || same && !self.roots.iter().zip(&before).any(moved) {
+            let same = self.poles.len() == before.len();
+            if count == 0 || same && !self.poles.iter().zip(&before).any(moved) {
                 return;
             }
             terms = self.strongest_terms(count);
@@ -79,7 +79,7 @@ impl PoleModel {
     /// Terms of the residual of the poles above the noise, at most a given number.
     fn strongest_terms(&self, most: usize) -> Vec<OutOfBandTerm> {
         let far = self.data.fit_of_terms(&OutOfBandTerms::Anywhere);
-        far.strongest(&self.roots, self.data.noise.line_correlation.alike(), most)
+        far.strongest(&self.poles, self.data.noise.line_correlation.alike(), most)
     }
 
     /// Whether free out-of-band poles explain more of the residual than they would of white noise.
@@ -87,8 +87,8 @@ impl PoleModel {
     /// standard deviations include them.
     fn out_of_band_is_significant(&self) -> bool {
         let all = self.data.fit_of_terms(&OutOfBandTerms::Anywhere);
-        let (with, many) = all.explained(&self.roots);
-        let (without, few) = self.data.out_of_band_fit().explained(&self.roots);
+        let (with, many) = all.explained(&self.poles);
+        let (without, few) = self.data.out_of_band_fit().explained(&self.poles);
         // Two real numbers of variance 1/2 for each unknown.
         let unknowns = (many - few) as f64;
         with - without > unknowns + unknowns.sqrt()
@@ -110,14 +110,14 @@ impl PoleModel {
             return;
         };
         let free = self.with_free_poles();
-        if free.len() != self.roots.len() {
+        if free.len() != self.poles.len() {
             // A pole that free out-of-band poles displace or remove is an artefact of the reduced
             // terms.
             self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
             self.refine_and_prune(Convergence::Fine);
             return;
         }
-        for (pole, free) in self.roots.iter_mut().zip(&free) {
+        for (pole, free) in self.poles.iter_mut().zip(&free) {
             let fraction = fraction_along_terms(&self.data, pole, &terms);
             pole.quality.add_term_uncertainty(&free.quality, fraction);
         }
@@ -126,11 +126,11 @@ impl PoleModel {
     /// The poles, fixed, with the quality of a fit with free out-of-band poles.
     fn with_free_poles(&mut self) -> Vec<ModelPole> {
         let terms = self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
-        let poles = self.roots.clone();
-        mark_unconverged(&mut self.roots);
+        let poles = self.poles.clone();
+        mark_unconverged(&mut self.poles);
         self.refine(Convergence::Residues);
         self.data.set_out_of_band_terms(terms);
-        std::mem::replace(&mut self.roots, poles)
+        std::mem::replace(&mut self.poles, poles)
     }
 }
 
@@ -219,10 +219,10 @@ mod tests {
         };
         let set = structure().measured(&how);
         let data = FitData::guarded(&set, Band::new(80.0, 150.0).unwrap()).unwrap();
-        let sides = FrfMatrix::new(set.functions());
-        let mut fit = PoleModel::new(data, sides, MethodOptions::default());
+        let frf_matrix = FrfMatrix::new(set.functions());
+        let mut fit = PoleModel::new(data, frf_matrix, MethodOptions::default());
         let one = [Complex64::ONE];
-        fit.roots = truth()
+        fit.poles = truth()
             .map(|lambda| ModelPole::single(lambda, &one, 8))
             .to_vec();
         fit.data.set_out_of_band_terms(outside);
@@ -239,7 +239,7 @@ mod tests {
     fn the_reported_bias_is_that_of_a_dropped_out_of_band_mode() {
         let mut fit = fitted(70.0, 1, OutOfBandTerms::Courses(Vec::new()));
         fit.add_out_of_band_uncertainty();
-        for (pole, truth) in fit.roots.iter().zip(truth()) {
+        for (pole, truth) in fit.poles.iter().zip(truth()) {
             let made = truth - pole.lambda;
             let bias = pole.quality.bias.unwrap();
             // Noise shifts a pole by one standard deviation, free out-of-band poles by several.
@@ -252,32 +252,32 @@ mod tests {
     fn without_dropped_terms_no_bias_is_reported() {
         let mut free = fitted(50.0, 2, OutOfBandTerms::Anywhere);
         free.add_out_of_band_uncertainty();
-        assert!(free.roots.iter().all(|pole| pole.quality.bias.is_none()));
+        assert!(free.poles.iter().all(|pole| pole.quality.bias.is_none()));
         free.reduce_out_of_band_terms();
         free.refine(Convergence::Fine);
         free.add_out_of_band_uncertainty();
         let relative_bias =
             |pole: &ModelPole| pole.quality.bias.unwrap().norm() / pole.quality.pole_bound;
-        assert!(free.roots.iter().all(|pole| relative_bias(pole) < 1.0));
+        assert!(free.poles.iter().all(|pole| relative_bias(pole) < 1.0));
     }
 
     #[test]
     fn an_out_of_band_mode_is_a_term_common_to_all_frfs() {
         let mut fit = fitted(50.0, 3, OutOfBandTerms::Anywhere);
-        let free: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
+        let free: Vec<f64> = fit.poles.iter().map(|r| r.quality.pole_bound).collect();
         fit.reduce_out_of_band_terms();
         let OutOfBandTerms::Courses(terms) = fit.data.out_of_band_terms() else {
             panic!("free poles are kept");
         };
         assert!((1..=2).contains(&terms.len()), "{}", terms.len());
         fit.refine(Convergence::Fine);
-        let with_terms: Vec<f64> = fit.roots.iter().map(|r| r.quality.pole_bound).collect();
+        let with_terms: Vec<f64> = fit.poles.iter().map(|r| r.quality.pole_bound).collect();
         fit.add_out_of_band_uncertainty();
-        for ((pole, free), with_terms) in fit.roots.iter().zip(free).zip(with_terms) {
+        for ((pole, free), with_terms) in fit.poles.iter().zip(free).zip(with_terms) {
             let std = pole.quality.pole_bound;
             assert!(with_terms < std && std < free, "{with_terms} {std} {free}");
         }
-        for (pole, truth) in fit.roots.iter().zip(truth()) {
+        for (pole, truth) in fit.poles.iter().zip(truth()) {
             // Four standard deviations of each part: exceeded by six parts in 100,000 seeds.
             let error = pole.lambda - truth;
             assert!(error.re.abs().max(error.im.abs()) < 4.0 * pole.quality.pole_bound);

@@ -38,7 +38,7 @@ struct Segment {
 /// false-alarm probability.
 pub(in crate::identify) fn residual_peak_poles(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     poles: &[ModelPole],
     residual: &Residual,
     false_alarm_probability: f64,
@@ -56,7 +56,7 @@ pub(in crate::identify) fn residual_peak_poles(
     );
     let peak = ResidualPeak {
         data,
-        sides,
+        frf_matrix,
         residual,
         false_alarm_probability: false_alarm_probability / data.frfs.lines() as f64,
     };
@@ -66,7 +66,7 @@ pub(in crate::identify) fn residual_peak_poles(
 
 struct ResidualPeak<'a> {
     data: &'a FitData,
-    sides: &'a FrfMatrix,
+    frf_matrix: &'a FrfMatrix,
     residual: &'a Residual,
     /// False-alarm probability at one frequency line.
     false_alarm_probability: f64,
@@ -98,7 +98,7 @@ impl ResidualPeak<'_> {
             .iter()
             .filter(|existing| is_same_pole(existing, lambda));
         let modes: usize = there.map(ModelPole::multiplicity).sum();
-        let most = self.sides.inputs.min(self.sides.outputs.len());
+        let most = self.frf_matrix.inputs.min(self.frf_matrix.outputs.len());
         most.saturating_sub(modes)
     }
 
@@ -133,13 +133,14 @@ impl ResidualPeak<'_> {
             .noise
             .line_correlation
             .amplitude_noise_factor(-lambda.re, self.data.frfs.step);
-        let limit = by_lines.sqrt() * noise_norm_quantile(self.sides, self.false_alarm_probability);
-        let strengths = linalg::singular_values(&self.sides.matrix(|f| amplitudes[f]));
+        let limit =
+            by_lines.sqrt() * noise_norm_quantile(self.frf_matrix, self.false_alarm_probability);
+        let strengths = linalg::singular_values(&self.frf_matrix.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
         let above = strengths.iter().filter(|s| **s > limit).count();
         let physical = |f: usize| amplitudes[f] * self.data.noise.std(f, segment.top);
-        let mut parts = strongest_inputs(self.sides, above.max(1), physical);
+        let mut parts = strongest_inputs(self.frf_matrix, above.max(1), physical);
         parts.retain(|part| {
             !poles
                 .iter()
@@ -214,12 +215,12 @@ fn segments(
 /// Participation factors of the strongest rank-one terms of an FRF matrix with a value per FRF:
 /// right singular vectors over the inputs.
 pub(in crate::identify) fn strongest_inputs(
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     count: usize,
     value: impl Fn(usize) -> Complex64,
 ) -> Vec<Vec<Complex64>> {
-    let inputs = sides.inputs;
-    let matrix = sides.matrix(value);
+    let inputs = frf_matrix.inputs;
+    let matrix = frf_matrix.matrix(value);
     let svd = linalg::singular_vectors(&matrix);
     let vector = |rank: usize| match &svd {
         // A = U S Vᴴ, so that the row space is that of conj(V).
@@ -255,8 +256,8 @@ mod tests {
         }
         let set = structure.measured(&how);
         let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
-        let sides = FrfMatrix::new(set.functions());
-        assert_eq!(sides.inputs, 2);
+        let frf_matrix = FrfMatrix::new(set.functions());
+        assert_eq!(frf_matrix.inputs, 2);
         let lambda = Pole::from_frequency(100.0, 0.01).lambda;
         let fitted = ModelPole::single(lambda, &[Complex64::ONE, Complex64::ZERO], set.len());
         // The residual of a fit of one mode has two independent terms far above the noise.
@@ -266,7 +267,7 @@ mod tests {
         });
         let residual = Residual::of_all(residual);
         let tried = |poles: &[ModelPole]| {
-            let found = residual_peak_poles(&data, &sides, poles, &residual, 1e-3, 4);
+            let found = residual_peak_poles(&data, &frf_matrix, poles, &residual, 1e-3, 4);
             let at_pole = |pole: &&ModelPole| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();
             found.iter().find(at_pole).map(ModelPole::multiplicity)
         };

@@ -38,23 +38,23 @@ impl PoleModel {
     pub fn detect_correlated_noise(&mut self) -> bool {
         let (noise, poles, drops_before) = (
             self.data.noise.clone(),
-            self.roots.clone(),
+            self.poles.clone(),
             self.dropped.len(),
         );
-        if !self.data.detect_correlated_noise(&mut self.rest()) {
+        if !self.data.detect_correlated_noise(&mut self.residual()) {
             return false;
         }
         self.reestimate_noise_and_prune();
         loop {
-            if !LineCorrelation::frfs_have_independent_noise(&self.rest()) {
+            if !LineCorrelation::frfs_have_independent_noise(&self.residual()) {
                 self.data.set_noise(noise);
-                self.roots = poles;
+                self.poles = poles;
                 self.dropped.truncate(drops_before);
                 self.refine_and_prune(Convergence::Judging);
                 return false;
             }
             let relative_std = |pole: &ModelPole| pole.quality.pole_std / pole.decay();
-            let mut doubtful: Vec<f64> = self.roots.iter().map(relative_std).collect();
+            let mut doubtful: Vec<f64> = self.poles.iter().map(relative_std).collect();
             doubtful.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
             doubtful.sort_by(f64::total_cmp);
             let Some(limit) = doubtful.get(doubtful.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
@@ -62,7 +62,7 @@ impl PoleModel {
                 return true;
             };
             let (determined, undetermined): (Vec<ModelPole>, Vec<ModelPole>) =
-                std::mem::take(&mut self.roots)
+                std::mem::take(&mut self.poles)
                     .into_iter()
                     .partition(|pole| relative_std(pole) < *limit);
             self.dropped.extend(undetermined.iter().map(|pole| Dropped {
@@ -70,7 +70,7 @@ impl PoleModel {
                 reason: DropReason::PoleUndetermined(pole.quality.pole_std / pole.decay()),
             }));
             // The other pole of a close pair is a single pole again.
-            self.roots = determined
+            self.poles = determined
                 .into_iter()
                 .map(|pole| ModelPole { pair: None, ..pole })
                 .collect();
@@ -82,11 +82,11 @@ impl PoleModel {
     /// energy fell, `None` when no trial pole was kept.
     pub fn search(&mut self) -> Option<f64> {
         let false_alarm_probability = self.options.false_alarm_probability;
-        let residual = self.rest();
+        let residual = self.residual();
         let found = residual_peak_poles(
             &self.data,
-            &self.sides,
-            &self.roots,
+            &self.frf_matrix,
+            &self.poles,
             &residual,
             false_alarm_probability,
             self.max_trial_poles(),
@@ -95,36 +95,36 @@ impl PoleModel {
             return self.split_close_pairs(&residual);
         }
         self.try_poles(found, &residual)
-            .or_else(|| self.split_close_pairs(&self.rest()))
+            .or_else(|| self.split_close_pairs(&self.residual()))
     }
 
     /// Whether the residual exceeds the noise: in a segment of lines, or as a close pair.
     pub fn has_unexplained_residual(&self) -> bool {
-        let (data, sides, poles) = (&self.data, &self.sides, &self.roots);
-        let (residual, probability) = (self.rest(), self.options.false_alarm_probability);
-        let peaks = residual_peak_poles(data, sides, poles, &residual, probability, 1);
+        let (data, frf_matrix, poles) = (&self.data, &self.frf_matrix, &self.poles);
+        let (residual, probability) = (self.residual(), self.options.false_alarm_probability);
+        let peaks = residual_peak_poles(data, frf_matrix, poles, &residual, probability, 1);
         !peaks.is_empty()
-            || !close_pair_candidates(data, sides, poles, &residual, probability).is_empty()
+            || !close_pair_candidates(data, frf_matrix, poles, &residual, probability).is_empty()
     }
 
     fn max_trial_poles(&self) -> usize {
-        (self.roots.len() / 4).max(MIN_TRIAL_POLES)
+        (self.poles.len() / 4).max(MIN_TRIAL_POLES)
     }
 
     fn modes(&self) -> usize {
-        self.roots.iter().map(ModelPole::multiplicity).sum()
+        self.poles.iter().map(ModelPole::multiplicity).sum()
     }
 
     /// As [`Self::search`], with given trial poles, from the residual without them.
     fn try_poles(&mut self, found: Vec<ModelPole>, residual: &Residual) -> Option<f64> {
-        let (before, modes, drops_before) = (self.roots.clone(), self.modes(), self.dropped.len());
-        self.roots.extend(found.into_iter().map(|pole| ModelPole {
+        let (before, modes, drops_before) = (self.poles.clone(), self.modes(), self.dropped.len());
+        self.poles.extend(found.into_iter().map(|pole| ModelPole {
             suspect: true,
             ..pole
         }));
-        mark_unconverged(&mut self.roots);
+        mark_unconverged(&mut self.poles);
         self.refine_and_prune(Convergence::Coarse);
-        let gain = |fit: &Self| residual.energy() / fit.rest().energy();
+        let gain = |fit: &Self| residual.energy() / fit.residual().energy();
         let mut now = gain(self);
         if now < MIN_RESIDUAL_GAIN && self.reject_trial_poles() {
             self.refine_and_prune(Convergence::Coarse);
@@ -136,11 +136,11 @@ impl PoleModel {
         }
         if now < 1.0 {
             // Trial poles displaced other poles, or none of them was kept.
-            self.roots = before;
+            self.poles = before;
             self.dropped.truncate(drops_before);
             return None;
         }
-        for pole in &mut self.roots {
+        for pole in &mut self.poles {
             pole.suspect = false;
         }
         (self.modes() > modes).then_some(now)
@@ -156,31 +156,31 @@ impl PoleModel {
         let false_alarm_probability = self.options.false_alarm_probability;
         let found = close_pair_candidates(
             &self.data,
-            &self.sides,
-            &self.roots,
+            &self.frf_matrix,
+            &self.poles,
             residual,
             false_alarm_probability,
         );
-        let lambdas: Vec<Complex64> = self.roots.iter().map(|pole| pole.lambda).collect();
+        let lambdas: Vec<Complex64> = self.poles.iter().map(|pole| pole.lambda).collect();
         let false_alarm_probability = false_alarm_probability / lambdas.len().max(1) as f64;
         let (first, most) = (self.residual_energy(residual), self.max_trial_poles());
         let mut residual_energy = first;
         for (index, second) in found.into_iter().take(most) {
             let distance = |pole: &ModelPole| (pole.lambda - lambdas[index]).norm();
-            let free = |j: &usize| self.roots[*j].pair.is_none();
-            let nearest = (0..self.roots.len())
+            let free = |j: &usize| self.poles[*j].pair.is_none();
+            let nearest = (0..self.poles.len())
                 .filter(free)
-                .min_by(|a, b| distance(&self.roots[*a]).total_cmp(&distance(&self.roots[*b])));
+                .min_by(|a, b| distance(&self.poles[*a]).total_cmp(&distance(&self.poles[*b])));
             // Other poles may have moved to its location since.
-            let near = |j: &usize| distance(&self.roots[*j]) < self.roots[*j].decay();
+            let near = |j: &usize| distance(&self.poles[*j]) < self.poles[*j].decay();
             let Some(j) = nearest.filter(near) else {
                 continue;
             };
-            let (before, drops_before) = (self.roots.clone(), self.dropped.len());
+            let (before, drops_before) = (self.poles.clone(), self.dropped.len());
             match self.try_close_pair(j, second, residual_energy, false_alarm_probability) {
                 Some(now) => residual_energy = now,
                 None => {
-                    self.roots = before;
+                    self.poles = before;
                     self.dropped.truncate(drops_before);
                 }
             }
@@ -197,22 +197,22 @@ impl PoleModel {
         residual_energy: f64,
         false_alarm_probability: f64,
     ) -> Option<f64> {
-        let pairs = self.roots.iter().filter_map(|pole| pole.pair);
+        let pairs = self.poles.iter().filter_map(|pole| pole.pair);
         let pair = Some(pairs.max().map_or(0, |last| last + 1));
         let modes = self.modes();
         let decay = second.decay();
-        self.roots[j].pair = pair;
-        self.roots.push(ModelPole {
+        self.poles[j].pair = pair;
+        self.poles.push(ModelPole {
             suspect: true,
             pair,
             ..second
         });
         self.refine_and_prune(Convergence::Judging);
-        let members: Vec<&ModelPole> = self.roots.iter().filter(|pole| pole.pair == pair).collect();
+        let members: Vec<&ModelPole> = self.poles.iter().filter(|pole| pole.pair == pair).collect();
         let [a, b] = members[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());
-        let now = self.residual_energy(&self.rest());
-        let unknowns = 2 * (self.sides.outputs.len() + self.sides.inputs);
+        let now = self.residual_energy(&self.residual());
+        let unknowns = 2 * (self.frf_matrix.outputs.len() + self.frf_matrix.inputs);
         let correlation_factor = self
             .data
             .noise
@@ -228,7 +228,7 @@ impl PoleModel {
         if self.reject_trial_poles() {
             return None;
         }
-        self.roots.iter_mut().for_each(|pole| pole.suspect = false);
+        self.poles.iter_mut().for_each(|pole| pole.suspect = false);
         Some(now)
     }
 
@@ -244,11 +244,11 @@ impl PoleModel {
     /// Removes trial poles with a reason for rejection. Returns whether there were any.
     fn reject_trial_poles(&mut self) -> bool {
         let rejection_reasons = self.rejection_reasons();
-        let changes: Vec<PoleEdit> = (0..self.roots.len())
-            .filter(|j| self.roots[*j].suspect)
+        let changes: Vec<PoleEdit> = (0..self.poles.len())
+            .filter(|j| self.poles[*j].suspect)
             .filter_map(|j| {
                 Some(remove_or_reduce(
-                    &self.roots,
+                    &self.poles,
                     j,
                     DropReason::Rejected(rejection_reasons[j]?),
                 ))
@@ -257,8 +257,8 @@ impl PoleModel {
         for change in &changes {
             self.apply(*change);
         }
-        self.roots.retain(|pole| !pole.parts.is_empty());
-        mark_unconverged(&mut self.roots);
+        self.poles.retain(|pole| !pole.parts.is_empty());
+        mark_unconverged(&mut self.poles);
         !changes.is_empty()
     }
 }

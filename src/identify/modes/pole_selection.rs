@@ -136,7 +136,7 @@ fn selectable_poles(set: &FrfSet, band: Band, table: &PoleTable) -> Vec<Selectab
             .iter()
             .any(|selectable| selectable.as_in_data == mode.pole)
         {
-            selectable_poles.push(offer(mode.order, mode.pole, PoleStatus::Chosen));
+            selectable_poles.push(offer(mode.order, mode.pole, PoleStatus::Selected));
         }
     }
     let hz = |selectable: &SelectablePole| selectable.as_in_data.natural_frequency_hz();
@@ -181,7 +181,7 @@ fn find_best(
         let slack = TIE_DECAY_RATES * selectable_poles[*position].pole.lambda.re.abs();
         distance_rad_s(position) <= distance_rad_s(&nearest) + slack
     };
-    let is_stable = |position: &usize| selectable_poles[*position].status != PoleStatus::Alone;
+    let is_stable = |position: &usize| selectable_poles[*position].status != PoleStatus::Unstable;
     let stable = near.into_iter().filter(|i| is_stable(i) && is_tied(i));
     Ok(stable.min_by(nearer).unwrap_or(nearest))
 }
@@ -211,7 +211,7 @@ mod tests {
             as_in_data: pole,
             pole,
             status,
-            mode: status == PoleStatus::Chosen,
+            mode: status == PoleStatus::Selected,
             only_by_order: false,
         }
     }
@@ -230,7 +230,7 @@ mod tests {
         let best_near = |other_hz: f64| {
             let offers = [
                 selectable(100.0, PoleStatus::Stable),
-                selectable(other_hz, PoleStatus::Alone),
+                selectable(other_hz, PoleStatus::Unstable),
             ];
             find_best(&offers, &wanted(other_hz), &[], 1.0)
         };
@@ -250,7 +250,7 @@ mod tests {
             };
             find_best(offers, &wanted, &taken, 1.0)
         };
-        let (stable, mode) = (PoleStatus::Stable, PoleStatus::Chosen);
+        let (stable, mode) = (PoleStatus::Stable, PoleStatus::Selected);
         assert_eq!(best_beside(mode, None, &near(stable)), Err(None));
         assert_eq!(best_beside(stable, None, &near(mode)), Err(None));
         assert_eq!(best_beside(mode, None, &near(mode)), Ok(0));

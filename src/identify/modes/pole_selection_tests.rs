@@ -103,7 +103,7 @@ fn pole_of_a_stated_order_is_selected_from_that_order() {
     assert_eq!(result.model.modes[0].order, Some(point.order));
     let error_hz = result.model.modes[0].frequency_hz - point.pole.natural_frequency_hz();
     assert!(error_hz.abs() < 1e-9);
-    let chosen = |p: &&crate::identify::estimator::PoleAtOrder| p.status == PoleStatus::Chosen;
+    let chosen = |p: &&crate::identify::estimator::PoleAtOrder| p.status == PoleStatus::Selected;
     assert_eq!(result.stabilization.iter().filter(chosen).count(), 1);
     let elsewhere = SelectedPole {
         order: Some(999),

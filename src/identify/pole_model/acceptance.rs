@@ -42,7 +42,7 @@ pub(in crate::identify) enum PoleEdit {
 /// Limits of the acceptance test.
 pub(in crate::identify) struct AcceptanceTest<'a> {
     /// Outputs and inputs of the FRF matrix.
-    pub sides: &'a FrfMatrix,
+    pub frf_matrix: &'a FrfMatrix,
     /// False-alarm probability in the whole band.
     pub false_alarm_probability: f64,
     /// Number of frequency lines.
@@ -78,9 +78,9 @@ impl AcceptanceTest<'_> {
         let (pole, quality) = (&poles[j], &poles[j].quality);
         let false_alarm_probability =
             self.false_alarm_probability / (WIDTHS_PER_LINE * self.lines as f64);
-        let (significance, limit) = significance(pole, self.sides, false_alarm_probability);
+        let (significance, limit) = significance(pole, self.frf_matrix, false_alarm_probability);
         if significance <= limit && pole.multiplicity() > 1 {
-            let modes = modes_above_noise(pole, self.sides, false_alarm_probability);
+            let modes = modes_above_noise(pole, self.frf_matrix, false_alarm_probability);
             return Some(PoleEdit::ReduceMultiplicity(j, modes.max(1)));
         }
         if significance <= limit {
@@ -90,7 +90,7 @@ impl AcceptanceTest<'_> {
                 DropReason::BelowNoise(significance, limit),
             ));
         }
-        if let Some(edit) = merge_or_remove(poles, self.sides.inputs, j) {
+        if let Some(edit) = merge_or_remove(poles, self.frf_matrix.inputs, j) {
             return Some(edit);
         }
         let width = pole.width();

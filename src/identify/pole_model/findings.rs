@@ -74,7 +74,7 @@ pub(in crate::identify) struct FindingContext<'a> {
     /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
     /// Modes whose frequency shifts between runs.
-    pub moved: &'a RunShifts,
+    pub run_shifts: &'a RunShifts,
     /// Poles of modes that have companions, and how large these are.
     pub companions: &'a [(Complex64, f64)],
 }
@@ -127,7 +127,7 @@ impl FindingContext<'_> {
         if self.set.findings.iter().any(is_reported) {
             return None;
         }
-        let away = self.moved.outlying_run()?;
+        let away = self.run_shifts.outlying_run()?;
         let function = &self.set.functions()[away.function];
         let location = Location::Function {
             response: Some(function.response.clone()),
@@ -160,7 +160,7 @@ impl FindingContext<'_> {
                 .limit(limit)
         };
         let mut findings = Vec::new();
-        if let Some(mode) = self.moved.of(pole.lambda) {
+        if let Some(mode) = self.run_shifts.of(pole.lambda) {
             let finding = Finding::new(Severity::Warning, Code::RunsMerged, location.clone());
             let percent = 100.0 * mode.scatter / mode.lambda.im;
             findings.push(finding.value(percent, "%"));

@@ -53,35 +53,35 @@ const ISOLATED_BANDWIDTHS: f64 = 1.0;
 /// Poles, data and noise model of a fit in progress.
 pub(in crate::identify) struct PoleModel {
     pub data: FitData,
-    pub sides: FrfMatrix,
+    pub frf_matrix: FrfMatrix,
     pub options: MethodOptions,
-    pub roots: Vec<ModelPole>,
+    pub poles: Vec<ModelPole>,
     pub dropped: Vec<Dropped>,
     /// Number of poles when their phases were found to be scattered.
     pub scattered: Option<usize>,
     /// Modes whose frequency shifts between runs.
-    pub moved: RunShifts,
+    pub run_shifts: RunShifts,
     /// Poles of all model orders.
-    pub listing: Vec<PoleAtOrder>,
+    pub stabilization: Vec<PoleAtOrder>,
     /// Whether poles are fixed and residues alone are fitted.
     pub fixed: bool,
     /// Compressed bands of the last refinement.
-    windows: Vec<CompressedBand>,
+    compressed_bands: Vec<CompressedBand>,
 }
 
 impl PoleModel {
-    pub fn new(data: FitData, sides: FrfMatrix, options: MethodOptions) -> Self {
+    pub fn new(data: FitData, frf_matrix: FrfMatrix, options: MethodOptions) -> Self {
         Self {
             data,
-            sides,
+            frf_matrix,
             options,
-            roots: Vec::new(),
+            poles: Vec::new(),
             dropped: Vec::new(),
             scattered: None,
-            moved: RunShifts::default(),
-            listing: Vec::new(),
+            run_shifts: RunShifts::default(),
+            stabilization: Vec::new(),
             fixed: false,
-            windows: Vec::new(),
+            compressed_bands: Vec::new(),
         }
     }
 
@@ -101,11 +101,11 @@ impl PoleModel {
         } else {
             stop
         };
-        let (poles, limits) = (std::mem::take(&mut self.roots), self.limits());
-        self.roots = refine(
+        let (poles, limits) = (std::mem::take(&mut self.poles), self.limits());
+        self.poles = refine(
             &self.data,
-            &self.sides,
-            &mut self.windows,
+            &self.frf_matrix,
+            &mut self.compressed_bands,
             poles,
             limits,
             stop,
@@ -115,16 +115,16 @@ impl PoleModel {
     /// Fits the residues of all poles and removes no pole. Modes with an identical pole become one
     /// repeated pole; close poles remain separate.
     pub fn residues(&mut self) {
-        for i in 0..self.roots.len() {
-            for j in i + 1..self.roots.len() {
-                let same = self.roots[i].lambda == self.roots[j].lambda;
-                if same && !self.roots[j].parts.is_empty() {
+        for i in 0..self.poles.len() {
+            for j in i + 1..self.poles.len() {
+                let same = self.poles[i].lambda == self.poles[j].lambda;
+                if same && !self.poles[j].parts.is_empty() {
                     self.apply(PoleEdit::Merge(i, j));
                 }
             }
         }
-        self.roots.retain(|pole| !pole.parts.is_empty());
-        mark_unconverged(&mut self.roots);
+        self.poles.retain(|pole| !pole.parts.is_empty());
+        mark_unconverged(&mut self.poles);
         self.refine(Convergence::Residues);
     }
 
@@ -132,15 +132,15 @@ impl PoleModel {
     pub fn refine_and_prune(&mut self, stop: Convergence) {
         self.refine(stop);
         for _ in 0..MAX_PRUNINGS {
-            let required_edits = self.acceptance_test().required_edits(&self.roots);
+            let required_edits = self.acceptance_test().required_edits(&self.poles);
             if required_edits.is_empty() {
                 break;
             }
             for change in required_edits {
                 self.apply(change);
             }
-            self.roots.retain(|pole| !pole.parts.is_empty());
-            mark_unconverged(&mut self.roots);
+            self.poles.retain(|pole| !pole.parts.is_empty());
+            mark_unconverged(&mut self.poles);
             self.refine(stop);
         }
     }
@@ -150,24 +150,24 @@ impl PoleModel {
     pub fn apply(&mut self, change: PoleEdit) {
         match change {
             PoleEdit::Remove(j, reason) => {
-                let lambda = self.roots[j].lambda;
+                let lambda = self.poles[j].lambda;
                 self.dropped.push(Dropped { lambda, reason });
-                self.roots[j].parts.clear();
+                self.poles[j].parts.clear();
             }
             PoleEdit::Merge(i, j) => {
-                let parts = std::mem::take(&mut self.roots[j].parts);
-                let other = self.roots[j].lambda;
-                self.roots[i].lambda = 0.5 * (self.roots[i].lambda + other);
-                self.roots[i].suspect &= self.roots[j].suspect;
-                self.roots[i].join(parts);
+                let parts = std::mem::take(&mut self.poles[j].parts);
+                let other = self.poles[j].lambda;
+                self.poles[i].lambda = 0.5 * (self.poles[i].lambda + other);
+                self.poles[i].suspect &= self.poles[j].suspect;
+                self.poles[i].join(parts);
             }
-            PoleEdit::ReduceMultiplicity(j, count) => self.roots[j].keep_strongest(count),
+            PoleEdit::ReduceMultiplicity(j, count) => self.poles[j].keep_strongest(count),
         }
     }
 
     fn acceptance_test(&self) -> AcceptanceTest<'_> {
         AcceptanceTest {
-            sides: &self.sides,
+            frf_matrix: &self.frf_matrix,
             false_alarm_probability: self.options.false_alarm_probability,
             lines: self.data.frfs.lines(),
             step: self.data.frfs.step,
@@ -175,15 +175,15 @@ impl PoleModel {
     }
 
     pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
-        pole_metrics(&self.data, &self.sides, &self.roots)
+        pole_metrics(&self.data, &self.frf_matrix, &self.poles)
     }
 
     /// Estimates the noise variance (where the data state none) and the line correlation from the
     /// residual. Returns whether the level of an FRF or the correlation changed.
     pub fn estimate_noise(&mut self) -> bool {
-        mark_unconverged(&mut self.roots);
+        mark_unconverged(&mut self.poles);
         let (levels, correlation) = (self.levels(), self.data.noise.line_correlation.clone());
-        let mut residual = self.rest();
+        let mut residual = self.residual();
         self.data.estimate_noise(&mut residual);
         self.data
             .noise
@@ -204,8 +204,8 @@ impl PoleModel {
     }
 
     /// Residual of the poles and the out-of-band terms.
-    pub fn rest(&self) -> Residual {
-        self.data.residual(&self.roots)
+    pub fn residual(&self) -> Residual {
+        self.data.residual(&self.poles)
     }
 
     /// Standard deviations of real and imaginary part of the residues of a pole, from the noise of
@@ -213,7 +213,7 @@ impl PoleModel {
     /// mode by one factor, but mixes the residues of overlapping modes: `None` for those, and for a
     /// repeated pole.
     fn residue_stds(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Option<Vec<f64>> {
-        let modes = self.roots.iter().filter(|other| !other.is_companion);
+        let modes = self.poles.iter().filter(|other| !other.is_companion);
         let near = modes.filter(|other| pole.separation(other) < ISOLATED_BANDWIDTHS);
         if pole.multiplicity() > 1 || near.count() > 1 {
             return None;
@@ -237,17 +237,17 @@ impl PoleModel {
         found: &DetectedPeaks,
         companions: &[(Complex64, f64)],
     ) -> PoleTable {
-        let described = self.data.predict(&self.roots);
+        let described = self.data.predict(&self.poles);
         let is_mode = |pole: &ModelPole| {
             let hz = pole.lambda.norm() / TAU;
             !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
         };
         let mut pole_metrics = self.pole_metrics();
-        let narrower_bands = NarrowerBands::new(&self.data, &self.roots, &described);
-        let with_standing = self.roots.par_iter().zip(&mut pole_metrics);
+        let narrower_bands = NarrowerBands::new(&self.data, &self.poles, &described);
+        let with_standing = self.poles.par_iter().zip(&mut pole_metrics);
         let modes = with_standing.filter(|(pole, _)| is_mode(pole));
         modes.for_each(|(pole, metrics)| metrics.band_deviation = narrower_bands.deviation(pole));
-        let modes = self.roots.iter().zip(&pole_metrics);
+        let modes = self.poles.iter().zip(&pole_metrics);
         let mut kept: Vec<(&ModelPole, &PoleMetrics)> =
             modes.filter(|(pole, _)| is_mode(pole)).collect();
         if let Some(most) = self.options.max_modes {
@@ -265,7 +265,7 @@ impl PoleModel {
             kept: &kept,
             dropped: &self.dropped,
             scattered: self.scattered,
-            moved: &self.moved,
+            run_shifts: &self.run_shifts,
             companions,
         };
         PoleTable {
@@ -274,12 +274,12 @@ impl PoleModel {
                 .map(|(pole, metrics)| Candidate {
                     residue_stds: self.residue_stds(pole, metrics),
                     ..self
-                        .moved
+                        .run_shifts
                         .merged(candidate(pole, metrics), metrics.inflation() > 1.0)
                 })
                 .collect(),
             findings: evidence.findings(),
-            stabilization: self.listing.clone(),
+            stabilization: self.stabilization.clone(),
         }
     }
 }

@@ -45,7 +45,7 @@ pub(in crate::identify) fn distinct_poles(estimates: &[ModelPole]) -> Vec<ModelP
 /// or none, its modes replace them. Free poles at which the model misfits the data are ignored.
 pub(in crate::identify) fn complete_multiplicities(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     estimates: Vec<ModelPole>,
     free: &[ModelPole],
     pole_metrics: &[PoleMetrics],
@@ -72,7 +72,7 @@ pub(in crate::identify) fn complete_multiplicities(
         }
         let factors = participation_factors(
             data,
-            sides,
+            frf_matrix,
             &free[index],
             &pole_metrics[index],
             false_alarm_probability,
@@ -91,11 +91,11 @@ pub(in crate::identify) fn complete_multiplicities(
 /// Single pole with the participation factor of the strongest rank-one term of its residues,
 /// without a test against noise.
 pub(in crate::identify) fn strongest(
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     pole: &ModelPole,
 ) -> Result<ModelPole, LinalgError> {
-    let svd = linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]))?;
-    let factors: Vec<Complex64> = (0..sides.inputs)
+    let svd = linalg::singular_vectors(&frf_matrix.matrix(|f| pole.residues[f]))?;
+    let factors: Vec<Complex64> = (0..frf_matrix.inputs)
         .map(|i| svd.right[(i, 0)].conj())
         .collect();
     Ok(ModelPole::single(
@@ -120,7 +120,7 @@ fn split_pole(pole: &ModelPole, mut factors: Vec<Vec<Complex64>>) -> Vec<ModelPo
 /// Participation factors of the modes of one pole.
 fn participation_factors(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     pole: &ModelPole,
     metrics: &PoleMetrics,
     false_alarm_probability: f64,
@@ -134,9 +134,9 @@ fn participation_factors(
     let energy: f64 = pole.residues.iter().zip(&level).map(over).sum();
     let noise_factor = pole.quality.by_lines * metrics.reduced_chi_square.max(1.0);
     let noise = (2.0 * energy / pole.quality.significance() * noise_factor).sqrt();
-    let residues = sides.matrix(|f| pole.residues[f]);
-    let deviations = linalg::real_matrix(sides.outputs.len(), sides.inputs, |o, i| {
-        noise * level[sides.outputs[o][i].1]
+    let residues = frf_matrix.matrix(|f| pole.residues[f]);
+    let deviations = linalg::real_matrix(frf_matrix.outputs.len(), frf_matrix.inputs, |o, i| {
+        noise * level[frf_matrix.outputs[o][i].1]
     });
     let above = terms_above_noise(&residues, &deviations, false_alarm_probability);
     independent_terms(&residues, &deviations, above)

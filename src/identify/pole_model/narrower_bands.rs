@@ -300,11 +300,11 @@ mod tests {
         );
         let one = [Complex64::ONE];
         let modes = if band_hz[0] < 90.0 { 0..2 } else { 1..2 };
-        fit.roots = modes
+        fit.poles = modes
             .map(|mode| ModelPole::single(truth(mode), &one, 6))
             .collect();
         fit.refine(Convergence::Fine);
-        add_noise_model_uncertainty(&fit.data, &mut fit.roots);
+        add_noise_model_uncertainty(&fit.data, &mut fit.poles);
         fit
     }
 
@@ -319,9 +319,9 @@ mod tests {
             let mut ratios = vec![Vec::new(); BANDS.len()];
             for seed in 0..60 {
                 let fit = fitted(0.0, (noise, seed), WHOLE_HZ);
-                let described = fit.data.predict(&fit.roots);
-                let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-                for pole in &fit.roots {
+                let described = fit.data.predict(&fit.poles);
+                let bands = NarrowerBands::new(&fit.data, &fit.poles, &described);
+                for pole in &fit.poles {
                     assert!(bands.deviation(pole) <= 0.0, "{noise:?} {seed}");
                     let shifts = bands.shifts(pole).into_iter();
                     for (ratios, shift) in ratios.iter_mut().zip(shifts) {
@@ -341,10 +341,10 @@ mod tests {
     /// A fit with its second pole shifted by `error`, and with the residues of that pole.
     fn moved(noise: Noise, error: impl Fn(&ModelPole) -> Complex64) -> PoleModel {
         let mut fit = fitted(0.0, (noise, 7), WHOLE_HZ);
-        let error = error(&fit.roots[1]);
-        fit.roots[1].lambda += error;
+        let error = error(&fit.poles[1]);
+        fit.poles[1].lambda += error;
         fit.refine(Convergence::Residues);
-        add_noise_model_uncertainty(&fit.data, &mut fit.roots);
+        add_noise_model_uncertainty(&fit.data, &mut fit.poles);
         fit
     }
 
@@ -352,9 +352,9 @@ mod tests {
     fn a_step_leads_back_to_the_pole() {
         let error = |pole: &ModelPole| Complex64::new(1e-3, -2e-3) * pole.decay();
         let fit = moved(Noise::None, error);
-        let described = fit.data.predict(&fit.roots);
-        let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-        let (pole, error) = (&fit.roots[1], error(&fit.roots[1]));
+        let described = fit.data.predict(&fit.poles);
+        let bands = NarrowerBands::new(&fit.data, &fit.poles, &described);
+        let (pole, error) = (&fit.poles[1], error(&fit.poles[1]));
         let pole_fit = PoleFit::new(&bands, pole);
         for (below, above) in BANDS {
             let band = pole_fit.band(below, above);
@@ -370,9 +370,9 @@ mod tests {
     #[test]
     fn a_fixed_pole_off_its_maximum_has_no_deviation_by_narrower_bands() {
         let fit = moved(Noise::Even, |pole| (10.0 * pole.quality.pole_std).into());
-        let described = fit.data.predict(&fit.roots);
-        let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
-        assert!(bands.deviation(&fit.roots[1]) <= 0.0);
+        let described = fit.data.predict(&fit.poles);
+        let bands = NarrowerBands::new(&fit.data, &fit.poles, &described);
+        assert!(bands.deviation(&fit.poles[1]) <= 0.0);
     }
 
     #[test]
@@ -386,9 +386,9 @@ mod tests {
         ];
         for (second_contribution, seed) in [(0.0, 0), (0.003, 1), (0.01, 2), (0.03, 3), (0.1, 4)] {
             let fit = fitted(second_contribution, (Noise::Even, seed), WHOLE_HZ);
-            let described = fit.data.predict(&fit.roots);
-            let pole = &fit.roots[1];
-            let bands = NarrowerBands::new(&fit.data, &fit.roots, &described);
+            let described = fit.data.predict(&fit.poles);
+            let pole = &fit.poles[1];
+            let bands = NarrowerBands::new(&fit.data, &fit.poles, &described);
             let deviation = bands.deviation(pole);
             let by_noise = pole.quality.pole_std;
             assert_eq!(
@@ -399,7 +399,7 @@ mod tests {
             let mut shifts = Vec::new();
             for band in NARROWER_HZ {
                 let other = fitted(second_contribution, (Noise::Even, seed), band);
-                let other = other.roots.last().expect("the second mode");
+                let other = other.poles.last().expect("the second mode");
                 let shift = (other.lambda - pole.lambda).norm() / 2f64.sqrt();
                 let by_noise = by_noise.hypot(other.quality.pole_std);
                 let with_bands = shift / by_noise.hypot(deviation);

@@ -81,7 +81,7 @@ pub(in crate::identify) struct PoleMetrics {
 /// Metrics of each pole.
 pub(in crate::identify) fn pole_metrics(
     data: &FitData,
-    sides: &FrfMatrix,
+    frf_matrix: &FrfMatrix,
     poles: &[ModelPole],
 ) -> Vec<PoleMetrics> {
     let described = data.predict(poles);
@@ -105,7 +105,8 @@ pub(in crate::identify) fn pole_metrics(
         let repeated = |i: &usize| {
             let (weak, other) = (&poles[j], &poles[*i]);
             let weaker = pole_metrics[j].contribution < least(*i) && inside_bandwidth(weak, other);
-            weaker && (same_shape(weak, other) || same_shape_or_participation(sides, weak, other))
+            weaker
+                && (same_shape(weak, other) || same_shape_or_participation(frf_matrix, weak, other))
         };
         let others = (0..poles.len()).filter(repeated).map(least);
         others.fold(0.0, f64::max)
@@ -134,11 +135,15 @@ fn same_shape(pole: &ModelPole, other: &ModelPole) -> bool {
 ///
 /// The fraction of a random vector of n values within the span of m others has a beta distribution
 /// of m and n − m. Only a fraction above its quantile is significant.
-fn same_shape_or_participation(sides: &FrfMatrix, pole: &ModelPole, other: &ModelPole) -> bool {
-    if sides.inputs < 2 || pole.multiplicity() > 1 {
+fn same_shape_or_participation(
+    frf_matrix: &FrfMatrix,
+    pole: &ModelPole,
+    other: &ModelPole,
+) -> bool {
+    if frf_matrix.inputs < 2 || pole.multiplicity() > 1 {
         return false;
     }
-    let of = |pole: &ModelPole| linalg::singular_vectors(&sides.matrix(|f| pole.residues[f]));
+    let of = |pole: &ModelPole| linalg::singular_vectors(&frf_matrix.matrix(|f| pole.residues[f]));
     let (Ok(vectors), Ok(other_vectors)) = (of(pole), of(other)) else {
         return false;
     };

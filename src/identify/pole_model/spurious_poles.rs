@@ -32,24 +32,24 @@ impl PoleModel {
     /// counts as noise.
     pub fn reject_spurious_poles(&mut self) {
         let rejection_reasons = self.rejection_reasons();
-        let policy = if phases_scatter(&self.roots, &self.pole_metrics()) {
+        let policy = if phases_scatter(&self.poles, &self.pole_metrics()) {
             RejectionPolicy::ScatteredPhases
         } else if self.model_misses_data(&rejection_reasons) {
             RejectionPolicy::Strict
         } else {
             RejectionPolicy::Standard
         };
-        for (pole, rejection) in self.roots.iter_mut().zip(rejection_reasons) {
+        for (pole, rejection) in self.poles.iter_mut().zip(rejection_reasons) {
             pole.suspect = policy != RejectionPolicy::Standard || rejection.is_some();
         }
         for _ in 0..MAX_REJECTION_ROUNDS {
             let pole_metrics = self.pole_metrics();
             let rejected = |j: usize| {
-                let rejection = rejection_reason(&self.roots, &pole_metrics, j, policy)?;
-                self.roots[j].suspect.then_some((j, rejection))
+                let rejection = rejection_reason(&self.poles, &pole_metrics, j, policy)?;
+                self.poles[j].suspect.then_some((j, rejection))
             };
             let mut order: Vec<(usize, Rejection)> =
-                (0..self.roots.len()).filter_map(rejected).collect();
+                (0..self.poles.len()).filter_map(rejected).collect();
             order.sort_by(|a, b| {
                 pole_metrics[a.0]
                     .contribution
@@ -58,7 +58,7 @@ impl PoleModel {
             let mut rejected: Vec<(usize, Rejection)> = Vec::new();
             for (j, rejection) in order {
                 let leans = |(other, _): &(usize, Rejection)| {
-                    self.roots[j].separation(&self.roots[*other]) < RETEST_BANDWIDTHS
+                    self.poles[j].separation(&self.poles[*other]) < RETEST_BANDWIDTHS
                 };
                 if !rejected.iter().any(leans) {
                     rejected.push((j, rejection));
@@ -68,22 +68,22 @@ impl PoleModel {
                 break;
             }
             if policy == RejectionPolicy::ScatteredPhases {
-                self.scattered.get_or_insert(self.roots.len());
+                self.scattered.get_or_insert(self.poles.len());
                 rejected.truncate(rejected.len().div_ceil(REMOVE_ONE_IN));
             }
             let removed: Vec<(ModelPole, f64)> = rejected
                 .iter()
-                .map(|(j, _)| (self.roots[*j].clone(), pole_metrics[*j].reduced_chi_square))
+                .map(|(j, _)| (self.poles[*j].clone(), pole_metrics[*j].reduced_chi_square))
                 .collect();
             for (j, rejection) in rejected {
                 self.apply(remove_or_reduce(
-                    &self.roots,
+                    &self.poles,
                     j,
                     DropReason::Rejected(rejection),
                 ));
             }
-            self.roots.retain(|pole| !pole.parts.is_empty());
-            mark_unconverged(&mut self.roots);
+            self.poles.retain(|pole| !pole.parts.is_empty());
+            mark_unconverged(&mut self.poles);
             self.refine_and_prune(Convergence::Coarse);
             if policy == RejectionPolicy::ScatteredPhases {
                 self.data.noise.count_misfit_as_noise();
@@ -92,7 +92,7 @@ impl PoleModel {
                 self.reinstate_needed(&removed);
             }
         }
-        if self.moved.any() {
+        if self.run_shifts.any() {
             self.drop_undetermined();
         }
     }
@@ -102,10 +102,10 @@ impl PoleModel {
     fn drop_undetermined(&mut self) {
         let pole_metrics = self.pole_metrics();
         let ratio = |j: usize| {
-            let pole = &self.roots[j];
+            let pole = &self.poles[j];
             pole.quality.pole_std * pole_metrics[j].inflation() / pole.decay()
         };
-        let ratios = (0..self.roots.len()).map(|j| (j, ratio(j)));
+        let ratios = (0..self.poles.len()).map(|j| (j, ratio(j)));
         let undetermined: Vec<(usize, f64)> = ratios
             .filter(|(_, ratio)| *ratio >= MAX_POLE_STD_OVER_DECAY_RATE)
             .collect();
@@ -114,22 +114,22 @@ impl PoleModel {
         }
         for (j, ratio) in undetermined {
             self.apply(remove_or_reduce(
-                &self.roots,
+                &self.poles,
                 j,
                 DropReason::PoleUndetermined(ratio),
             ));
         }
-        self.roots.retain(|pole| !pole.parts.is_empty());
-        mark_unconverged(&mut self.roots);
+        self.poles.retain(|pole| !pole.parts.is_empty());
+        mark_unconverged(&mut self.poles);
         self.refine_and_prune(Convergence::Coarse);
     }
 
     /// Reinstates, for good, single isolated poles without which the misfit rises far: two poles in
     /// one resonance fit any response that one does not.
     fn reinstate_needed(&mut self, removed: &[(ModelPole, f64)]) {
-        let described = self.data.predict(&self.roots);
+        let described = self.data.predict(&self.poles);
         let needed = |(pole, before): &&(ModelPole, f64)| {
-            let is_isolated = self.roots.iter().all(|other| pole.separation(other) > 1.0);
+            let is_isolated = self.poles.iter().all(|other| pole.separation(other) > 1.0);
             let now = residual_chi_square(&self.data, &described, pole);
             pole.multiplicity() == 1
                 && is_isolated
@@ -145,18 +145,18 @@ impl PoleModel {
         }
         let back = |dropped: &Dropped| needed.iter().any(|pole| pole.lambda == dropped.lambda);
         self.dropped.retain(|dropped| !back(dropped));
-        self.roots.extend(needed.into_iter().map(|pole| ModelPole {
+        self.poles.extend(needed.into_iter().map(|pole| ModelPole {
             suspect: false,
             ..pole
         }));
-        mark_unconverged(&mut self.roots);
+        mark_unconverged(&mut self.poles);
         self.refine_and_prune(Convergence::Coarse);
     }
 
     pub fn rejection_reasons(&self) -> Vec<Option<Rejection>> {
         let pole_metrics = self.pole_metrics();
-        (0..self.roots.len())
-            .map(|j| rejection_reason(&self.roots, &pole_metrics, j, RejectionPolicy::Standard))
+        (0..self.poles.len())
+            .map(|j| rejection_reason(&self.poles, &pole_metrics, j, RejectionPolicy::Standard))
             .collect()
     }
 
@@ -167,7 +167,7 @@ impl PoleModel {
             .iter()
             .flatten()
             .filter(|rejection| rejection.is_misfit());
-        misses.count() >= MIN_REJECTIONS_MISFIT.max(self.roots.len() / 10)
-            || phases_scatter(&self.roots, &self.pole_metrics())
+        misses.count() >= MIN_REJECTIONS_MISFIT.max(self.poles.len() / 10)
+            || phases_scatter(&self.poles, &self.pole_metrics())
     }
 }

@@ -95,11 +95,11 @@ impl RunShifts {
     /// Runs of the FRFs, without shifted modes.
     pub fn none(functions: &[Function]) -> Self {
         let (runs, roving_sensor) = measurement_runs(functions);
-        let sides = FrfMatrix::new(functions);
+        let frf_matrix = FrfMatrix::new(functions);
         Self {
             runs,
             roving_sensor,
-            factors: sides.outputs.len() + sides.inputs,
+            factors: frf_matrix.outputs.len() + frf_matrix.inputs,
             ..Self::default()
         }
     }

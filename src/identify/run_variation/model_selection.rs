@@ -29,7 +29,7 @@ impl Criterion {
     }
 
     /// Criterion of common poles: free residues in each FRF, and the poles.
-    pub fn of_roots(&self, residual_energy: f64, count: usize) -> f64 {
+    pub fn of_common_poles(&self, residual_energy: f64, count: usize) -> f64 {
         self.of(residual_energy, 2 * count * (self.functions + 1))
     }
 }

@@ -141,7 +141,7 @@ impl Resonance<'_> {
             group_residual_energy.min(fitted.residual_energy),
         );
         match criterion.of_runs(&fitted)
-            < criterion.of_roots(group_residual_energy, self.group.len())
+            < criterion.of_common_poles(group_residual_energy, self.group.len())
         {
             true => Screening::Candidate,
             false => Screening::Unshifted,
@@ -186,22 +186,24 @@ impl Resonance<'_> {
         let modes: Vec<ShiftedMode> = fitted.tracks.iter().map(merged).collect();
         let pairs = || fitted.tracks.iter().zip(&modes);
         let most = |mode: &ShiftedMode| self.max_frequency_variance(-mode.lambda.re, noise);
-        let clear = |(track, mode): (&Track, &ShiftedMode)| {
+        let is_determined = |(track, mode): (&Track, &ShiftedMode)| {
             has_enough_runs(track.variances.iter().copied(), most(mode))
         };
-        if !pairs().all(clear) {
+        if !pairs().all(is_determined) {
             return None;
         }
-        let far = |(track, mode): (&Track, &ShiftedMode)| {
+        let is_too_large = |(track, mode): (&Track, &ShiftedMode)| {
             let farthest = (MAX_SHIFT_BANDWIDTHS * -2.0 * mode.lambda.re)
                 .max(MAX_SHIFT_FRACTION * mode.lambda.im);
             let mut shifts = mode.shifts.iter().zip(&track.variances);
             shifts.any(|(shift, v)| *v < most(mode) && shift.im.abs() > farthest)
         };
-        let little =
+        let is_negligible =
             |mode: &ShiftedMode| mode.scatter < MIN_SCATTER_BANDWIDTHS * -2.0 * mode.lambda.re;
-        let astray = |mode: &ShiftedMode| !self.is_nearest_group(mode.lambda);
-        let none = modes.iter().all(little) || modes.iter().any(astray) || pairs().any(far);
+        let is_in_other_group = |mode: &ShiftedMode| !self.is_nearest_group(mode.lambda);
+        let none = modes.iter().all(is_negligible)
+            || modes.iter().any(is_in_other_group)
+            || pairs().any(is_too_large);
         Some(if none { Vec::new() } else { modes })
     }
 
@@ -276,10 +278,10 @@ impl Resonance<'_> {
             return Some(Vec::new());
         }
         let of_runs = criterion.of_runs(fitted);
-        let of_roots = criterion.of_roots(group_residual_energy, self.group.len());
+        let of_common_poles = criterion.of_common_poles(group_residual_energy, self.group.len());
         if !previous.is_empty() {
             // Aligned, each is one pole, unless it never was one mode.
-            if self.group.len() > previous.len() && of_runs >= of_roots {
+            if self.group.len() > previous.len() && of_runs >= of_common_poles {
                 return Some(Vec::new());
             }
             let values = (self.omega.len() * self.functions()) as f64;
@@ -290,7 +292,7 @@ impl Resonance<'_> {
                 false => from_known_modes(),
             };
         }
-        if of_runs >= of_roots || self.runs_coincide_with_poles(fitted, &modes) {
+        if of_runs >= of_common_poles || self.runs_coincide_with_poles(fitted, &modes) {
             return Some(Vec::new());
         }
         // Residues as products of shapes and participation factors.
@@ -300,7 +302,7 @@ impl Resonance<'_> {
             .map(|model_pole| model_pole.multiplicity())
             .sum();
         let of_products = criterion.of(self.residual_energy_as_fitted(), 2 * of_group * factors);
-        let gain = (of_roots - of_runs) / modes.len() as f64;
+        let gain = (of_common_poles - of_runs) / modes.len() as f64;
         let decision = |mode: ShiftedMode| ShiftDecision {
             is_conclusive: of_runs < of_products,
             was_shifted: false,

@@ -113,9 +113,9 @@ pub(super) fn stabilization_figure(
 
 fn status(status: PoleStatus) -> u8 {
     match status {
-        PoleStatus::Alone => 0,
+        PoleStatus::Unstable => 0,
         PoleStatus::Stable => 1,
-        PoleStatus::Chosen => 2,
+        PoleStatus::Selected => 2,
     }
 }
 
