@@ -1,4 +1,5 @@
-//! Prediction of the FRFs by poles and out-of-band terms, and its residual, on all lines of a band.
+//! Poles and out-of-band terms predict the FRFs on all lines of a band, with the residual as data
+//! minus prediction; the common out-of-band terms are found by singular value decomposition.
 
 use std::ops::Range;
 
@@ -60,7 +61,7 @@ impl Residual {
     }
 
     /// Rescales the residual from one set of noise variances, by FRF and line, to another.
-    pub fn over(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
+    pub fn rescale(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
         let lines = self.lines.clone();
         linalg::for_each_column(&mut self.values, |f, column| {
             let variances = before[f][lines.clone()].iter().zip(&now[f][lines.clone()]);

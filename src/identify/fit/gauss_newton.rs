@@ -1,4 +1,5 @@
-//! One step of the maximum likelihood fit of the poles on a range of lines: variable projection.
+//! The damped Gauss-Newton iteration moves the poles of one block to the maximum of the likelihood
+//! on its range of lines, by variable projection.
 //!
 //! On these lines the receptance f (output o, input i) is `Σ_j ψ_oj L_ji/(iω − λ_j) + c_f + d_f x +
 //! (known terms)`, with known terms for the conjugates and for the poles outside. The noise is

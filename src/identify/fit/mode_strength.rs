@@ -1,4 +1,5 @@
-//! Strength of the modes of a pole, over the noise of all outputs.
+//! The strength of the modes of a pole is a likelihood ratio: twice the log-likelihood that the
+//! fit loses without them, over the noise of all outputs.
 //!
 //! Output o has the shape values ψ_o of the modes of a pole, with covariance V_o. Removing a
 //! combination a of the modes reduces the log-likelihood by `Σ_o |aᴴψ_o|²/(aᴴV_o a)`, twice which

@@ -1,5 +1,5 @@
-//! The linear problem of a block at given poles: shapes, residual, and its derivatives by the
-//! poles.
+//! One evaluation of variable projection at given poles of a block computes the shapes by QR, the
+//! residual, the gradient by the poles, and the information matrix.
 //!
 //! Outputs that are measured from the same inputs with the same ratio of noise have one matrix and
 //! one QR in common.

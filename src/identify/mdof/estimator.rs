@@ -1,5 +1,6 @@
 //! The estimator of the multi-mode methods takes the poles that are stable over model orders, fits
-//! their residues, and keeps as many modes as the data support.
+//! their residues, and keeps as many modes as the data support. It also fits residues at
+//! prescribed poles.
 //!
 //! 1. The poles that are stable while the order rises
 //!    ([`stabilization`](crate::identify::mdof::stabilization)).

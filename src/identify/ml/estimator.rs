@@ -36,7 +36,7 @@
 //!
 //! Guard lines on both sides of the band are fitted where the data have them, so that a mode
 //! outside the band does not bias one inside. Without variances in the data, the noise is
-//! estimated from the residual ([`noise`](crate::identify::noise::input_variance)).
+//! estimated from the residual ([`noise`](crate::identify::noise::data_variance)).
 
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Location, Severity};

@@ -1,4 +1,5 @@
-//! Residual peaks above the noise, and trial poles at these peaks.
+//! The search finds lines where the residual exceeds the noise, and starts a trial pole at each
+//! peak.
 
 use num_complex::Complex64;
 

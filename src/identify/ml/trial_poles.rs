@@ -1,5 +1,5 @@
-//! Trial poles at residual peaks, and close pairs: a fit keeps them where they lower the residual
-//! enough.
+//! The test of trial poles, at residual peaks and as close pairs, refits with them and keeps those
+//! that lower the residual enough.
 
 use num_complex::Complex64;
 

@@ -9,8 +9,8 @@
 //! lines.
 
 pub(in crate::identify) mod band_profile;
+pub(in crate::identify) mod data_variance;
 pub(in crate::identify) mod force_noise;
-pub(in crate::identify) mod input_variance;
 pub(in crate::identify) mod line_correlation;
 pub(in crate::identify) mod model;
 mod noise_factors;

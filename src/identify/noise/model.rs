@@ -1,4 +1,6 @@
-//! Noise model of receptances and its estimate from the residual of a fit.
+//! The noise model holds the state of the noise in a fit: variances, force noise and line
+//! correlation. A fit updates it from its residual, saves it before a trial, and restores it after
+//! a rejected one.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,8 +12,8 @@ use crate::frf::FrfSet;
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::residual::Residual;
+use crate::identify::noise::data_variance::{self, Noise};
 use crate::identify::noise::force_noise::ForceNoise;
-use crate::identify::noise::input_variance::{self, Noise};
 use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
 use crate::identify::noise::variance_model::SmoothedVariance;
@@ -56,7 +58,7 @@ pub(in crate::identify) struct NoiseModel {
 impl NoiseModel {
     /// Noise of a set on the lines of a band, before any residual exists.
     pub fn new(set: &FrfSet, frfs: &BandFrfs) -> Self {
-        let noise = input_variance::noise_of_set(set, &frfs.lines_of_set);
+        let noise = data_variance::noise_of_set(set, &frfs.lines_of_set);
         let force_fraction = noise
             .iter()
             .map(|frf_noise| frf_noise.force_fraction.clone())
@@ -163,7 +165,7 @@ impl NoiseModel {
             self.estimate_variance(frfs, rest);
             return true;
         }
-        rest.over(&self.variance, &before.variance);
+        rest.rescale(&self.variance, &before.variance);
         *self = before;
         false
     }
@@ -199,7 +201,7 @@ impl NoiseModel {
         let before = std::mem::replace(&mut self.variance, now);
         self.force_fraction = force_fraction;
         self.raise_to_dynamic_range(frfs);
-        rest.over(&before, &self.variance);
+        rest.rescale(&before, &self.variance);
     }
 
     /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker

@@ -1,4 +1,5 @@
-//! Noise variance of each FRF, estimated from the residual of the current fit.
+//! The estimator of the noise variance of each FRF separates response noise and force noise in the
+//! residual of the current fit.
 //!
 //! Model: `v = a + b |H|²` ([`variance_model`](crate::identify::noise::variance_model)). `a` is the
 //! response noise of one FRF; `b` is the force noise, common to all FRFs of one reference.
@@ -12,7 +13,7 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::identify::noise::input_variance::{NoiseSquares, raise_to_minimum};
+use crate::identify::noise::data_variance::{NoiseSquares, raise_to_minimum};
 use crate::identify::noise::variance_model::{self, SmoothedVariance, VarianceSamples};
 
 /// Number of estimates of the response noise with the force noise subtracted, and its minimum over

@@ -1,4 +1,5 @@
-//! Model of noise variances over the lines: response noise plus force noise times |H|².
+//! The model of noise variances over the lines, response noise plus force noise times |H|², is
+//! fitted to scattered variances by maximum likelihood.
 //!
 //! An FRF from impacts has the variance `(S_nn + |H|² S_mm)/S_ff` with noise `n` of the response
 //! and `m` of the force (Bendat and Piersol 1980): `v = a + b p`, `p = |H|²`, which in a resonance

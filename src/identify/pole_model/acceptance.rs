@@ -1,5 +1,6 @@
-//! The acceptance test of poles: significance above the noise, standard deviation of the pole,
-//! separation from stronger poles, bandwidth.
+//! The acceptance test of poles checks significance above the noise, standard deviation of the
+//! pole, separation from stronger poles, and bandwidth; a pole that fails is dropped, joined with
+//! its neighbour, or reduced in multiplicity.
 
 use std::f64::consts::TAU;
 

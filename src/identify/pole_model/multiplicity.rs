@@ -1,5 +1,5 @@
-//! The multiplicity of a pole is estimated from residues that are free in each FRF, before any
-//! participation factor is fitted.
+//! The maximum likelihood method estimates the multiplicity of a pole from residues that are free
+//! in each FRF, before any participation factor is fitted.
 //!
 //! The normal equations of many references give a repeated pole as fewer poles than it has modes.
 //! With every FRF as an output of one input, a pole of any multiplicity is one pole. Its residues,

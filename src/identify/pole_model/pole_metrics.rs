@@ -1,5 +1,5 @@
-//! Metrics of a pole in the data around it: reduced chi-square and modal contribution; and the
-//! rejection of spurious poles by them.
+//! The metrics of a pole describe the data around it (reduced chi-square, modal contribution,
+//! scatter of phases); the criteria of spurious poles follow from them.
 
 use std::f64::consts::TAU;
 use std::ops::Range;

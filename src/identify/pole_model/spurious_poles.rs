@@ -1,4 +1,5 @@
-//! Rejection of spurious poles above the noise, the weakest first.
+//! Spurious poles above the noise are removed, the weakest first, with a refit after each; a pole
+//! that the data miss is restored.
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::fit::block_descent::{Convergence, mark_unconverged};

@@ -1,4 +1,5 @@
-//! Poles of one resonance that shift between runs: initial poles and Gauss-Newton iteration.
+//! The joint fit of all runs gives one resonance a pole in each run: initial poles, and a
+//! Gauss-Newton iteration over all runs together.
 
 use num_complex::Complex64;
 

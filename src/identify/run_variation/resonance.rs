@@ -1,4 +1,5 @@
-//! The lines around one resonance, with the poles of its group and the profiles of all else.
+//! A resonance holds the lines around a group of poles, on which it is decided whether individual
+//! poles of each run replace the poles of the fit.
 
 use num_complex::Complex64;
 

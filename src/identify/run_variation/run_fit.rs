@@ -1,5 +1,5 @@
-//! Fit of the poles of one run: Gauss-Newton steps and initial poles, with all other poles and
-//! out-of-band terms fitted as well.
+//! The fit within one run: Gauss-Newton steps and initial poles from the FRFs of this run alone,
+//! with all other poles and out-of-band terms fitted as well.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,5 @@
-//! The multiplicity of a repeated pole is the number of independent shapes in its residues.
+//! The single-mode methods find the multiplicity of a repeated pole: the number of independent
+//! shapes in the residues around it.
 //!
 //! Modes that share one pole λ leave `A = Σ_j ψ_j L_jᵀ` over responses × references: one pole in
 //! every function, and as many singular values above the noise as there are modes, responses or

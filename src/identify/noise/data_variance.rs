@@ -1,4 +1,5 @@
-//! Noise variance of a measured FRF, line by line, from the best source available.
+//! The data give the noise variance of a measured FRF at every line, before any fit, from the best
+//! source available.
 //!
 //! In this order: the variances supplied with the data; coherence and number of averages (two or
 //! more), `var H = |H|² (1 − γ²)/(γ² (n − 1))` as in [`frf`](crate::frf); else the second
