@@ -204,7 +204,7 @@ fn running_median(values: &[f64], half_width: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use crate::identify::noise::input_variance::*;
+    use crate::identify::noise::data_variance::*;
     use crate::identify::synthetic::white_noise;
 
     #[test]
