@@ -19,7 +19,6 @@ mod markdown;
 mod measures;
 mod modes;
 mod order;
-mod phrases;
 mod placement;
 mod plot;
 mod published;
@@ -31,6 +30,8 @@ mod sweep;
 mod table;
 mod terminal;
 mod test_title;
+mod texts;
+mod translation;
 mod update;
 mod verdict;
 

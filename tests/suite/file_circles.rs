@@ -11,9 +11,6 @@ use std::path::Path;
 /// Path of a module below the crate.
 type Module = Vec<String>;
 
-/// Files in a circle that are still to be opened, by stage. The number may only fall.
-const OPEN: [(&str, usize); 1] = [("report", 2)];
-
 /// Imports of the files of a crate.
 #[derive(Default)]
 struct Imports {
@@ -270,14 +267,9 @@ fn sources() -> Vec<(Module, String)> {
 #[test]
 fn files_of_a_stage_form_no_circle() {
     let found = circles(&Imports::new(&sources()).arrows());
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for circle in &found {
-        *counts.entry(circle[0][0].as_str()).or_default() += circle.len();
-    }
-    let stated: BTreeMap<&str, usize> = OPEN.into_iter().collect();
     let names = |circle: &Vec<Module>| circle.iter().map(|file| file.join("/")).collect::<Vec<_>>();
     let names: Vec<_> = found.iter().map(|circle| names(circle).join(" ")).collect();
-    assert_eq!(counts, stated, "\n{}", names.join("\n"));
+    assert!(names.is_empty(), "\n{}", names.join("\n"));
 }
 
 /// Rows `| room | what it holds | rooms it may use |` in the head of `identify`.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::finding::Finding;
 
+use super::super::texts::TEXTS;
 use super::super::verdict::Verdict;
 use super::super::{Align, Block, Cell, Column, Language, Table};
-use super::words::word;
 
 /// Maximum number of columns of a table on a page in portrait format.
 const MAX_UPRIGHT_COLUMNS: usize = 9;
@@ -96,7 +96,7 @@ fn table_text(table: &Table, language: Language) -> String {
         0 => String::new(),
         1..=3 => format!("<div class=\"notes\">{notes}</div>\n"),
         count => {
-            let notes_word = word(language, "Notes");
+            let notes_word = TEXTS.page.notes.in_language(language);
             format!(
                 "<details class=\"notes\"><summary>{notes_word} ({count})</summary>\n{notes}</details>\n"
             )

@@ -4,22 +4,14 @@
 use serde_json::{Map, Value, json};
 
 use super::super::json::{BreakdownFile, RunReport};
+use super::super::texts::{TEXTS, Text, translate};
 use super::super::{Block, Language, breakdown_blocks};
 use super::CompanionResults;
 use super::markup::{escape, fragment, text_with_code};
-use super::words::word;
 use crate::study::breakdown::{
     Axis, Distance, Field, MIN_SUCCESS_RATE, Scale, SliceResult, Stability, StabilityPoint,
     SuccessRate, UserMode, UserModePosition, short_number,
 };
-
-const SPEED: &str = "Speed against accuracy";
-const BREAKDOWN: &str = "Where methods fail";
-const ORDER: &str = "Required and unnecessary elements of this scene";
-const MAP: &str = "Each map is computed from random synthetic structures. Inside its contour a method finds their modes to the stated error in 95 % of the draws; outside, it does not. Points are the modes of this run.";
-const OTHER_SPEED: &str = "The study in speed-accuracy.json is of another scene or of other data than this run, and is left out; run `modalign study speed-accuracy` again.";
-const OTHER_ORDER: &str = "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.";
-const OTHER_BREAKDOWN: &str = "The study in breakdown.json shows the modes of another scene, or other modes than this run, and is left out; run `modalign study breakdown` again: finished slices are kept.";
 
 /// Maximum relative difference of two written values of one frequency.
 const FREQUENCY_TOLERANCE: f64 = 1e-6;
@@ -40,37 +32,38 @@ pub(super) fn methods(
     language: Language,
 ) -> MethodsTab {
     let mut tab = MethodsTab::default();
-    let w = |text: &'static str| escape(word(language, text));
+    let texts = &TEXTS.page;
+    let w = |text: &Text| escape(text.in_language(language));
     let note = |text| format!("<p class=\"note\">{}</p>\n", w(text));
     if let Some(study) = &companions.order {
-        tab.content += &format!("<h3>{}</h3>\n", w(ORDER));
+        tab.content += &format!("<h3>{}</h3>\n", w(&texts.order_study));
         tab.content += &match study_belongs_to_run(study, report) {
             true => sentences(&study["answers"]) + &tables(study, language),
-            false => note(OTHER_ORDER),
+            false => note(&texts.order_of_another_run),
         };
     }
     if let Some(study) = &companions.speed_accuracy {
-        tab.content += &format!("<h3>{}</h3>\n", w(SPEED));
+        tab.content += &format!("<h3>{}</h3>\n", w(&texts.speed_study));
         if study_belongs_to_run(study, report) {
             tab.content += &speed_text(study, language);
             tab.data.insert("speed".to_owned(), speed_data(study));
         } else {
-            tab.content += &note(OTHER_SPEED);
+            tab.content += &note(&texts.speed_of_another_run);
         }
     }
     if let Some(study) = &companions.breakdown {
-        tab.content += &format!("<h3>{}</h3>\n", w(BREAKDOWN));
+        tab.content += &format!("<h3>{}</h3>\n", w(&texts.breakdown_study));
         if breakdown_belongs_to_run(study, report) {
             let tables = language.translated(breakdown_blocks(study));
             tab.content += &format!(
                 "<p>{}</p>\n<div class=\"drawn\" data-draw=\"maps\"></div>\n<div class=\"drawn\" data-draw=\"precision\"></div>\n{}",
-                w(MAP),
+                w(&texts.map_text),
                 fragment(&tables, language)
             );
             let data = breakdown_data(study, language);
             tab.data.insert("breakdown".to_owned(), data);
         } else {
-            tab.content += &note(OTHER_BREAKDOWN);
+            tab.content += &note(&texts.breakdown_of_another_run);
         }
     }
     tab
@@ -232,7 +225,7 @@ fn slice_data(result: &SliceResult, user_modes: &[UserMode], language: Language)
     };
     let axis = |axis: &Axis| {
         json!({
-            "label": word(language, axis.factor.label(slice.needs_test())),
+            "label": factor_text(axis.factor.label(slice.needs_test()), language),
             "lo": axis.lo,
             "hi": axis.hi,
             "log": axis.scale == Scale::Log,
@@ -282,6 +275,11 @@ fn point_data(position: &UserModePosition, result: &SliceResult, language: Langu
     })
 }
 
+/// Name, unit or axis of a factor in a language.
+pub(super) fn factor_text(english: &str, language: Language) -> &str {
+    translate(&TEXTS.factors, language, english)
+}
+
 /// `0.3 decades of damping`.
 fn distance_text(distance: Distance, language: Language) -> String {
     let value = short_number(distance.value());
@@ -293,7 +291,10 @@ fn distance_text(distance: Distance, language: Language) -> String {
                 Scale::Log => "decades",
                 Scale::Linear => factor.unit(),
             };
-            let (unit, name) = (word(language, unit), word(language, factor.name()));
+            let (unit, name) = (
+                factor_text(unit, language),
+                factor_text(factor.name(), language),
+            );
             format!("{value} {unit}({name})")
         }
     }

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::CompanionResults;
-use super::methods::{MethodsTab, methods};
-use super::words::word;
+use super::methods::{MethodsTab, factor_text, methods};
 use crate::report::Language;
 use crate::report::json::{BREAKDOWN_SCHEMA, BreakdownFile, REPORT_SCHEMA, RunReport};
 use crate::scene::{Figures, ModeMark, Provenance, TestFigures};
@@ -162,7 +161,7 @@ fn words_for_every_factor_and_unit_are_chinese_too() {
             .chain([factor.name()])
             .chain((!["", "dB"].contains(&unit)).then_some(unit))
         {
-            assert!(!word(Language::Chinese, text).is_ascii(), "{text}");
+            assert!(!factor_text(text, Language::Chinese).is_ascii(), "{text}");
         }
     }
 }

@@ -12,10 +12,8 @@ mod methods_tests;
 mod numbers;
 mod page;
 mod provenance;
-mod script_words;
 mod summary;
 mod update;
-mod words;
 
 use serde_json::Value;
 

@@ -1,12 +1,14 @@
 //! The page of a run has the summary first, a tab for each kind of result, and the data of its
 //! figures as JSON.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use super::super::Language;
 use super::super::json::RunReport;
+use super::super::texts::{TEXTS, Text};
 use super::markup::{escape, fragment};
-use super::words::{page_words, sentence, word};
 use super::{CompanionResults, document_head};
 use super::{methods, provenance, summary, update};
 
@@ -29,14 +31,10 @@ pub(super) const SCRIPT: [&str; 12] = [
 /// One tab: its identifier, its title, its content, and whether the script draws into it.
 struct Tab {
     id: &'static str,
-    title: &'static str,
+    title: &'static Text,
     content: String,
     drawn: bool,
 }
-
-const BEFORE_UPDATE: &str = "This shows the model before the update.";
-const OTHER_TABS: &str = "Comparison, MAC and mode shapes show the model before this update.";
-const OTHER_RESULTS: &str = "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.";
 
 /// The report of a run, with the update and the studies of its folder that belong to the same
 /// tests.
@@ -56,12 +54,12 @@ pub fn report_page(
     for tab in &mut tabs {
         let before = updated.is_some() && ["comparison", "shapes", "mac"].contains(&tab.id);
         let note = match tab.id {
-            "summary" if stale => OTHER_RESULTS,
-            "update" => OTHER_TABS,
-            _ if before => BEFORE_UPDATE,
+            "summary" if stale => &TEXTS.page.update_of_another_run,
+            "update" => &TEXTS.page.tabs_before_update,
+            _ if before => &TEXTS.page.model_before_update,
             _ => continue,
         };
-        let note = escape(word(language, note));
+        let note = escape(note.in_language(language));
         tab.content = format!("<p class=\"note\">{note}</p>\n{}", tab.content);
     }
     let code = match language {
@@ -70,7 +68,7 @@ pub fn report_page(
     };
     let data = json!({
         "language": code,
-        "words": page_words(language),
+        "words": script_words(language),
         "title": report.title,
         "figures": report.figures,
         "update": updated,
@@ -78,21 +76,18 @@ pub fn report_page(
     });
     // A script element ends at the first `</`, and `<!--` changes its end, even inside a string.
     let data = data.to_string().replace('<', "\\u003c");
-    let w = |text| escape(word(language, text));
+    let w = |text: &Text| escape(text.in_language(language));
+    let made_by = &TEXTS.page.made_by;
     let mut page = format!(
         "<!doctype html>\n<html lang=\"{code}\">\n{}<body>\n",
         document_head(&report.title)
     );
     page += &format!(
         "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{}</p>\n</header>\n",
-        w("Skip to content"),
+        w(&TEXTS.page.skip_to_content),
         escape(&report.title),
-        w("Light or dark"),
-        escape(&sentence(
-            language,
-            "Made by {}",
-            std::slice::from_ref(&report.provenance.producer)
-        ))
+        w(&TEXTS.page.light_or_dark),
+        escape(&made_by.filled(language, &[&report.provenance.producer]))
     );
     page += &navigation(&tabs, language);
     page += "<main id=\"content\">\n";
@@ -110,10 +105,19 @@ pub fn report_page(
     }
     page += &format!(
         "</main>\n<noscript><p class=\"made\">{}</p></noscript>\n<script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n'use strict';\n{}</script>\n</body>\n</html>\n",
-        w("Figures need a script; tables do not."),
+        w(&TEXTS.page.figures_need_a_script),
         SCRIPT.concat()
     );
     page
+}
+
+/// Translations of the texts of the script by their English text; none for an English page.
+fn script_words(language: Language) -> BTreeMap<&'static str, &'static str> {
+    let texts = TEXTS.script.values();
+    texts
+        .filter(|_| language != Language::English)
+        .map(|text| (text.english.as_str(), text.in_language(language)))
+        .collect()
 }
 
 fn navigation(tabs: &[Tab], language: Language) -> String {
@@ -121,7 +125,7 @@ fn navigation(tabs: &[Tab], language: Language) -> String {
         format!(
             "<a id=\"tab-{0}\" role=\"tab\" href=\"#{0}\" aria-controls=\"{0}\">{1}</a>\n",
             tab.id,
-            escape(word(language, tab.title))
+            escape(tab.title.in_language(language))
         )
     };
     let buttons: String = tabs.iter().map(button).collect();
@@ -143,6 +147,7 @@ fn tabs(
             .collect();
         fragment(&language.translated(blocks), language)
     };
+    let texts = &TEXTS.page;
     let tab = |id, title, content, drawn| Tab {
         id,
         title,
@@ -160,35 +165,40 @@ fn tabs(
     vec![
         tab(
             "summary",
-            "Summary",
+            &texts.summary,
             summary::summary(report, updated, language) + &instead,
             false,
         ),
-        tab("comparison", "Comparison", section("comparison"), false),
+        tab(
+            "comparison",
+            &texts.comparison,
+            section("comparison"),
+            false,
+        ),
         tab(
             "shapes",
-            "Mode shapes",
+            &texts.mode_shapes,
             String::new(),
             any(|t| t.shapes.is_some()) || figures.theory.is_some(),
         ),
-        tab("mac", "MAC", String::new(), any(|t| t.mac.is_some())),
-        tab("frf", "FRFs", String::new(), any(|t| t.frfs.is_some())),
+        tab("mac", &texts.mac, String::new(), any(|t| t.mac.is_some())),
+        tab("frf", &texts.frfs, String::new(), any(|t| t.frfs.is_some())),
         tab(
             "poles",
-            "Stabilization diagram",
+            &texts.stabilization_diagram,
             String::new(),
             any(|t| t.stabilization.is_some()),
         ),
         tab(
             "circles",
-            "Circle fits",
+            &texts.circle_fits,
             String::new(),
             any(|t| !t.circles.is_empty()),
         ),
-        tab("modes", "Modes", modes, false),
+        tab("modes", &texts.modes, modes, false),
         tab(
             "energies",
-            "Energies",
+            &texts.energies,
             section("energies"),
             // A figure of the distribution needs more than one component.
             figures
@@ -198,7 +208,7 @@ fn tabs(
         ),
         tab(
             "update",
-            "Update",
+            &texts.update,
             updated.map_or_else(String::new, |result| {
                 let verdict = update::verdict_paragraph(result, language);
                 verdict
@@ -207,18 +217,18 @@ fn tabs(
             }),
             updated.is_some(),
         ),
-        tab("published", "Published results", published, false),
-        tab("methods", "Methods", studied, false),
-        tab("hits", "Hits", section("hits"), false),
+        tab("published", &texts.published_results, published, false),
+        tab("methods", &texts.methods, studied, false),
+        tab("hits", &texts.hits, section("hits"), false),
         tab(
             "findings",
-            "Findings",
+            &texts.findings,
             summary::findings(report, language),
             false,
         ),
         tab(
             "provenance",
-            "Provenance",
+            &texts.provenance,
             provenance::provenance(report, language),
             false,
         ),
@@ -281,5 +291,22 @@ mod tests {
         let page = report_page(&report(), &CompanionResults::default(), Language::Chinese);
         assert!(page.contains("<html lang=\"zh\">"));
         assert!(page.contains(">对比</a>") && page.contains("<th scope=\"col\">阶次</th>"));
+    }
+
+    #[test]
+    fn every_word_of_the_script_is_translated() {
+        let script = SCRIPT.concat();
+        let used = script.split("T('").skip(1);
+        let used: Vec<_> = used.map(|part| part.split("')").next().unwrap()).collect();
+        assert!(used.len() > 40, "{}", used.len());
+        let words = script_words(Language::Chinese);
+        for text in used {
+            assert!(words.contains_key(text), "{text}");
+        }
+        for english in words.keys() {
+            let is_used = script.contains(&format!("'{english}'"));
+            assert!(is_used, "{english} is not used");
+        }
+        assert!(script_words(Language::English).is_empty());
     }
 }

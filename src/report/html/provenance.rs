@@ -4,26 +4,24 @@
 use crate::scene::SourceFile;
 
 use super::super::json::RunReport;
+use super::super::texts::{TEXTS, Text};
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
-use super::words::{sentence, word};
 
 /// Program, model, seeds, methods, files with hashes, and the text of the files that state the run.
 pub(super) fn provenance(report: &RunReport, language: Language) -> String {
-    let provenance = &report.provenance;
-    let mut facts = vec![(
-        word(language, "Program").to_owned(),
-        provenance.producer.clone(),
-    )];
+    let (provenance, texts) = (&report.provenance, &TEXTS.page);
+    let w = |text: &'static Text| text.in_language(language);
+    let mut facts = vec![(w(&texts.program).to_owned(), provenance.producer.clone())];
     facts.extend(
         provenance
             .model
             .iter()
-            .map(|name| (word(language, "Model").to_owned(), name.clone())),
+            .map(|name| (w(&texts.model).to_owned(), name.clone())),
     );
     for (test, seed) in &provenance.seeds {
         facts.push((
-            sentence(language, "Seed of {}", std::slice::from_ref(test)),
+            texts.seed_of.filled(language, std::slice::from_ref(test)),
             seed.to_string(),
         ));
     }
@@ -31,14 +29,11 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
         .iter()
         .map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value)))
         .collect();
-    let table = |caption: &'static str, heads: [&'static str; 3], rows: &[[String; 3]]| {
+    let table = |caption: &Text, heads: [&str; 3], rows: &[[String; 3]]| {
         let row = |row: &[String; 3]| row.iter().map(Cell::text).collect();
         Block::Table(Table {
-            caption: word(language, caption).to_owned(),
-            columns: heads
-                .iter()
-                .map(|head| Column::text(word(language, head)))
-                .collect(),
+            caption: caption.in_language(language).to_owned(),
+            columns: heads.map(Column::text).to_vec(),
             rows: rows.iter().map(row).collect(),
             footnotes: Vec::new(),
         })
@@ -46,15 +41,15 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
     let mut tables = Vec::new();
     if !provenance.searched.is_empty() {
         tables.push(table(
-            "Identification",
-            ["test", "method", "band (Hz)"],
+            &texts.identification,
+            [w(&texts.test), w(&texts.method), w(&texts.band_hz)],
             &provenance.searched,
         ));
     }
     if !provenance.inputs.is_empty() {
         tables.push(table(
-            "Data",
-            ["test", "file", "SHA-256"],
+            &texts.data,
+            [w(&texts.test), w(&texts.file), "SHA-256"],
             &provenance.inputs,
         ));
     }
@@ -62,7 +57,7 @@ pub(super) fn provenance(report: &RunReport, language: Language) -> String {
     format!(
         "<dl class=\"facts\">\n{facts}</dl>\n{}<h3>{}</h3>\n{files}",
         fragment(&tables, language),
-        word(language, "Files that state the run")
+        w(&texts.run_files)
     )
 }
 

@@ -13,11 +13,11 @@ use crate::scene::Overview;
 use super::super::Language;
 use super::super::comparison::headline;
 use super::super::json::RunReport;
+use super::super::texts::{TEXTS, Text};
 use super::super::verdict::Verdict;
 use super::markup::{escape, text_with_code};
 use super::numbers::{four_digits, round_to_std, two_digits};
 use super::update;
-use super::words::{sentence, word};
 
 /// Maximum number of findings of one code in the list; the others are counted.
 const MAX_LISTED_FINDINGS: usize = 12;
@@ -29,7 +29,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     let Some(overview) = &report.figures.overview else {
         return format!(
             "<p class=\"lead\">{}</p>\n{}",
-            escape(word(language, "Test only, no model.")),
+            escape(TEXTS.page.test_only.in_language(language)),
             limits(report, language)
         );
     };
@@ -39,6 +39,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     } else {
         ""
     };
+    let texts = &TEXTS.page;
     let mut text = limits(report, language);
     text += &format!("<div class=\"first{alone}\">\n<div class=\"cards\">\n");
     for test in &overview.tests {
@@ -50,7 +51,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
     text += "</div>\n<div class=\"two\">\n";
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n",
-        word(language, "Unmatched modes"),
+        texts.unmatched_modes.in_language(language),
         list(&unmatched_modes(overview, language))
     );
     let verdict = updated.and_then(|result| update::verdict_line(result, language));
@@ -61,56 +62,56 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
         .filter(|finding| finding.severity >= Severity::Warning)
         .count();
     if warnings > 0 {
-        advice.push(sentence(
-            language,
-            "Warnings among the findings: {}.",
-            &[warnings.to_string()],
-        ));
+        let text = &texts.number_of_warnings;
+        advice.push(text.filled(language, &[warnings.to_string()]));
     }
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n</div>\n</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n",
-        word(language, advice_head(updated)),
+        advice_head(updated).in_language(language),
         list(&advice)
     );
     text
 }
 
 /// Heading of the advice; a failed update recommends no change.
-fn advice_head(updated: Option<&Value>) -> &'static str {
+fn advice_head(updated: Option<&Value>) -> &'static Text {
     match updated.is_some_and(update::has_failed) {
-        true => "Update result",
-        false => "Recommended changes",
+        true => &TEXTS.page.update_result,
+        false => &TEXTS.page.recommended_changes,
     }
 }
 
 fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
-    let w = |text| escape(word(language, text));
+    let texts = &TEXTS.page;
+    let w = |text: &Text| escape(text.in_language(language));
     let percent =
         |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |v| format!("{:.2} %", v.abs()));
     let partners = test.paired_by_shape + test.paired_by_frequency + test.ambiguous;
     let whole = partners + test.missed + test.not_observable;
-    let pairs = sentence(
-        language,
-        "{} of {} modes of the model in the band have a partner",
-        &[partners.to_string(), whole.to_string()],
-    );
+    let pairs = texts
+        .modes_with_a_partner
+        .filled(language, &[partners.to_string(), whole.to_string()]);
     let evidence = language.translated_text(headline(test, false));
     let mac = test
         .min_mac
         .map_or_else(|| "—".to_owned(), |mac| format!("{mac:.3}"));
     let counts = [
         (
-            "unmatched (model)",
+            &texts.unmatched_model,
             Verdict::UnmatchedObservable,
             test.missed,
         ),
         (
-            "not observable",
+            &texts.not_observable,
             Verdict::NotObservable,
             test.not_observable,
         ),
-        ("ambiguous", Verdict::Ambiguous, test.ambiguous),
-        ("unmatched (test)", Verdict::UnmatchedTestMode, test.extra),
+        (&texts.ambiguous, Verdict::Ambiguous, test.ambiguous),
+        (
+            &texts.unmatched_test,
+            Verdict::UnmatchedTestMode,
+            test.extra,
+        ),
     ];
     let counted = counts.iter().filter(|(.., count)| *count > 0);
     let chips: String = counted
@@ -120,19 +121,19 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
         })
         .collect();
     let synthetic = match synthetic {
-        true => format!(" <span class=\"chip fair\">{}</span>", w("synthetic")),
+        true => format!(" <span class=\"chip fair\">{}</span>", w(&texts.synthetic)),
         false => String::new(),
     };
     format!(
         "<div class=\"card\"><h3>{}{synthetic}</h3>\n<p class=\"big\">{}<small>{}</small></p>\n<p>{}</p>\n<p>{}</p>\n<dl><dt>{}</dt><dd>{}</dd><dt>{}</dt><dd>{}</dd></dl>\n<p>{chips}</p></div>\n",
         escape(&test.test),
         percent(test.rms_error_percent),
-        w("rms frequency error"),
+        w(&texts.rms_frequency_error),
         escape(&pairs),
         escape(&evidence),
-        w("largest"),
+        w(&texts.largest),
         percent(test.max_error_percent),
-        w("smallest MAC"),
+        w(&texts.smallest_mac),
         mac,
     )
 }
@@ -140,6 +141,7 @@ fn card(test: &TestSummary, synthetic: bool, language: Language) -> String {
 /// Sentences on the unmatched modes, those that the test should observe first; the modes above the
 /// maximum number are counted.
 fn unmatched_modes(overview: &Overview, language: Language) -> Vec<String> {
+    let texts = &TEXTS.page;
     let mut ranked: Vec<(u8, String)> = Vec::new();
     let mut unseen: BTreeMap<&str, usize> = BTreeMap::new();
     for row in &overview.rows {
@@ -152,51 +154,40 @@ fn unmatched_modes(overview: &Overview, language: Language) -> Vec<String> {
                 Status::NotObservable => *unseen.entry(&cell.test).or_default() += 1,
                 Status::MissedExpected | Status::MissedUnexpected => {
                     let (rank, text) = match (cell.status, cell.not_judged) {
-                        (Status::MissedExpected, _) => (
-                            3,
-                            "{}: model mode {} at {} Hz is unmatched, not excited or not sensed: {}",
-                        ),
-                        (_, true) => (
-                            1,
-                            "{}: model mode {} at {} Hz is unmatched, observability unknown: {}",
-                        ),
-                        (_, false) => (
-                            0,
-                            "{}: model mode {} at {} Hz is unmatched, but the test should observe it: {}",
-                        ),
+                        (Status::MissedExpected, _) => (3, &texts.unmatched_not_excited),
+                        (_, true) => (1, &texts.unmatched_observability_unknown),
+                        (_, false) => (0, &texts.unmatched_but_observable),
                     };
                     let values = [cell.test.clone(), row.label.clone(), hz.clone(), reasons];
-                    ranked.push((rank, sentence(language, text, &values)));
+                    ranked.push((rank, text.filled(language, &values)));
                 }
                 Status::Extra => {
                     let hz = cell.hz.map_or_else(String::new, |hz| format!("{hz:.1}"));
-                    let text = "{}: test mode at {} Hz is unmatched";
-                    ranked.push((2, sentence(language, text, &[cell.test.clone(), hz])));
+                    let text = &texts.unmatched_test_mode;
+                    ranked.push((2, text.filled(language, &[&cell.test, &hz])));
                 }
                 Status::Paired | Status::Ambiguous | Status::OutsideBand => {}
             }
         }
     }
     ranked.sort_by_key(|(rank, _)| *rank);
-    let mut texts: Vec<String> = ranked.into_iter().map(|(_, text)| text).collect();
-    let more = texts.len().saturating_sub(MAX_LISTED_ITEMS);
-    texts.truncate(MAX_LISTED_ITEMS);
+    let mut sentences: Vec<String> = ranked.into_iter().map(|(_, text)| text).collect();
+    let more = sentences.len().saturating_sub(MAX_LISTED_ITEMS);
+    sentences.truncate(MAX_LISTED_ITEMS);
     if more > 0 {
-        texts.push(format!("… + {more}"));
+        sentences.push(format!("… + {more}"));
     }
     let unseen = unseen.iter().map(|(test, count)| {
-        let text = sentence(
-            language,
-            "model modes that these sensors and excitation points cannot observe: {}",
-            &[count.to_string()],
-        );
+        let text = texts
+            .unobservable_model_modes
+            .filled(language, &[count.to_string()]);
         format!("{test}: {text}")
     });
-    texts.extend(unseen);
-    if texts.is_empty() {
-        texts.push(word(language, "No unmatched modes in the band.").to_owned());
+    sentences.extend(unseen);
+    if sentences.is_empty() {
+        sentences.push(texts.no_unmatched_modes.in_language(language).to_owned());
     }
-    texts
+    sentences
 }
 
 /// Identified parameters of an update; without one, the sign of the frequency errors and the
@@ -210,19 +201,15 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
         }
     }
     let further = overview.updatable.then(|| {
-        let text = "`modalign update` estimates the parameters that the test can identify.";
-        word(language, text).to_owned()
+        let text = &TEXTS.page.update_estimates_parameters;
+        text.in_language(language).to_owned()
     });
     if let Some(factor) = overview.stiffness_factor {
         let text = match factor < 1.0 {
-            true => {
-                "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test."
-            }
-            false => {
-                "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test."
-            }
+            true => &TEXTS.page.model_too_stiff,
+            false => &TEXTS.page.model_too_soft,
         };
-        let bias = sentence(language, text, &[format!("{factor:.3}")]);
+        let bias = text.filled(language, &[format!("{factor:.3}")]);
         return [bias].into_iter().chain(further).collect();
     }
     let errors = overview.rows.iter().flat_map(|row| {
@@ -230,10 +217,10 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
         cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
     });
     let largest = errors.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()));
-    let text = "The frequency errors have no common sign, so no single stiffness factor explains them; the largest is {} at {}.";
+    let text = &TEXTS.page.errors_without_common_sign;
     let largest_error = largest.map(|(row, cell, error)| {
         let mode = format!("{} ({})", row.label, cell.test);
-        sentence(language, text, &[format!("{error:+.2} %"), mode])
+        text.filled(language, &[format!("{error:+.2} %"), mode])
     });
     let further = further.filter(|_| largest_error.is_some());
     largest_error.into_iter().chain(further).collect()
@@ -261,8 +248,8 @@ fn identified_changes(parameters: &[Value], language: Language) -> Vec<String> {
         .map(|parameter| change_sentence(parameter, language))
         .collect();
     if further > 0 {
-        let text = "{} further parameters with smaller changes in standard deviations: tab Update.";
-        sentences.push(sentence(language, text, &[further.to_string()]));
+        let text = &TEXTS.page.further_parameters;
+        sentences.push(text.filled(language, &[further.to_string()]));
     }
     sentences
 }
@@ -287,9 +274,8 @@ fn change_sentence(parameter: &Value, language: Language) -> String {
         number("std"),
         unit_text(&text("unit")),
     ];
-    sentence(language, "{}: {} → {} ± {} {}", &values)
-        .trim_end()
-        .to_owned()
+    let text = &TEXTS.page.parameter_change;
+    text.filled(language, &values).trim_end().to_owned()
 }
 
 /// Unit of a number: empty for a dimensionless one; exponents are superscripts.
@@ -305,13 +291,14 @@ fn limits(report: &RunReport, language: Language) -> String {
         return String::new();
     }
     let missed = report.limits.iter().filter(|(_, met)| !met);
+    let texts = &TEXTS.page;
     let missed: Vec<String> = missed
-        .map(|(what, _)| sentence(language, "Limit missed: {}", std::slice::from_ref(what)))
+        .map(|(what, _)| texts.limit_missed.filled(language, &[what]))
         .collect();
     match missed.is_empty() {
         true => {
             let count = report.limits.len().to_string();
-            let text = sentence(language, "All {} stated limits are met.", &[count]);
+            let text = texts.limits_met.filled(language, &[count]);
             format!("<p class=\"verdict good\">{}</p>\n", escape(&text))
         }
         false => format!("<div class=\"verdict bad\">{}</div>\n", list(&missed)),
@@ -344,7 +331,7 @@ pub(super) fn findings(report: &RunReport, language: Language) -> String {
     for (test, findings) in &by_name {
         if by_name.len() > 1 {
             let name = if test.is_empty() {
-                word(language, "whole run")
+                TEXTS.page.whole_run.in_language(language)
             } else {
                 *test
             };
@@ -353,7 +340,7 @@ pub(super) fn findings(report: &RunReport, language: Language) -> String {
         text += &findings_of_test(findings, language);
     }
     match text.is_empty() {
-        true => format!("<p>{}</p>\n", word(language, "No findings.")),
+        true => format!("<p>{}</p>\n", TEXTS.page.no_findings.in_language(language)),
         false => text,
     }
 }
@@ -375,11 +362,10 @@ fn findings_of_test(findings: &[Finding], language: Language) -> String {
         }
     }
     let mut text = String::from("<div class=\"codes\">\n");
-    for ((severity, code), entries) in by_code {
-        let severity = match severity.0 {
-            Severity::Info => "info",
-            Severity::Warning => "warning",
-            Severity::Error => "error",
+    for ((std::cmp::Reverse(severity), code), entries) in by_code {
+        let open = match severity {
+            Severity::Info => "",
+            Severity::Warning | Severity::Error => " open",
         };
         let items: String = entries
             .iter()
@@ -389,12 +375,15 @@ fn findings_of_test(findings: &[Finding], language: Language) -> String {
         let more = entries.len().saturating_sub(MAX_LISTED_FINDINGS);
         let more = match more {
             0 => String::new(),
-            _ => format!("<p>+ {more} {}</p>\n", word(language, "more of this code")),
+            _ => format!(
+                "<p>+ {more} {}</p>\n",
+                TEXTS.page.more_of_this_code.in_language(language)
+            ),
         };
         text += &format!(
             "<details class=\"{severity}\"{}><summary><span class=\"chip {severity}\">{}</span> {} <code>{}</code> <span class=\"count\">× {}</span></summary>\n<p class=\"why\">{}</p>\n<ul>{items}</ul>\n{more}</details>\n",
-            if severity == "info" { "" } else { " open" },
-            word(language, severity),
+            open,
+            language.severity(severity),
             escape(language.sentence(code)),
             code.name(),
             entries.len(),
@@ -454,9 +443,10 @@ mod tests {
     #[test]
     fn a_failed_update_recommends_no_change() {
         let failed: Value = serde_json::from_str(r#"{"fits": false}"#).unwrap();
-        assert_eq!(advice_head(Some(&failed)), "Update result");
+        let head = |updated| advice_head(updated).in_language(Language::English);
+        assert_eq!(head(Some(&failed)), "Update result");
         let fits: Value = serde_json::from_str(r#"{"fits": true}"#).unwrap();
-        assert_eq!(advice_head(Some(&fits)), "Recommended changes");
-        assert_eq!(advice_head(None), "Recommended changes");
+        assert_eq!(head(Some(&fits)), "Recommended changes");
+        assert_eq!(head(None), "Recommended changes");
     }
 }

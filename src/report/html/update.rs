@@ -2,13 +2,12 @@
 
 use serde_json::Value;
 
-use super::super::verdict::Verdict;
+use super::super::texts::{TEXTS, Text, translate};
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
 use super::numbers::{four_digits, two_digits};
-use super::words::{sentence, word};
 use crate::scene::Figures;
-use crate::update::{ParameterVerdict, StopReason};
+use crate::update::StopReason;
 
 /// Maximum number of single parameter changes in the table; `update.json` has all.
 const MAX_LISTED_CHANGES: usize = 10;
@@ -35,8 +34,8 @@ fn stop_reason(updated: &Value) -> Option<StopReason> {
 pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String> {
     let fits = updated["fits"].as_bool()?;
     let text = match fits {
-        true => "The update explains the test: χ²/ν = {}, and noise alone reaches {}.",
-        false => "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.",
+        true => &TEXTS.page.update_explains,
+        false => &TEXTS.page.update_does_not_explain,
     };
     let number = |value: Option<f64>| match value {
         Some(value) if value < 0.1 => two_digits(value),
@@ -50,20 +49,20 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
         number(updated["reduced_chi_square"].as_f64()),
         number(expected_maximum),
     ];
-    let mut line = sentence(language, text, &values);
+    let mut line = text.filled(language, &values);
     let errors = ["before", "after"].map(|fit| updated[fit]["rms_percent"].as_f64());
     if errors.iter().all(Option::is_some) {
-        let text = " Rms frequency error {} % before, {} % after.";
-        line += &sentence(language, text, &errors.map(number));
+        let text = &TEXTS.page.rms_before_and_after;
+        line += &text.filled(language, &errors.map(number));
     }
     if let Some(reason) = stop_reason(updated) {
-        let reason = word(language, reason.sentence()).to_owned();
-        line += &sentence(language, " {}.", &[reason]);
+        let reason = translate(&TEXTS.stop_reasons, language, reason.sentence());
+        line += &TEXTS.page.further_sentence.filled(language, &[reason]);
     }
     let starts = &updated["starts"];
     if let [Some(count), Some(reached)] = ["count", "reached"].map(|key| starts[key].as_u64()) {
-        let text = " {} of {} starts ended at this optimum.";
-        line += &sentence(language, text, &[reached.to_string(), count.to_string()]);
+        let text = &TEXTS.page.starts_at_this_optimum;
+        line += &text.filled(language, &[reached.to_string(), count.to_string()]);
     }
     Some(line)
 }
@@ -128,18 +127,19 @@ pub(super) fn verdict_paragraph(updated: &Value, language: Language) -> String {
 /// Identifiable combinations, and the parameter changes that explain the residual, where the update
 /// has them.
 pub(super) fn identifiability_tables(updated: &Value, language: Language) -> String {
-    let w = |text| word(language, text);
+    let texts = &TEXTS.page;
+    let w = |text: &'static Text| text.in_language(language);
     let mut blocks = Vec::new();
     let combinations = updated["combinations"].as_array();
-    let texts = combinations.into_iter().flatten();
-    let texts: Vec<Vec<Cell>> = texts
+    let combinations = combinations.into_iter().flatten();
+    let combinations: Vec<Vec<Cell>> = combinations
         .filter_map(|combination| Some(vec![Cell::text(combination["text"].as_str()?)]))
         .collect();
-    if !texts.is_empty() {
+    if !combinations.is_empty() {
         blocks.push(Block::Table(Table {
-            caption: w("Identifiability: parameter combinations, best determined first").to_owned(),
-            columns: vec![Column::text(w("combination"))],
-            rows: texts,
+            caption: w(&texts.identifiable_combinations).to_owned(),
+            columns: vec![Column::text(w(&texts.combination))],
+            rows: combinations,
             footnotes: Vec::new(),
         }));
     }
@@ -148,25 +148,26 @@ pub(super) fn identifiability_tables(updated: &Value, language: Language) -> Str
         let single = explanation["single"].as_array();
         let single = single.into_iter().flatten().take(MAX_LISTED_CHANGES);
         let all = std::iter::once(&explanation["none"]).chain(single);
-        let columns = [w("rms error (%)"), w("largest error (%)"), "χ²", "BIC"];
+        let columns = [
+            w(&texts.rms_error_percent),
+            w(&texts.largest_error_percent),
+            "χ²",
+            "BIC",
+        ];
         let proposed = &explanation["proposed"];
         let text = match proposed["explains"].as_bool() == Some(true) {
-            true => "Proposed: {}, the smallest set that brings the residual to its uncertainty.",
-            false => "No set brings the residual to its uncertainty; {} has the smallest BIC.",
+            true => &texts.smallest_explaining_set,
+            false => &texts.no_explaining_set,
         };
         blocks.push(Block::Table(Table {
-            caption: w("One parameter changed at a time").to_owned(),
-            columns: std::iter::once(Column::text(w("parameter")))
+            caption: w(&texts.single_changes).to_owned(),
+            columns: std::iter::once(Column::text(w(&texts.parameter)))
                 .chain(columns.map(Column::number))
                 .collect(),
             rows: all
                 .map(|candidate| change_row(candidate, language))
                 .collect(),
-            footnotes: vec![sentence(
-                language,
-                text,
-                &[parameter_names(proposed, language)],
-            )],
+            footnotes: vec![text.filled(language, &[parameter_names(proposed, language)])],
         }));
     }
     fragment(&blocks, language)
@@ -176,7 +177,7 @@ fn parameter_names(candidate: &Value, language: Language) -> String {
     let names = candidate["parameters"].as_array().into_iter().flatten();
     let names: Vec<&str> = names.filter_map(Value::as_str).collect();
     match names.is_empty() {
-        true => word(language, "no change").to_owned(),
+        true => TEXTS.page.no_change.in_language(language).to_owned(),
         false => names.join(", "),
     }
 }
@@ -194,15 +195,15 @@ fn change_row(candidate: &Value, language: Language) -> Vec<Cell> {
 
 /// Translated verdict on a parameter; a text that is none stays as it is.
 fn verdict_cell(verdict: &Value, language: Language) -> Cell {
-    match serde_json::from_value::<ParameterVerdict>(verdict.clone()) {
-        Ok(verdict) => Cell::text(word(language, Verdict::from(verdict).text())),
-        Err(_) => verdict.as_str().map_or(Cell::Missing, Cell::text),
-    }
+    let text = verdict.as_str();
+    let translated = text.map(|text| translate(&TEXTS.labels["verdict"], language, text));
+    translated.map_or(Cell::Missing, Cell::text)
 }
 
 /// Parameters before and after with their verdicts, frequencies before and after.
 pub(super) fn tables(updated: &Value, language: Language) -> String {
-    let w = |text| word(language, text);
+    let texts = &TEXTS.page;
+    let w = |text: &'static Text| text.in_language(language);
     let items = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let text = |row: &Value, key: &str| row[key].as_str().map_or(Cell::Missing, Cell::text);
     let number = |row: &Value, key: &str| {
@@ -226,17 +227,22 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
             verdict_cell(&row["verdict"], language),
         ]
     };
-    let columns = |texts: &[&'static str], numbers: &[&'static str]| -> Vec<Column> {
+    let columns = |texts: &[&'static Text], numbers: &[&'static Text]| -> Vec<Column> {
         let texts = texts.iter().map(|head| Column::text(w(head)));
         texts
             .chain(numbers.iter().map(|head| Column::number(w(head))))
             .collect()
     };
     let mut of_parameters = columns(
-        &["parameter", "unit"],
-        &["before", "after", "std", "change (%)"],
+        &[&texts.parameter, &texts.unit],
+        &[
+            &texts.before,
+            &texts.after,
+            &texts.std,
+            &texts.change_percent,
+        ],
     );
-    of_parameters.push(Column::text(w("verdict")));
+    of_parameters.push(Column::text(w(&texts.verdict)));
     let before = items(&updated["before"]["rows"]);
     let after = items(&updated["after"]["rows"]);
     let fit = |(before, after): (&Value, &Value)| {
@@ -251,18 +257,23 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
             Cell::number(value(after, "mac"), 3),
         ]
     };
-    let mut of_fits = columns(&["mode"], &["test (Hz)"]);
-    for when in ["before", "after"] {
-        of_fits.push(Column::number(format!("{}\n{}", w("model (Hz)"), w(when))));
+    let mut of_fits = columns(&[&texts.mode], &[&texts.test_hz]);
+    for when in [&texts.before, &texts.after] {
+        let head = format!("{}\n{}", w(&texts.model_hz), w(when));
+        of_fits.push(Column::number(head));
     }
     of_fits.extend(columns(
         &[],
-        &["error before (%)", "error after (%)", "MAC"],
+        &[
+            &texts.error_before_percent,
+            &texts.error_after_percent,
+            &texts.mac,
+        ],
     ));
     fragment(
         &[
             Block::Table(Table {
-                caption: w("Parameters of the model, updated").to_owned(),
+                caption: w(&texts.updated_parameters).to_owned(),
                 columns: of_parameters,
                 rows: items(&updated["parameters"])
                     .iter()
@@ -271,7 +282,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
                 footnotes: Vec::new(),
             }),
             Block::Table(Table {
-                caption: w("Frequencies before and after").to_owned(),
+                caption: w(&texts.frequencies_before_and_after).to_owned(),
                 columns: of_fits,
                 rows: before.iter().zip(&after).map(fit).collect(),
                 footnotes: Vec::new(),

@@ -1,0 +1,167 @@
+//! Translation of captions, column heads, row labels and verdicts. Definitions and reasons under
+//! the tables remain English.
+
+use super::texts::{Group, TEXTS, translate};
+use super::{Block, Cell, Language, Table};
+
+impl Language {
+    /// A paragraph in this language; one without a translation remains English.
+    pub(super) fn translated_text(self, text: String) -> String {
+        match self {
+            Language::English => text,
+            Language::Chinese => best_match(&TEXTS.paragraphs, &text),
+        }
+    }
+
+    /// Blocks with their headings in this language; a heading without a translation remains
+    /// English.
+    pub fn translated(self, blocks: Vec<Block>) -> Vec<Block> {
+        match self {
+            Language::English => blocks,
+            Language::Chinese => blocks.into_iter().map(block).collect(),
+        }
+    }
+}
+
+fn block(block: Block) -> Block {
+    match block {
+        Block::Heading(text) => Block::Heading(heading(&text)),
+        Block::Text(text) => Block::Text(Language::Chinese.translated_text(text)),
+        Block::Table(table) => Block::Table(translated_table(table)),
+        Block::Findings { findings, .. } => Block::Findings {
+            findings,
+            language: Language::Chinese,
+        },
+    }
+}
+
+fn translated_table(mut table: Table) -> Table {
+    for row in &mut table.rows {
+        for (cell, column) in row.iter_mut().zip(&table.columns) {
+            if let Cell::Text(text) = cell {
+                *text = label(&column.head, text);
+            }
+        }
+    }
+    table.caption = heading(&table.caption);
+    for column in &mut table.columns {
+        column.head = heading(&column.head);
+    }
+    table
+}
+
+/// The translation of a label in a column with this head, the last line of which names what the
+/// column holds; other text, such as the name of a test, stays as it is.
+fn label(head: &str, text: &str) -> String {
+    let kind = head.lines().last().unwrap_or_default();
+    let mut heads = TEXTS.headings.iter();
+    let column = heads.find(|(_, head)| head.english == kind);
+    let labels = column.and_then(|(key, _)| TEXTS.labels.get(key));
+    labels
+        .map_or(text, |labels| translate(labels, Language::Chinese, text))
+        .to_owned()
+}
+
+fn heading(text: &str) -> String {
+    best_match(&TEXTS.headings, text)
+}
+
+/// The translation of a text. Of several matching texts of the group, the one with the most letters
+/// outside `{}` applies.
+fn best_match(group: &Group, text: &str) -> String {
+    let letter_count = |text: &str| text.replace("{}", "").chars().count();
+    let matches = group.values().filter_map(|found| {
+        let names = names(&found.english, text)?;
+        Some((letter_count(&found.english), found, names))
+    });
+    let best = matches.max_by_key(|(letters, ..)| *letters);
+    best.map_or_else(
+        || text.to_owned(),
+        |(_, found, names)| found.filled(Language::Chinese, &names),
+    )
+}
+
+/// The names in a text at the positions of `{}` in a pattern; `None` if the text does not match.
+fn names<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut parts = pattern.split("{}");
+    let mut remaining = text.strip_prefix(parts.next()?)?;
+    let parts: Vec<&str> = parts.collect();
+    let mut found = Vec::new();
+    for (n, part) in parts.iter().enumerate() {
+        let end = if n + 1 == parts.len() {
+            remaining
+                .len()
+                .checked_sub(part.len())
+                .filter(|&at| remaining.is_char_boundary(at))?
+        } else {
+            remaining.find(part)?
+        };
+        found.push(&remaining[..end]);
+        remaining = remaining[end..].strip_prefix(part)?;
+    }
+    remaining.is_empty().then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Column;
+
+    #[test]
+    fn headings_are_translated_and_keep_their_names() {
+        for (text, expected) in [
+            ("Summary", "汇总"),
+            ("AutoMAC of wing.unv", "wing.unv 的自 MAC"),
+            (
+                "AutoMAC of the theory at the sensors of a and b",
+                "理论在 a and b 测点处的自 MAC",
+            ),
+            (
+                "FRFs of a.h5 and b.uff over frequency",
+                "a.h5 与 b.uff 的频响函数随频率",
+            ),
+            ("large\nerror (%)", "large\n误差 (%)"),
+            ("f6 (8-fold)", "f6 (8-fold)"),
+        ] {
+            assert_eq!(heading(text), expected);
+        }
+        let table = Table {
+            caption: "Summary".to_owned(),
+            columns: vec![Column::text("a\nverdict"), Column::number("MAC")],
+            rows: vec![vec![Cell::text("paired"), Cell::number(Some(0.5), 2)]],
+            footnotes: vec!["Summary".to_owned()],
+        };
+        let blocks = vec![Block::Table(table), Block::Text("Summary".to_owned())];
+        assert_eq!(Language::English.translated(blocks.clone()), blocks);
+        let chinese = Language::Chinese.translated(blocks);
+        let Block::Table(table) = &chinese[0] else {
+            panic!("a table stays one")
+        };
+        assert_eq!(table.columns[0].head, "a\n结论");
+        assert_eq!(
+            table.rows[0],
+            [Cell::text("已配对"), Cell::number(Some(0.5), 2)]
+        );
+        assert_eq!(table.footnotes, ["Summary"]);
+        assert_eq!(chinese[1], Block::Text("Summary".to_owned()));
+    }
+
+    #[test]
+    fn names_in_cells_are_not_translated() {
+        let names = ["test", "paired", "Summary", "rms error", "verdict"];
+        let table = Table {
+            columns: ["test", "name", "unit", "DOF"].map(Column::text).to_vec(),
+            rows: names.map(|name| vec![Cell::text(name); 4]).to_vec(),
+            ..Table::default()
+        };
+        let rows = table.rows.clone();
+        let chinese = Language::Chinese.translated(vec![Block::Table(table)]);
+        let Block::Table(table) = &chinese[0] else {
+            panic!("a table stays one")
+        };
+        assert_eq!(table.columns[0].head, "试验");
+        assert_eq!(table.rows, rows);
+        let closing = label("mode", "rms error");
+        assert_eq!(closing, "均方根误差");
+    }
+}
