@@ -50,6 +50,7 @@ mod theory_command;
 mod torture;
 mod transmissions;
 mod truncation;
+mod tuple_parameters;
 #[path = "../population/twins.rs"]
 mod twins;
 mod unneeded;
