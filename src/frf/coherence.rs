@@ -1,4 +1,5 @@
-//! The ordinary coherence of one line gives the variance of its FRF value.
+//! Coherence of force and response from averaged spectra, and the variance of H1 from coherence and
+//! number of averages.
 
 use num_complex::Complex64;
 

@@ -1,7 +1,8 @@
-//! The rules check every hit before the average.
+//! Every hit gets a report before the average: the rules of [`crate::signal`] judge its force and up
+//! to four responses.
 //!
-//! The force is judged, and as many responses as tell whether the hit was good; of a test with many
-//! sensors the other responses are read once only, when they are transformed.
+//! Four responses show whether a hit was good; in a test with many sensors the others are read once
+//! only, when they are transformed.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! Resonances that move from run to run: by the mass of a roving sensor, or because the structure
-//! changed.
+//! Mass loading: natural frequencies of isolated modes differ between the positions of a roving
+//! sensor or hammer, by the mass of the sensor or because the structure changed.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! A resonance holds the lines around a group of poles, on which it is decided whether individual
-//! poles of each run replace the poles of the fit.
+//! At the lines around a group of poles it is decided whether individual poles of each run replace
+//! the poles of the fit.
 
 use num_complex::Complex64;
 

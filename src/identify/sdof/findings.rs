@@ -1,4 +1,5 @@
-//! Findings of the single-mode methods report every weakness of a mode with its value and limit.
+//! Each mode of a single-mode method is tested: one pole, close modes, or a repeated pole. Findings
+//! report every weakness of a mode with its value and limit.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! Whether a hit can be trusted: each rule looks at the samples of one hit, or at one number per
-//! hit of a series.
+//! Rules that decide whether a hit can be trusted: each looks at the samples of one hit, or at one
+//! number per hit of a series.
 //!
 //! Every rule yields a [`Check`] with its value, its limit and an [`Outcome`], also when it passed,
 //! so that each hit stays listed with the reason. What the noise does not let a rule decide is
@@ -8,6 +8,7 @@
 //! | file | rules |
 //! |---|---|
 //! | `check` | none: [`Check`] and [`Outcome`] of all |
+//! | `limits` | none: limits of all rules |
 //! | `double_hit` | double hit: filter matched to the shape of the pulse |
 //! | `overload` | clipped samples |
 //! | `pretrigger` | pre-trigger signal, dead channel, sign |

@@ -1,5 +1,5 @@
-//! Pre-trigger checks find drift and ringing before the hit, dead channels, and a reversed sign of
-//! the force.
+//! Samples before the hit show ringing, dead channels and a reversed force, and give the noise of
+//! each channel.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
