@@ -5,8 +5,9 @@
 BASE and HEAD are commits (HEAD defaults to the working tree), or built programs. Commits are built
 in release mode below target/compare and kept there. Every command runs with both programs in
 folders of the same relative path: `run`, `update`, `study order` and `report` of the scenes below
-measurements/, `theory` of the built-in models, and `identify` by every method over synthetic FRFs
-and synthetic hammer tests that the first program makes.
+measurements/, `theory` of the built-in models, `identify` by every method over synthetic FRFs and
+synthetic hammer tests that the first program makes, `convert` to every format, `correlate` with the
+model of the tests, and `check` of the modes of one test against another's.
 
 Each output is one of: the same bytes; the same numbers to 1e-12 and the same structure, with other
 sentences (a reworded message or heading); other numbers. The exit code is 1 for other numbers, or
@@ -31,6 +32,7 @@ BUILDS = ROOT / "target" / "compare"
 SCENES = sorted(p.parent.name for p in (ROOT / "measurements").glob("*/scene.toml"))
 MODELS = ["cycloid-ball", "torsional-planetary", "spider-reducer", "helical-planetary"]
 METHODS = ["auto", "ml", "lscf", "rfp", "lsce", "circle", "peak"]
+FORMATS = [".uff", ".h5", ".mat", ".npz", ".csv"]
 # Largest relative difference of equal numbers, beside the last digit of a printed one.
 EQUAL = 1e-12
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -153,6 +155,11 @@ def inputs(folder, maker, draws):
         recordings.append(f"hits-{seed}.uff")
         made = [maker, "synth", f"hits-{seed}.toml", "-o", recordings[-1], "-q"]
         subprocess.run(made, cwd=folder, check=True, capture_output=True)
+        for verb, source, result in [("frf", ".uff", ".h5"), ("identify", ".h5", ".json")]:
+            made = [maker, verb, f"hits-{seed}{source}", "-o", f"hits-{seed}{result}", "-q"]
+            done = subprocess.run(made, cwd=folder, capture_output=True, text=True)
+            # 1: with findings that need attention.
+            assert done.returncode <= 1, done.stderr
     return names, recordings
 
 
@@ -177,8 +184,17 @@ def commands(frfs, recordings, quick):
             yield f"identify {name} {method}", arguments
     for name in recordings:
         yield f"frf {name}", ["frf", f"inputs/{name}", "-o", "frfs.h5"]
-        yield f"identify {name}", ["identify", f"inputs/{name}", "-o", "modes.json"]
+        frfs_of_hits = f"inputs/{Path(name).stem}.h5"
+        yield f"identify {name}", ["identify", frfs_of_hits, "-o", "modes.json"]
         yield f"inspect {name}", ["inspect", f"inputs/{name}", "--json"]
+        modes = f"inputs/{Path(name).stem}.json"
+        pair = ["correlate", "--test", modes, "--theory", "inputs/model.toml"]
+        yield f"correlate {name}", pair
+        yield f"correlate {name} --json", [*pair, "--measures", "--json"]
+        yield f"check {name}", ["check", modes, "--against", "inputs/hits-0.json", "--json"]
+    for ending in FORMATS:
+        yield f"convert hits {ending}", ["convert", "inputs/hits-0.uff", "-o", f"hits{ending}"]
+        yield f"convert FRFs {ending}", ["convert", f"inputs/{frfs[0]}", "-o", f"frfs{ending}"]
 
 
 def outputs(binary, arguments, folder, shared):
@@ -296,6 +312,8 @@ def main():
             # One folder for both, so that no path differs.
             a = outputs(base, command, folder / "run", shared)
             b = outputs(head, command, folder / "run", shared)
+            if a["exit code"] == b"2":
+                sys.exit(f"{name} fails and compares nothing: {a['stderr'].decode()}")
             for file in sorted(a.keys() | b.keys()):
                 if file not in a or file not in b:
                     counts["other numbers"] += 1
