@@ -1,5 +1,5 @@
-//! Every hit gets a report before the average: the rules of [`crate::signal`] judge its force and up
-//! to four responses.
+//! Every hit gets a report before the average: the rules of [`crate::signal`] judge its force and
+//! up to four responses.
 //!
 //! Four responses show whether a hit was good; in a test with many sensors the others are read once
 //! only, when they are transformed.
