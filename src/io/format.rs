@@ -7,7 +7,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use crate::finding::Finding;
-use crate::io::catalog::sample_range::even_abscissa;
+use crate::io::catalog::sample_range::{check_range, even_abscissa, uneven_without_values};
 use crate::io::{Catalog, Damage, IoError, TableSpec};
 
 /// A byte stream that can be read and sought.
@@ -117,33 +117,79 @@ pub enum Encoding {
 }
 
 /// An opened file: what is in it, and its samples on demand.
+///
+/// A format implements the first three methods, and [`Source::read_abscissa`] where it has uneven
+/// axes. Callers use the others, which check the range.
 pub trait Source: Send {
     /// The contents of the headers.
     fn catalog(&self) -> &Catalog;
 
-    /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.
-    fn take_damage(&mut self) -> Vec<Damage>;
+    /// As [`Source::catalog`], to add to it.
+    fn catalog_mut(&mut self) -> &mut Catalog;
 
     /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single
-    /// precision stays single.
+    /// precision stays single. The range lies inside the entry.
     ///
     /// # Errors
     /// [`IoError`] with the place when the bytes are not there or are not numbers.
-    fn read(&mut self, entry: usize, range: Range<usize>, block: &mut Block)
-    -> Result<(), IoError>;
+    fn read_samples(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError>;
 
-    /// Puts the abscissa of samples `range` of entry `entry` into `out`, in s, Hz or the unit of
-    /// the file. A source with uneven axes overrides this method.
+    /// Puts the abscissa of samples `range` of entry `entry`, whose axis is uneven, into `out`, in
+    /// s, Hz or the unit of the file. The range lies inside the entry.
     ///
     /// # Errors
-    /// As [`Source::read`].
+    /// As [`Source::read_samples`]; [`IoError::NotStated`] where the file has no values.
+    fn read_abscissa(
+        &mut self,
+        entry: usize,
+        _range: Range<usize>,
+        _out: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        Err(uneven_without_values(self.catalog(), entry))
+    }
+
+    /// Takes what [`Catalog::damage`] holds, for a chain that stops at it.
+    fn take_damage(&mut self) -> Vec<Damage> {
+        std::mem::take(&mut self.catalog_mut().damage)
+    }
+
+    /// [`Source::read_samples`] of any range.
+    ///
+    /// # Errors
+    /// As there; [`IoError::Binary`] for a range that is not inside an entry.
+    fn read(
+        &mut self,
+        entry: usize,
+        range: Range<usize>,
+        block: &mut Block,
+    ) -> Result<(), IoError> {
+        check_range(self.catalog(), entry, &range)?;
+        self.read_samples(entry, range, block)
+    }
+
+    /// The abscissa of samples `range` of entry `entry`, in s, Hz or the unit of the file.
+    ///
+    /// # Errors
+    /// As [`Source::read_abscissa`]; [`IoError::Binary`] for a range that is not inside an entry.
     fn abscissa(
         &mut self,
         entry: usize,
         range: Range<usize>,
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
-        even_abscissa(self.catalog(), entry, range, out)
+        check_range(self.catalog(), entry, &range)?;
+        match self.catalog().entries[entry].axis.even() {
+            Some(even) => {
+                even_abscissa(even, range, out);
+                Ok(())
+            }
+            None => self.read_abscissa(entry, range, out),
+        }
     }
 }
 

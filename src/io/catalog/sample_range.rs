@@ -29,29 +29,21 @@ pub(in crate::io) fn check_range(
     })
 }
 
-/// Values of an even abscissa, in s, Hz or the unit of the file.
-///
-/// # Errors
-/// [`IoError::NotStated`] for an uneven one.
+/// Values of an even abscissa with this first value and spacing, in s, Hz or the unit of the file.
 pub(in crate::io) fn even_abscissa(
-    catalog: &Catalog,
-    entry: usize,
+    (start, step): (f64, f64),
     range: Range<usize>,
     out: &mut Vec<f64>,
-) -> Result<(), IoError> {
-    check_range(catalog, entry, &range)?;
+) {
     out.clear();
-    if range.is_empty() {
-        return Ok(());
-    }
-    let (start, step) = catalog.entries[entry]
-        .axis
-        .even()
-        .ok_or_else(|| IoError::NotStated {
-            path: catalog.path.clone(),
-            what: format!("the abscissa of function {}", entry + 1),
-            expected: "a value for each sample".to_owned(),
-        })?;
     out.extend(range.map(|i| start + i as f64 * step));
-    Ok(())
+}
+
+/// The error for an uneven axis whose values the file does not have.
+pub(in crate::io) fn uneven_without_values(catalog: &Catalog, entry: usize) -> IoError {
+    IoError::NotStated {
+        path: catalog.path.clone(),
+        what: format!("the abscissa of function {}", entry + 1),
+        expected: "a value for each sample".to_owned(),
+    }
 }

@@ -18,11 +18,11 @@ impl Source for Memory {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: std::ops::Range<usize>,

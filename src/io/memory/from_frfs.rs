@@ -3,10 +3,9 @@
 use std::ops::Range;
 
 use crate::frf::{FrfSet, Function};
-use crate::io::catalog::sample_range::check_range;
 use crate::io::{
-    Block, Catalog, Damage, Entry, EntryAxis, FunctionMetadata, FunctionType, Identification,
-    IoError, MemorySource, SampleFormat, Source,
+    Block, Catalog, Entry, EntryAxis, FunctionMetadata, FunctionType, Identification, IoError,
+    MemorySource, SampleFormat, Source,
 };
 use crate::quantity::Quantity;
 
@@ -87,17 +86,16 @@ impl Source for FrfSource<'_> {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         let function = self.functions[entry];
         let real = match self.catalog.entries[entry].function_type {
             FunctionType::Coherence => self.set.coherence(function),

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::io::catalog::sample_range::{check_range, even_abscissa};
-use crate::io::{Block, Catalog, Damage, Entry, IoError, Source};
+use crate::io::catalog::sample_range::uneven_without_values;
+use crate::io::{Block, Catalog, Entry, IoError, Source};
 
 /// A source whose samples are in memory.
 #[derive(Debug, Default)]
@@ -40,17 +40,16 @@ impl Source for MemorySource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         match (&self.blocks[entry], &mut *block) {
             (Block::F32(values), Block::F32(out)) => replace(out, &values[range]),
             (Block::F64(values), Block::F64(out)) => replace(out, &values[range]),
@@ -62,21 +61,18 @@ impl Source for MemorySource {
         Ok(())
     }
 
-    fn abscissa(
+    fn read_abscissa(
         &mut self,
         entry: usize,
         range: Range<usize>,
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
-        match self
+        let abscissa = self
             .abscissae
             .get(entry)
-            .filter(|abscissa| !abscissa.is_empty())
-        {
-            Some(abscissa) => replace(out, &abscissa[range]),
-            None => even_abscissa(&self.catalog, entry, range, out)?,
-        }
+            .and_then(|values| values.get(range));
+        let abscissa = abscissa.ok_or_else(|| uneven_without_values(&self.catalog, entry))?;
+        replace(out, abscissa);
         Ok(())
     }
 }

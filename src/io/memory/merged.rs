@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use crate::dof::Dof;
 use crate::finding::Location;
-use crate::io::catalog::sample_range::check_range;
-use crate::io::{Block, Catalog, Damage, IoError, Part, Source};
+use crate::io::{Block, Catalog, IoError, Part, Source};
 
 /// Several sources as one: entries, modes and geometry one after the other.
 pub struct Merged {
@@ -93,28 +92,26 @@ impl Source for Merged {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         let (source, entry_in_source) = self.places[entry];
         self.sources[source].read(entry_in_source, range, block)
     }
 
-    fn abscissa(
+    fn read_abscissa(
         &mut self,
         entry: usize,
         range: Range<usize>,
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         let (source, entry_in_source) = self.places[entry];
         self.sources[source].abscissa(entry_in_source, range, out)
     }

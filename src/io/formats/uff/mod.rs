@@ -49,11 +49,9 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::ops::Range;
 
 use crate::finding::Finding;
-use crate::io::catalog::sample_range::{check_range, even_abscissa};
 use crate::io::error::write_failed;
 use crate::io::{
-    Block, Catalog, Confidence, Damage, Format, Hints, IoError, ReadSeek, Source, WriteOptions,
-    WriteSeek,
+    Block, Catalog, Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
 };
 use dataset_58::binary_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
 use dataset_58::text_samples::{TextBlock, copy_abscissa, copy_text, read_text};
@@ -162,17 +160,16 @@ impl Source for UffSource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         match self.samples[entry] {
             Samples::Binary(binary) => read_binary(&mut self.input, &binary, range, block)
                 .map_err(|source| self.read_failed(&binary, source)),
@@ -183,16 +180,12 @@ impl Source for UffSource {
         }
     }
 
-    fn abscissa(
+    fn read_abscissa(
         &mut self,
         entry: usize,
         range: Range<usize>,
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
-        if self.catalog.entries[entry].axis.even().is_some() {
-            return even_abscissa(&self.catalog, entry, range, out);
-        }
         match self.samples[entry] {
             Samples::Binary(binary) => read_abscissa(&mut self.input, &binary, range, out)
                 .map_err(|source| self.read_failed(&binary, source))?,

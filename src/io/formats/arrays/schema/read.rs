@@ -5,11 +5,11 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use crate::axis::{FrequencyAxis, TimeAxis};
-use crate::io::catalog::sample_range::{check_range, even_abscissa};
+use crate::io::catalog::sample_range::uneven_without_values;
 use crate::io::formats::arrays::store::bytes::count;
 use crate::io::formats::arrays::store::{ArrayStore, Elements};
 use crate::io::{
-    Block, Catalog, Damage, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
+    Block, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
     SampleFormat, Source,
 };
 
@@ -366,17 +366,16 @@ impl Source for SchemaSource {
         &self.catalog
     }
 
-    fn take_damage(&mut self) -> Vec<Damage> {
-        std::mem::take(&mut self.catalog.damage)
+    fn catalog_mut(&mut self) -> &mut Catalog {
+        &mut self.catalog
     }
 
-    fn read(
+    fn read_samples(
         &mut self,
         entry: usize,
         range: Range<usize>,
         block: &mut Block,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
         let place = self.places[entry];
         let part = place.first + range.start..place.first + range.end;
         if let (Values::Real(array), Block::F32(values)) = (&place.values, &mut *block)
@@ -400,19 +399,15 @@ impl Source for SchemaSource {
         Ok(())
     }
 
-    fn abscissa(
+    fn read_abscissa(
         &mut self,
         entry: usize,
         range: Range<usize>,
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
-        check_range(&self.catalog, entry, &range)?;
-        match self.places[entry].abscissa {
-            None => even_abscissa(&self.catalog, entry, range, out),
-            Some(array) => {
-                *out = self.reals(entry, array, range)?;
-                Ok(())
-            }
-        }
+        let array = self.places[entry].abscissa;
+        let array = array.ok_or_else(|| uneven_without_values(&self.catalog, entry))?;
+        *out = self.reals(entry, array, range)?;
+        Ok(())
     }
 }
