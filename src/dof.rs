@@ -212,6 +212,11 @@ impl Dof {
         }
     }
 
+    /// The point and the positive axis: neither the sensor's sign nor the number of the measurement.
+    pub(crate) fn site(&self) -> Self {
+        self.positive().with_repeat(1)
+    }
+
     /// Component (none first), then numbers by value before names.
     fn point_key(&self) -> (&str, bool, u64, &str) {
         let (component, name) = self.point.split_once('.').unwrap_or(("", &self.point));

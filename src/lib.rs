@@ -20,7 +20,7 @@
 //!
 //! use modalign::axis::Band;
 //! use modalign::correlate::{PairOptions, Status};
-//! use modalign::frf::{HammerOptions, hammer};
+//! use modalign::frf::{HammerOptions, evaluate_hammer_test};
 //! use modalign::identify::{IdentifyOptions, identification};
 //! use modalign::io::{Hints, HitFile, HitGrouping, group_hits, open_bytes};
 //! use modalign::report::{Renderer, TableGroup, Terminal, comparison_blocks};
@@ -40,7 +40,7 @@
 //!
 //! // Hits to FRFs: each hit is checked, the accepted ones are averaged, with variance and
 //! // coherence.
-//! let estimated = hammer(&mut hits.recording, &HammerOptions::default())?;
+//! let estimated = evaluate_hammer_test(&mut hits.recording, &HammerOptions::default())?;
 //! let frfs = estimated.estimated.set;
 //! assert_eq!(frfs.functions().len(), 11);
 //!

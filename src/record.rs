@@ -133,7 +133,7 @@ pub struct HitInfo {
 
 /// Which samples of a recording are asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stretch {
+pub struct ChannelSegment {
     /// Number of the hit, from 0.
     pub hit: usize,
     /// The force, or the number of a response, from 0.
@@ -192,7 +192,7 @@ pub trait Recording: Send {
     ///
     /// # Errors
     /// [`ReadError`] when they cannot be read.
-    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError>;
+    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError>;
 }
 
 /// Hits in memory as a recording.
@@ -249,16 +249,16 @@ impl Recording for InMemory<'_> {
         &self.infos
     }
 
-    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
-        let hit = &self.hits[stretch.hit];
-        let channel = hit.channel(stretch.channel);
+    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
+        let hit = &self.hits[segment.hit];
+        let channel = hit.channel(segment.channel);
         samples
-            .replace(&channel.samples, stretch.samples.clone())
+            .replace(&channel.samples, segment.samples.clone())
             .ok_or_else(|| {
                 ReadError::new(OutOfRecord {
                     origin: hit.origin.clone(),
                     dof: channel.dof.clone(),
-                    asked: stretch.samples.clone(),
+                    asked: segment.samples.clone(),
                     there: channel.samples.len(),
                 })
             })
@@ -307,12 +307,12 @@ impl Recording for Cut {
         &self.hits
     }
 
-    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
-        let (record, first) = self.places[stretch.hit];
-        let of_record = Stretch {
+    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
+        let (record, first) = self.places[segment.hit];
+        let of_record = ChannelSegment {
             hit: record,
-            channel: stretch.channel,
-            samples: first + stretch.samples.start..first + stretch.samples.end,
+            channel: segment.channel,
+            samples: first + segment.samples.start..first + segment.samples.end,
         };
         self.whole.read(&of_record, samples)
     }
@@ -329,12 +329,12 @@ pub fn collect(recording: &mut dyn Recording) -> Result<Vec<Hit>, ReadError> {
         let mut read = |place: ChannelPlace, role: Role| {
             let channel_info = info.channel(place);
             let mut samples = Samples::F64(Vec::new());
-            let stretch = Stretch {
+            let segment = ChannelSegment {
                 hit: number,
                 channel: place,
                 samples: 0..info.axis.len,
             };
-            recording.read(&stretch, &mut samples)?;
+            recording.read(&segment, &mut samples)?;
             Ok(Channel {
                 role,
                 dof: channel_info.dof.clone(),
@@ -368,9 +368,13 @@ mod tests {
             &self.0
         }
 
-        fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
-            let value = |n: usize| (1000 * stretch.hit + n) as f32;
-            *samples = Samples::F32(stretch.samples.clone().map(value).collect());
+        fn read(
+            &mut self,
+            segment: &ChannelSegment,
+            samples: &mut Samples,
+        ) -> Result<(), ReadError> {
+            let value = |n: usize| (1000 * segment.hit + n) as f32;
+            *samples = Samples::F32(segment.samples.clone().map(value).collect());
             Ok(())
         }
     }

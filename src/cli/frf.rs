@@ -7,7 +7,7 @@ use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{
     EstimateOptions, Estimator, FrfSet, HammerOptions, HammerTestResult, HitReport, ResponseWindow,
-    hammer,
+    evaluate_hammer_test,
 };
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{frf_block, hits_block, json};
@@ -50,7 +50,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         hits,
         usable,
         estimate,
-    } = hammer(recording.as_mut(), &options)?;
+    } = evaluate_hammer_test(recording.as_mut(), &options)?;
     let set = estimated.set;
     if let Some(path) = &args.output {
         let mut source = frf_source(&set, "FRFs");

@@ -133,7 +133,7 @@ pub enum FrfError {
         response: Dof,
         /// Reference.
         reference: Dof,
-        /// Noise energy of the response in the windowed record; `None` without quiet samples.
+        /// Noise energy of the response in the windowed record; `None` without pre-trigger samples.
         response_noise: Option<f64>,
         /// The same of the force.
         force_noise: Option<f64>,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 
 use crate::fourier::{ForwardPlan, Scratch};
-use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
+use crate::record::{ChannelPlace, ChannelSegment, HitInfo, Recording, Samples};
 use crate::signal::{
     Conditioning, Frame, cut_force_fraction, locate_pulse, pretrigger_offset, to_si,
 };
@@ -37,13 +37,13 @@ impl ForceHit {
         let mut force = Vec::new();
         to_si(hit, &hit.force, samples, &mut force)?;
         let pulse = locate_pulse(hit, &force)?;
-        let (quiet, offset) =
+        let (pretrigger, offset) =
             pretrigger_offset(hit, &hit.force, &force, &pulse, conditioning.offset)?;
         let window = conditioning
             .force_window
             .map(|window| window.weights(&hit.axis, &pulse));
-        let cut = window.zip(quiet);
-        let cut = cut.map(|(window, quiet)| cut_force_fraction(&force, &window, &quiet));
+        let cut = window.zip(pretrigger);
+        let cut = cut.map(|(window, pretrigger)| cut_force_fraction(&force, &window, &pretrigger));
         let range = range.unwrap_or(0..hit.axis.len);
         let frame = Frame::new(&hit.axis, pulse, range, conditioning);
         let weights = frame.force_weights.as_deref();
@@ -52,8 +52,8 @@ impl ForceHit {
         plan.run(&mut force, &mut spectrum, scratch);
         Ok(Self {
             cut,
-            noise: quiet
-                .map(|quiet| quiet.variance * frame.noise_gain(weights))
+            noise: pretrigger
+                .map(|pretrigger| pretrigger.variance * frame.noise_gain(weights))
                 .filter(|noise| *noise > 0.0),
             frame,
             spectrum,
@@ -96,7 +96,7 @@ impl TransformRange {
             let info = &recording.hits()[hit];
             to_si(info, &info.force, &samples, &mut force)?;
             let pulse = locate_pulse(info, &force)?;
-            (starts[hit], ends[hit]) = (pulse.quiet().end, pulse.end);
+            (starts[hit], ends[hit]) = (pulse.pretrigger().end, pulse.end);
             len = len.min(whole - starts[hit]);
         }
         len = fast_transform_length(len);
@@ -145,12 +145,12 @@ pub(super) fn read_force(
     hit: usize,
     samples: &mut Samples,
 ) -> Result<(), FrfError> {
-    let stretch = Stretch {
+    let segment = ChannelSegment {
         hit,
         channel: ChannelPlace::Force,
         samples: 0..recording.hits()[hit].axis.len,
     };
-    Ok(recording.read(&stretch, samples)?)
+    Ok(recording.read(&segment, samples)?)
 }
 
 #[cfg(test)]

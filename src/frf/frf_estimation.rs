@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
-use crate::record::{ChannelPlace, HitInfo, ReadError, Recording, Samples, Stretch};
+use crate::record::{ChannelPlace, ChannelSegment, HitInfo, ReadError, Recording, Samples};
 use crate::signal::{Extent, overloaded, pretrigger_offset, to_si};
 
 use super::coherence::coherence;
@@ -68,9 +68,9 @@ impl<'a> SharedRecording<'a> {
         Self(Mutex::new(recording))
     }
 
-    fn read(&self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
+    fn read(&self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
         let mut recording = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        recording.read(stretch, samples)
+        recording.read(segment, samples)
     }
 }
 
@@ -137,7 +137,7 @@ struct RecordStatistics {
     /// Expected energies of the noise under the window, per record.
     response_noise: Vec<f64>,
     force_noise: Vec<f64>,
-    quiet_samples: usize,
+    pretrigger_samples: usize,
 }
 
 impl RecordStatistics {
@@ -148,7 +148,7 @@ impl RecordStatistics {
         NoisePowers {
             response: mean(&self.response_noise),
             force: mean(&self.force_noise),
-            samples: self.quiet_samples,
+            samples: self.pretrigger_samples,
         }
     }
 }
@@ -225,17 +225,17 @@ impl Estimation<'_> {
         work: &mut Workspace,
     ) -> Result<Extent, FrfError> {
         let hit = self.group.hits[index.hit];
-        let stretch = Stretch {
+        let segment = ChannelSegment {
             hit: self.group.numbers[index.hit],
             channel: ChannelPlace::Response(index.response),
             samples: 0..hit.axis.len,
         };
-        recording.read(&stretch, &mut work.samples)?;
+        recording.read(&segment, &mut work.samples)?;
         let (channel, samples) = (&hit.responses[index.response], &work.samples);
         Ok(to_si(hit, channel, samples, &mut work.record)?)
     }
 
-    /// The finding of a response of this extent that holds nothing, or ran into the rail.
+    /// The finding of a response of this extent that is empty or clipped.
     fn rejection(&self, index: RecordIndex, record: &[f64], extent: &Extent) -> Option<Finding> {
         let number = self.group.numbers[index.hit];
         let limits = self.selection.overloads.as_ref()?;
@@ -269,11 +269,12 @@ impl Estimation<'_> {
         let (hit, force) = (self.group.hits[index.hit], &self.group.forces[index.hit]);
         let (channel, frame) = (&hit.responses[index.response], &force.frame);
         let policy = self.options.offset;
-        let (quiet, offset) = pretrigger_offset(hit, channel, &work.record, &frame.pulse, policy)?;
+        let (pretrigger, offset) =
+            pretrigger_offset(hit, channel, &work.record, &frame.pulse, policy)?;
         let weights = frame.response_weights.as_deref();
         frame.apply(&mut work.record, offset, weights);
         let onset = frame.pulse.onset.saturating_sub(frame.range.start);
-        let variance = quiet.map(|quiet| quiet.variance);
+        let variance = pretrigger.map(|pretrigger| pretrigger.variance);
         let energies = QuarterEnergies::of(&work.record, onset, weights, variance);
         let spectrum = &mut work.spectra[work.waiting.len()];
         let scratch = &mut work.scratch;
@@ -286,10 +287,10 @@ impl Estimation<'_> {
         totals.energies.push(energies);
         totals.force_noise.extend(force.noise);
         // Exact zeros before the hit are a gate, not the absence of noise.
-        if let Some(quiet) = quiet.filter(|quiet| quiet.variance > 0.0) {
-            let noise = quiet.variance * frame.noise_gain(weights);
+        if let Some(pretrigger) = pretrigger.filter(|pretrigger| pretrigger.variance > 0.0) {
+            let noise = pretrigger.variance * frame.noise_gain(weights);
             totals.response_noise.push(noise);
-            totals.quiet_samples += quiet.samples;
+            totals.pretrigger_samples += pretrigger.samples;
         }
         Ok(())
     }

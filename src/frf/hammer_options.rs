@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::signal::JudgeLimits;
+use crate::signal::HitQualityLimits;
 
 use super::EstimateOptions;
 
@@ -30,7 +30,7 @@ pub struct HammerOptions {
     /// stated.
     pub cut_pretrigger: Option<bool>,
     /// Limits of the rules.
-    pub limits: JudgeLimits,
+    pub limits: HitQualityLimits,
     /// Numbers, from 1, of hits that are used whatever the rules say.
     pub accept: BTreeSet<usize>,
     /// Numbers, from 1, of hits that are not used whatever the rules say.

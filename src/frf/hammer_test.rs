@@ -36,16 +36,16 @@ pub struct HammerTestResult {
     pub estimate: EstimateOptions,
 }
 
-/// Judges every hit, decides the window and estimates the FRFs of the hits that stand.
+/// Assesses every hit, decides the window and estimates the FRFs of the accepted hits.
 ///
 /// One exponential window serves the whole test, so that every pole gets the same added damping.
 /// With it the records begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the
-/// rules would leave an excitation point without a hit, its hits stay, with a finding.
+/// rules would reject all hits of an excitation point, they are accepted, with a finding.
 ///
 /// # Errors
 /// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there;
 /// [`FrfError::BandEmpty`] when the force excites no band.
-pub fn hammer(
+pub fn evaluate_hammer_test(
     recording: &mut dyn Recording,
     options: &HammerOptions,
 ) -> Result<HammerTestResult, FrfError> {
@@ -66,7 +66,7 @@ pub fn hammer(
         hi_hz: 0.0,
     })?;
     let estimation_findings = std::mem::take(&mut estimated.set.findings);
-    // A response on the rail is found when it is judged and when it is transformed.
+    // A clipped response is found by its hit report and again by its transform.
     let new: Vec<Finding> = estimation_findings
         .into_iter()
         .filter(|f| !findings.contains(f))

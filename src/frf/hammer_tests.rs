@@ -133,7 +133,7 @@ fn hits(change: impl Fn(usize, &mut Made)) -> Vec<Hit> {
 }
 
 fn run(hits: &[Hit], options: &HammerOptions) -> HammerTestResult {
-    hammer(&mut InMemory::new(hits), options).unwrap()
+    evaluate_hammer_test(&mut InMemory::new(hits), options).unwrap()
 }
 
 fn used(hammered: &HammerTestResult) -> Vec<usize> {
@@ -285,7 +285,7 @@ fn a_missing_hit_number_is_an_error() {
         reject: numbers(&[6]),
         ..HammerOptions::default()
     };
-    let error = hammer(&mut InMemory::new(&hits(|_, _| {})), &options).unwrap_err();
+    let error = evaluate_hammer_test(&mut InMemory::new(&hits(|_, _| {})), &options).unwrap_err();
     assert_eq!(
         error,
         FrfError::HitNumber {

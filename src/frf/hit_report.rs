@@ -1,4 +1,4 @@
-//! Every hit gets a report before the average: the rules of [`crate::signal`] judge its force and
+//! Every hit gets a report before the average: the rules of [`crate::signal`] assess its force and
 //! up to four responses.
 //!
 //! Four responses show whether a hit was good; in a test with many sensors the others are read once
@@ -12,23 +12,23 @@ use rayon::prelude::*;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::fourier::{ForwardPlan, Scratch};
-use crate::record::{ChannelPlace, HitInfo, Recording, Samples, Stretch};
+use crate::record::{ChannelPlace, ChannelSegment, HitInfo, Recording, Samples};
 use crate::signal::{
-    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, inconsistent_hits,
-    judge_force, judge_levels, judge_response, to_si,
+    Check, HitQualityLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, assess_force,
+    assess_levels, assess_response, inconsistent_hits, to_si,
 };
 
 use super::FrfError;
 use super::hammer_options::HammerOptions;
 use super::preconditions::check;
 
-/// Responses of a hit that are judged.
-const JUDGED_RESPONSES: usize = 4;
+/// Responses of a hit that are assessed.
+const ASSESSED_RESPONSES: usize = 4;
 
-/// Hits that are read and judged at a time.
+/// Hits that are read and assessed at a time.
 const HITS_PER_BLOCK: usize = 8;
 
-/// End of the band in which the force spectrum is judged, as a fraction of the sampling rate;
+/// End of the band in which the force spectrum is assessed, as a fraction of the sampling rate;
 /// anti-alias filters are flat up to about there.
 const MAX_BAND_OVER_SAMPLING_RATE: f64 = 0.4;
 
@@ -117,7 +117,7 @@ fn code(rule: Rule) -> Code {
 /// The stored data of a hit until the series is checked.
 struct AssessedHit {
     report: HitReport,
-    /// Force, and the response of which FRFs are compared, at the judged lines.
+    /// Force, and the response of which FRFs are compared, at the assessed lines.
     spectra: (Vec<Complex64>, Vec<Complex64>),
     /// That response.
     compared: Dof,
@@ -139,7 +139,7 @@ pub(super) fn assess_hits(
     let of_wanted: Vec<&HitInfo> = wanted.iter().map(|hit| &infos[*hit]).collect();
     check(&of_wanted, &options.estimate)?;
     let plan = ForwardPlan::new(of_wanted[0].axis.len);
-    let mut judged = Vec::with_capacity(wanted.len());
+    let mut assessed = Vec::with_capacity(wanted.len());
     for hits in wanted.chunks(HITS_PER_BLOCK) {
         let read: Vec<HitSamples> = hits
             .iter()
@@ -153,11 +153,11 @@ pub(super) fn assess_hits(
             )
             .collect();
         for hit in block {
-            judged.push(hit?);
+            assessed.push(hit?);
         }
     }
-    compare_hits(&mut judged, &options.limits);
-    let mut reports: Vec<HitReport> = judged.into_iter().map(|hit| hit.report).collect();
+    compare_hits(&mut assessed, &options.limits);
+    let mut reports: Vec<HitReport> = assessed.into_iter().map(|hit| hit.report).collect();
     for hit in (0..infos.len()).filter(|hit| !wanted.contains(hit)) {
         reports.push(report(hit, &infos[hit], None, Vec::new()));
     }
@@ -165,7 +165,7 @@ pub(super) fn assess_hits(
     Ok(reports)
 }
 
-/// The samples of a hit that are judged.
+/// The samples of a hit that are assessed.
 struct HitSamples {
     hit: usize,
     force: Samples,
@@ -176,17 +176,17 @@ impl HitSamples {
     fn read(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Result<Self, FrfError> {
         let mut read = |channel: ChannelPlace| {
             let mut samples = Samples::F32(Vec::new());
-            let stretch = Stretch {
+            let segment = ChannelSegment {
                 hit,
                 channel,
                 samples: 0..info.axis.len,
             };
-            recording.read(&stretch, &mut samples)?;
+            recording.read(&segment, &mut samples)?;
             Ok::<Samples, FrfError>(samples)
         };
         // Spread over the channels: neighbours in a file often sit side by side.
         let count = info.responses.len();
-        let step = count.div_ceil(JUDGED_RESPONSES);
+        let step = count.div_ceil(ASSESSED_RESPONSES);
         let force = read(ChannelPlace::Force)?;
         let responses = (0..count).step_by(step.max(1));
         let responses = responses.map(|r| Ok((r, read(ChannelPlace::Response(r))?)));
@@ -200,7 +200,7 @@ impl HitSamples {
     fn assess(
         &self,
         info: &HitInfo,
-        limits: &JudgeLimits,
+        limits: &HitQualityLimits,
         plan: &ForwardPlan,
         scratch: &mut Scratch,
     ) -> Result<AssessedHit, FrfError> {
@@ -212,7 +212,7 @@ impl HitSamples {
         };
         let band_end_hz = MAX_BAND_OVER_SAMPLING_RATE / step_s;
         let full_scale = info.force.full_scale;
-        let mut checks = judge_force(&force, step_s, &pulse, full_scale, band_end_hz, limits);
+        let mut checks = assess_force(&force, step_s, &pulse, full_scale, band_end_hz, limits);
         let mut compared: Option<(Dof, Vec<Complex64>)> = None;
         for (number, samples) in &self.responses {
             let channel = &info.responses[*number];
@@ -223,7 +223,7 @@ impl HitSamples {
                 dof: &channel.dof,
                 full_scale: channel.full_scale,
             };
-            checks.extend(judge_response(&record, &pulse, limits));
+            checks.extend(assess_response(&record, &pulse, limits));
             // FRFs are compared at the first response: the same one in every hit of a point.
             if compared.is_none() {
                 let lines = thinned_spectrum(&response, plan, scratch);
@@ -271,7 +271,7 @@ fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>)
 /// enough for thousands of hits.
 const MAX_KEPT_LINES: usize = 2048;
 
-/// Spectrum of a whole record up to the end of the judged band, without the line at 0 Hz; of many
+/// Spectrum of a whole record up to the end of the assessed band, without the line at 0 Hz; of many
 /// lines an even choice.
 fn thinned_spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; plan.lines()];
@@ -283,7 +283,7 @@ fn thinned_spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -
 }
 
 /// Holds the hits of each point that stand by themselves against each other.
-fn compare_hits(judged: &mut [AssessedHit], limits: &JudgeLimits) {
+fn compare_hits(assessed: &mut [AssessedHit], limits: &HitQualityLimits) {
     let mut points: BTreeMap<(Dof, Dof), Vec<usize>> = BTreeMap::new();
     let stands = |hit: &AssessedHit| {
         !hit.report
@@ -291,27 +291,30 @@ fn compare_hits(judged: &mut [AssessedHit], limits: &JudgeLimits) {
             .iter()
             .any(|check| hit.report.rejects(check))
     };
-    for (index, hit) in judged.iter().enumerate().filter(|(_, hit)| stands(hit)) {
+    for (index, hit) in assessed.iter().enumerate().filter(|(_, hit)| stands(hit)) {
         let key = (hit.report.reference.clone(), hit.compared.clone());
         points.entry(key).or_default().push(index);
     }
     for hits in points.values() {
-        let peaks: Vec<f64> = hits.iter().map(|hit| judged[*hit].report.peak_n).collect();
+        let peaks: Vec<f64> = hits
+            .iter()
+            .map(|hit| assessed[*hit].report.peak_n)
+            .collect();
         let forces: Vec<&[Complex64]> = hits
             .iter()
-            .map(|hit| judged[*hit].spectra.0.as_slice())
+            .map(|hit| assessed[*hit].spectra.0.as_slice())
             .collect();
         let responses: Vec<&[Complex64]> = hits
             .iter()
-            .map(|hit| judged[*hit].spectra.1.as_slice())
+            .map(|hit| assessed[*hit].spectra.1.as_slice())
             .collect();
-        let levels = judge_levels(&peaks, limits);
+        let levels = assess_levels(&peaks, limits);
         let odd = inconsistent_hits(&forces, &responses, limits);
         for (hit, check) in hits.iter().zip(levels) {
-            judged[*hit].report.checks.push(check);
+            assessed[*hit].report.checks.push(check);
         }
         for (hit, check) in hits.iter().zip(odd) {
-            judged[*hit].report.checks.push(check);
+            assessed[*hit].report.checks.push(check);
         }
     }
 }

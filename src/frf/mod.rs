@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`FrfSet`] | functions on one axis with coherence and variance |
 //! | [`estimate_recording`] | hits to a set, read as they are needed; [`estimate()`] those in memory: H1, H2, Hv (Bendat and Piersol 2010; Rocklin, Crowley and Vold 1985) |
-//! | [`hammer()`] | a whole test: hits judged, window decided, FRFs estimated |
+//! | [`evaluate_hammer_test`] | a whole test: quality of the hits, window, FRFs |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
 //! | [`convert`] | receptance, mobility and accelerance into each other |
@@ -25,6 +25,7 @@ mod hammer_options;
 mod hammer_test;
 mod hit_report;
 mod local_pole;
+mod measurement_runs;
 mod options;
 mod peaks;
 mod preconditions;
@@ -49,13 +50,13 @@ mod recording_tests;
 pub(crate) use coherence::variance_from_coherence;
 pub(crate) use consistency::check_functions;
 pub use consistency::check_set;
-pub(crate) use consistency::measurement_runs;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, estimate, estimate_recording, truncation_bounds, usable_band};
 pub use hammer_options::{HammerOptions, ResponseWindow};
-pub use hammer_test::{HammerTestResult, hammer};
+pub use hammer_test::{HammerTestResult, evaluate_hammer_test};
 pub use hit_report::HitReport;
+pub(crate) use measurement_runs::measurement_runs;
 pub use options::EstimateOptions;
 pub use selection::Selection;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};

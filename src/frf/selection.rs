@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::signal::JudgeLimits;
+use crate::signal::HitQualityLimits;
 
 /// Which hits are averaged.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Selection {
     /// Their numbers, from 0.
     pub hits: Vec<usize>,
     /// Limits by which a single clipped response is left out of its function; `None` keeps all.
-    pub overloads: Option<JudgeLimits>,
+    pub overloads: Option<HitQualityLimits>,
     /// Hits of which no response is left out, from 0.
     pub accepted: BTreeSet<usize>,
 }

@@ -19,7 +19,7 @@ const POOLED_LINES: usize = 5;
 /// spectrum, that is the noise's power too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NoisePowers {
-    /// Of the response; `None` without quiet samples.
+    /// Of the response; `None` without pre-trigger samples.
     pub response: Option<f64>,
     /// Of the force.
     pub force: Option<f64>,

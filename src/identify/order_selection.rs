@@ -94,7 +94,7 @@ pub struct OrderSelection {
     /// Number of lines.
     pub lines: usize,
     /// Number of lines that are held out together.
-    pub stretch: usize,
+    pub segment_lines: usize,
     /// Whether the data supply the noise of every FRF; else it is estimated from the residual.
     pub noise_stated: bool,
     /// Number of identified poles; a repeated one counts once.
@@ -182,7 +182,7 @@ pub fn support(
     Ok(OrderSelection {
         functions: data.frfs.functions(),
         lines: data.frfs.lines(),
-        stretch: fitted.segment_lines,
+        segment_lines: fitted.segment_lines,
         noise_stated: data.noise.is_stated(),
         identified: tried.iter().filter(|step| step.identified).count(),
         tried,
@@ -326,7 +326,7 @@ impl<'a> Fitted<'a> {
         let (lines, functions) = (data.frfs.lines(), data.frfs.functions());
         let BandProfile {
             level,
-            course: noise_profile,
+            line_factor: noise_profile,
         } = BandProfile::new(&data.noise, 0..lines);
         let background =
             OutOfBandBasis::new(&data.frfs.omega, &(0..lines), &OutOfBandTerms::Anywhere);
@@ -336,7 +336,7 @@ impl<'a> Fitted<'a> {
             ratios.collect::<Vec<f64>>()
         };
         let value = |k: usize, f: usize| data.frfs.values[f][k] / (level[f] * noise_profile[k]);
-        let line_ratio = data.noise.line_correlation.alike();
+        let line_ratio = data.noise.line_correlation.line_ratio();
         let segment_lines = (line_ratio.round() as usize).clamp(1, MAX_SEGMENT_LINES);
         let mut fitted = Self {
             ratio: (0..functions).map(ratio).collect(),

@@ -118,7 +118,7 @@ fn held_out_lines_are_predicted_best_by_the_true_number_of_poles() {
     let support = supported(&structure(), &at(40.0), band);
     let (two, none) = (&support.tried[2], &support.tried[0]);
     assert_eq!(
-        (support.stretch, support.by_prediction()),
+        (support.segment_lines, support.by_prediction()),
         (1, Some(2)),
         "{support:?}"
     );

@@ -40,10 +40,10 @@ fn supported_modes_block(test: &TestNeeds) -> Block {
          of the minimum. Reduced chi-square: residual energy over noise variance and degrees of freedom, below 1 where force noise is \
          common to lines; * the minimum number of modes within a tenth of the minimum, up to that of BIC."
             .to_owned(),
-        match support.stretch {
+        match support.segment_lines {
             1 => format!("{functions} of {} lines; each line is held out separately.", support.lines),
-            stretch => format!(
-                "{functions} of {} lines; {stretch} lines predicted at a time, with as many on either side held out, as the noise of neighbouring lines is correlated.",
+            segment_lines => format!(
+                "{functions} of {} lines; {segment_lines} lines predicted at a time, with as many on either side held out, as the noise of neighbouring lines is correlated.",
                 support.lines
             ),
         },

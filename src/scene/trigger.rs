@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfError;
-use crate::record::{ChannelPlace, Cut, HitInfo, Recording, Samples, Stretch};
+use crate::record::{ChannelPlace, ChannelSegment, Cut, HitInfo, Recording, Samples};
 use crate::signal::{Segments, TriggerOptions, segments, to_si};
 
 /// The hits of continuous records, all of one length, with findings on the rejected ones.
@@ -61,12 +61,12 @@ fn detect_hits(
     options: &TriggerOptions,
 ) -> Result<Segments, FrfError> {
     let (mut samples, mut force) = (Samples::F32(Vec::new()), Vec::new());
-    let stretch = Stretch {
+    let segment = ChannelSegment {
         hit: record,
         channel: ChannelPlace::Force,
         samples: 0..info.axis.len,
     };
-    whole.read(&stretch, &mut samples)?;
+    whole.read(&segment, &mut samples)?;
     to_si(info, &info.force, &samples, &mut force)?;
     Ok(segments(&force, info.axis.step_s, options)?)
 }
@@ -121,10 +121,10 @@ mod tests {
 
         fn read(
             &mut self,
-            stretch: &Stretch,
+            segment: &ChannelSegment,
             samples: &mut Samples,
         ) -> Result<(), crate::record::ReadError> {
-            crate::record::InMemory::new(&self.0).read(stretch, samples)
+            crate::record::InMemory::new(&self.0).read(segment, samples)
         }
     }
 

@@ -19,9 +19,9 @@ pub enum Offset {
     /// It stays.
     #[default]
     Keep,
-    /// It is taken off; too few quiet samples are an error.
+    /// It is taken off; too few pretrigger samples are an error.
     Remove,
-    /// It is taken off where there are quiet samples enough.
+    /// It is taken off where there are pretrigger samples enough.
     RemoveIfQuiet,
 }
 
@@ -182,30 +182,30 @@ pub fn pretrigger_offset(
     pulse: &Pulse,
     offset: Offset,
 ) -> Result<(Option<PreTrigger>, f64), SignalError> {
-    let quiet = PreTrigger::of(&record[pulse.quiet()]);
-    let taken = match (offset, &quiet) {
+    let pretrigger = PreTrigger::of(&record[pulse.pretrigger()]);
+    let taken = match (offset, &pretrigger) {
         (Offset::Keep, _) | (Offset::RemoveIfQuiet, None) => 0.0,
-        (_, Some(quiet)) => quiet.mean,
+        (_, Some(pretrigger)) => pretrigger.mean,
         (Offset::Remove, None) => {
             return Err(SignalError::NoPreTrigger {
                 origin: hit.origin.clone(),
                 dof: channel.dof.clone(),
-                got: pulse.quiet().len(),
+                got: pulse.pretrigger().len(),
                 expected: MIN_PRETRIGGER_SAMPLES,
             });
         }
     };
-    Ok((quiet, taken))
+    Ok((pretrigger, taken))
 }
 
 /// The fraction of the force that its window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over
 /// `sqrt(Σx²)`, after the mean before the hit is subtracted; 0 where noise explains it.
-pub fn cut_force_fraction(force_n: &[f64], window: &[f64], quiet: &PreTrigger) -> f64 {
+pub fn cut_force_fraction(force_n: &[f64], window: &[f64], pretrigger: &PreTrigger) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (x, w) in force_n.iter().zip(window) {
-        let (x, lost) = (x - quiet.mean, (1.0 - w) * (1.0 - w));
+        let (x, lost) = (x - pretrigger.mean, (1.0 - w) * (1.0 - w));
         cut += lost * x * x;
-        noise += lost * quiet.variance;
+        noise += lost * pretrigger.variance;
         all += x * x;
     }
     // The variance of the noise is known from few samples: what three times as much explains is no
@@ -273,7 +273,7 @@ mod tests {
     fn without_options_the_samples_are_the_si_samples() {
         let (info, force, response) = hit();
         let pulse = locate_pulse(&info, &si(&info, &info.force, force)).unwrap();
-        assert_eq!(pulse.quiet(), 0..12);
+        assert_eq!(pulse.pretrigger(), 0..12);
         let response = si(&info, &info.responses[0], response);
         let frame = Frame::new(&info.axis, pulse, 0..24, &Conditioning::default());
         let mut out = response.clone();

@@ -92,7 +92,7 @@ pub enum SignalError {
     },
     /// An offset that is to be removed but cannot be measured.
     #[error(
-        "{origin}, channel {dof}: got {got} quiet samples before the hit, expected at least {expected} to remove the offset"
+        "{origin}, channel {dof}: got {got} pre-trigger samples, expected at least {expected} to remove the offset"
     )]
     NoPreTrigger {
         /// Origin of the hit.

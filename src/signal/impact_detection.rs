@@ -222,7 +222,7 @@ impl Trigger {
         })
     }
 
-    /// Stretches above the level, each from its onset to its last sample above the level, in order.
+    /// Segments above the level, each from its onset to its last sample above the level, in order.
     fn contacts(&self) -> Vec<Range<usize>> {
         let mut contacts = Vec::new();
         let mut sample = 0;

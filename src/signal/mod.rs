@@ -18,8 +18,8 @@ pub use conditioning::{
 };
 pub use error::SignalError;
 pub use hit_quality::{
-    Check, Drift, JudgeLimits, Outcome, ResponseRecord, Rule, drift_of, inconsistent_hits,
-    judge_force, judge_levels, judge_response, least_delay_samples, overloaded,
+    Check, Drift, HitQualityLimits, Outcome, ResponseRecord, Rule, assess_force, assess_levels,
+    assess_response, drift_of, inconsistent_hits, least_delay_samples, overloaded,
 };
 pub use impact_detection::{Segment, Segments, TriggerOptions, segments};
 pub use pulse::{ONSET_FRACTION, PreTrigger, Pulse};

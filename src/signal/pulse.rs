@@ -14,7 +14,7 @@ use super::lane_sum;
 /// the peak).
 pub const ONSET_FRACTION: f64 = 0.05;
 
-/// Fewest quiet samples that give a mean and a variance.
+/// Fewest pretrigger samples that give a mean and a variance.
 pub(super) const MIN_PRETRIGGER_SAMPLES: usize = 8;
 
 /// The hammer pulse of one force record, as sample numbers from 0.
@@ -65,9 +65,9 @@ impl Pulse {
         })
     }
 
-    /// The samples before the pulse that are surely quiet: up to the onset less a guard of one rise
+    /// The pre-trigger samples: up to the onset less a guard of one rise
     /// time (onset to peak), at least two samples, because the pulse begins below the threshold.
-    pub fn quiet(&self) -> Range<usize> {
+    pub fn pretrigger(&self) -> Range<usize> {
         0..self.onset.saturating_sub((self.peak - self.onset).max(2))
     }
 }
@@ -100,7 +100,7 @@ fn furthest_from(values: &[f64], level: f64) -> Option<usize> {
 /// Mean and variance of one channel before the hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreTrigger {
-    /// Number of quiet samples.
+    /// Number of pretrigger samples.
     pub samples: usize,
     /// Their mean, SI unit of the channel.
     pub mean: f64,
@@ -109,18 +109,18 @@ pub struct PreTrigger {
 }
 
 impl PreTrigger {
-    /// Of the quiet samples of a channel; `None` for fewer than eight.
+    /// Of the pre-trigger samples of a channel; `None` for fewer than eight.
     ///
-    /// Noise slower than the quiet stretch shows in the mean, not in the variance.
-    pub fn of(quiet: &[f64]) -> Option<Self> {
-        if quiet.len() < MIN_PRETRIGGER_SAMPLES {
+    /// Noise slower than these samples shows in the mean, not in the variance.
+    pub fn of(pretrigger: &[f64]) -> Option<Self> {
+        if pretrigger.len() < MIN_PRETRIGGER_SAMPLES {
             return None;
         }
-        let n = quiet.len() as f64;
-        let mean = lane_sum(quiet, |v| v) / n;
-        let variance = lane_sum(quiet, |v| (v - mean).powi(2)) / (n - 1.0);
+        let n = pretrigger.len() as f64;
+        let mean = lane_sum(pretrigger, |v| v) / n;
+        let variance = lane_sum(pretrigger, |v| (v - mean).powi(2)) / (n - 1.0);
         Some(Self {
-            samples: quiet.len(),
+            samples: pretrigger.len(),
             mean,
             variance,
         })
@@ -145,7 +145,7 @@ mod tests {
         for (sign, offset) in [(1.0, 0.0), (-1.0, 0.0), (-1.0, 300.0), (1.0, -7.0)] {
             let pulse = Pulse::locate(&triangle(sign, offset), ONSET_FRACTION).unwrap();
             assert_eq!((pulse.onset, pulse.peak, pulse.end), (21, 23, 26));
-            assert_eq!(pulse.quiet(), 0..19);
+            assert_eq!(pulse.pretrigger(), 0..19);
             assert!((pulse.level_n - offset).abs() < 1e-12);
             assert!((pulse.height_n - 100.0 * sign).abs() < 1e-12);
         }
@@ -155,7 +155,7 @@ mod tests {
     fn a_record_may_begin_or_end_inside_the_pulse() {
         let pulse = Pulse::locate(&[5.0, 2.0, 0.0, 0.0, 0.0], ONSET_FRACTION).unwrap();
         assert_eq!((pulse.onset, pulse.peak, pulse.end), (0, 0, 2));
-        assert_eq!(pulse.quiet(), 0..0);
+        assert_eq!(pulse.pretrigger(), 0..0);
         let pulse = Pulse::locate(&[0.0, 0.0, 0.0, 0.0, 5.0], ONSET_FRACTION).unwrap();
         assert_eq!((pulse.onset, pulse.peak, pulse.end), (4, 4, 5));
     }
@@ -174,9 +174,9 @@ mod tests {
 
     #[test]
     fn mean_and_variance_of_the_quiet_samples() {
-        let quiet: Vec<f64> = (1..=8).map(f64::from).collect();
-        let noise = PreTrigger::of(&quiet).unwrap();
+        let pretrigger: Vec<f64> = (1..=8).map(f64::from).collect();
+        let noise = PreTrigger::of(&pretrigger).unwrap();
         assert!((noise.mean - 4.5).abs() < 1e-15 && (noise.variance - 6.0).abs() < 1e-14);
-        assert_eq!(PreTrigger::of(&quiet[1..]), None);
+        assert_eq!(PreTrigger::of(&pretrigger[1..]), None);
     }
 }

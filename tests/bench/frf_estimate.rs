@@ -22,15 +22,16 @@ use std::time::Instant;
 
 use modalign::axis::TimeAxis;
 use modalign::frf::{
-    EstimateOptions, HammerOptions, ResponseWindow, Selection, estimate_recording, hammer,
+    EstimateOptions, HammerOptions, ResponseWindow, Selection, estimate_recording,
+    evaluate_hammer_test,
 };
 use modalign::io::{
     Block, FileRecording, Hints, HitFile, HitGrouping, MemorySource, WriteOptions, group_hits,
     hit_source, open_path, write_path,
 };
 use modalign::quantity::Quantity;
-use modalign::record::{Channel, ChannelPlace, Hit, Recording, Role, Samples, Stretch};
-use modalign::signal::JudgeLimits;
+use modalign::record::{Channel, ChannelPlace, ChannelSegment, Hit, Recording, Role, Samples};
+use modalign::signal::HitQualityLimits;
 
 /// Runs of which the median counts.
 const RUNS: usize = 5;
@@ -165,12 +166,12 @@ impl Records {
             let responses = (0..info.responses.len()).map(ChannelPlace::Response);
             for channel in std::iter::once(ChannelPlace::Force).chain(responses) {
                 let mut samples = Samples::F32(Vec::new());
-                let stretch = Stretch {
+                let segment = ChannelSegment {
                     hit,
                     channel,
                     samples: 0..info.axis.len,
                 };
-                recording.read(&stretch, &mut samples).expect("samples");
+                recording.read(&segment, &mut samples).expect("samples");
                 match samples {
                     Samples::F32(values) => records.push(values),
                     Samples::F64(_) => panic!("single precision is what was written"),
@@ -288,7 +289,7 @@ fn by_channel(mut source: MemorySource, channels: usize, hits: usize) -> MemoryS
 fn estimate(path: &Path) {
     let mut recording = open(path);
     let selection = Selection {
-        overloads: Some(JudgeLimits::default()),
+        overloads: Some(HitQualityLimits::default()),
         ..Selection::all(recording.hits().len())
     };
     let estimate = estimate_recording(&mut recording, &selection, &EstimateOptions::default());
@@ -302,7 +303,7 @@ fn judged(path: &Path) {
         response_window: ResponseWindow::Off,
         ..HammerOptions::default()
     };
-    std::hint::black_box(hammer(&mut recording, &options).expect("FRFs"));
+    std::hint::black_box(evaluate_hammer_test(&mut recording, &options).expect("FRFs"));
 }
 
 fn open(path: &Path) -> FileRecording {

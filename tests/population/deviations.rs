@@ -3,7 +3,7 @@
 
 use modalign::axis::Band;
 use modalign::dof::Dof;
-use modalign::frf::{HammerOptions, hammer};
+use modalign::frf::{HammerOptions, evaluate_hammer_test};
 use modalign::identify::{IdentifyOptions, identify};
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
 use modalign::quantity::Quantity;
@@ -88,7 +88,8 @@ fn drawn(case: Case, seed: u64) -> (HammerTest, Vec<(f64, f64)>) {
 fn errors(case: Case, seed: u64) -> Vec<f64> {
     let (test, truth) = drawn(case, seed);
     let hits = test.generate().unwrap();
-    let estimate = hammer(&mut InMemory::new(&hits), &HammerOptions::default()).unwrap();
+    let estimate =
+        evaluate_hammer_test(&mut InMemory::new(&hits), &HammerOptions::default()).unwrap();
     let options = IdentifyOptions {
         band: Some(Band::new(0.6 * truth[0].0, 1.2 * truth[MODES - 1].0).unwrap()),
         ..IdentifyOptions::default()

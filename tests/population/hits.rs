@@ -9,8 +9,8 @@ use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
 use modalign::quantity::Quantity;
 use modalign::record::Hit;
 use modalign::signal::{
-    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, judge_force,
-    judge_response, least_delay_samples,
+    Check, HitQualityLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, Rule, assess_force,
+    assess_response, least_delay_samples,
 };
 use modalign::synth::{
     Faults, HammerTest, LowPassOptions, Noise, Pulse as Hammer, SecondContact, Truth, roving_hammer,
@@ -224,7 +224,7 @@ fn largest(samples: &[f64]) -> f64 {
 }
 
 fn checks(force: &[f64], response: &[f64], full_scale_n: Option<f64>) -> Vec<Check> {
-    let limits = JudgeLimits::default();
+    let limits = HitQualityLimits::default();
     let step_s = 1.0 / RATE_HZ;
     let pulse = Pulse::locate(force, ONSET_FRACTION).unwrap();
     let record = ResponseRecord {
@@ -233,8 +233,8 @@ fn checks(force: &[f64], response: &[f64], full_scale_n: Option<f64>) -> Vec<Che
         dof: &dof(),
         full_scale: None,
     };
-    let mut checks = judge_force(force, step_s, &pulse, full_scale_n, 0.1 * RATE_HZ, &limits);
-    checks.extend(judge_response(&record, &pulse, &limits));
+    let mut checks = assess_force(force, step_s, &pulse, full_scale_n, 0.1 * RATE_HZ, &limits);
+    checks.extend(assess_response(&record, &pulse, &limits));
     checks
 }
 

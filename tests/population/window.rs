@@ -4,7 +4,7 @@
 use std::slice::from_ref;
 
 use modalign::dof::Dof;
-use modalign::frf::{EstimateOptions, FrfSet, HammerOptions, ResponseWindow, hammer};
+use modalign::frf::{EstimateOptions, FrfSet, HammerOptions, ResponseWindow, evaluate_hammer_test};
 use modalign::linalg::{least_squares_real, real_matrix};
 use modalign::modal::{ModalModel, Mode, ModeShape, Scaling};
 use modalign::quantity::Quantity;
@@ -124,7 +124,7 @@ fn bias(pretrigger: f64, options: &HammerOptions) -> Vec<f64> {
         .into_par_iter()
         .map(|seed| {
             let hits = test(pretrigger, 77 + seed).generate().unwrap();
-            let estimate = hammer(&mut InMemory::new(&hits), options).unwrap();
+            let estimate = evaluate_hammer_test(&mut InMemory::new(&hits), options).unwrap();
             let poles = poles(&estimate.estimated.set);
             let errors = poles
                 .iter()

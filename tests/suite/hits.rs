@@ -11,8 +11,8 @@ use modalign::io::{
 };
 use modalign::record::{Hit, collect};
 use modalign::signal::{
-    Check, JudgeLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, inconsistent_hits,
-    judge_force, judge_levels, judge_response,
+    Check, HitQualityLimits, ONSET_FRACTION, Outcome, Pulse, ResponseRecord, assess_force,
+    assess_levels, assess_response, inconsistent_hits,
 };
 use num_complex::Complex64;
 
@@ -67,9 +67,9 @@ fn pulse_of(hit: &Hit) -> Pulse {
 
 /// Every check of one hit alone.
 fn checks(hit: &Hit, band_end_hz: f64) -> Vec<Check> {
-    let limits = JudgeLimits::default();
+    let limits = HitQualityLimits::default();
     let (force, pulse, step_s) = (hit.force.si(), pulse_of(hit), hit.axis.step_s);
-    let mut checks = judge_force(&force, step_s, &pulse, None, band_end_hz, &limits);
+    let mut checks = assess_force(&force, step_s, &pulse, None, band_end_hz, &limits);
     for response in &hit.responses {
         let samples = response.si();
         let record = ResponseRecord {
@@ -78,7 +78,7 @@ fn checks(hit: &Hit, band_end_hz: f64) -> Vec<Check> {
             dof: &response.dof,
             full_scale: None,
         };
-        checks.extend(judge_response(&record, &pulse, &limits));
+        checks.extend(assess_response(&record, &pulse, &limits));
     }
     checks
 }
@@ -86,7 +86,7 @@ fn checks(hit: &Hit, band_end_hz: f64) -> Vec<Check> {
 /// The checks of a series: its levels, and for each response the inconsistent hit over the lines of
 /// a band.
 fn series_checks(hits: &[Hit], band_hz: (f64, f64)) -> Vec<Check> {
-    let limits = JudgeLimits::default();
+    let limits = HitQualityLimits::default();
     let peaks: Vec<f64> = hits.iter().map(|hit| pulse_of(hit).height_n).collect();
     let axis = hits[0].axis.spectrum_axis();
     let plan = ForwardPlan::new(hits[0].axis.len);
@@ -97,7 +97,7 @@ fn series_checks(hits: &[Hit], band_hz: (f64, f64)) -> Vec<Check> {
     };
     let force: Vec<_> = hits.iter().map(|hit| lines(&hit.force.si())).collect();
     let force: Vec<&[Complex64]> = force.iter().map(Vec::as_slice).collect();
-    let mut checks = judge_levels(&peaks, &limits);
+    let mut checks = assess_levels(&peaks, &limits);
     for channel in 0..hits[0].responses.len() {
         let response = hits.iter().map(|hit| lines(&hit.responses[channel].si()));
         let response: Vec<_> = response.collect();

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use crate::finding::{Code, Finding, Severity};
 
-use super::mobility::{Mobilities, site};
+use super::mobility::Mobilities;
 use crate::frf::peaks::{Peak, clear_peaks};
 
 /// A clear peak is this far above the noise, as power (25 dB). Its amplitude and that of a
@@ -26,7 +26,7 @@ const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let functions = data.functions().iter().enumerate();
     functions
-        .filter(|(_, f)| site(&f.response) == site(&f.reference))
+        .filter(|(_, f)| f.response.site() == f.reference.site())
         .filter_map(|(i, _)| sign_finding(data, i))
         .collect()
 }

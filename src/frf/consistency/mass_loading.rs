@@ -1,18 +1,15 @@
 //! Mass loading: natural frequencies of isolated modes differ between the positions of a roving
 //! sensor or hammer, by the mass of the sensor or because the structure changed.
 
-use std::collections::BTreeMap;
-
 use num_complex::Complex64;
 
-use crate::dof::Dof;
 use crate::finding::{Code, Finding, Severity};
-use crate::frf::Function;
 
 use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, fit_lines};
 use super::driving_point::CLEAR_PEAK_OVER_NOISE;
-use super::mobility::{Mobilities, site};
+use super::mobility::Mobilities;
 use crate::frf::local_pole::{LocalPole, Window};
+use crate::frf::measurement_runs::measurement_runs;
 use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Half-power widths between an isolated resonance and the next; the slope of its fit then holds
@@ -97,24 +94,6 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
             .limit(percent * resonance.shift_limit(run))
     };
     worst.map(finding).into_iter().collect()
-}
-
-/// Functions by run, and whether the sensor roves.
-///
-/// A run is the functions of one response point where the responses outnumber the references (a
-/// roving sensor), else those of one reference (a roving hammer).
-pub(crate) fn measurement_runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
-    let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
-    let mut references = BTreeMap::<Dof, Vec<usize>>::new();
-    for (i, function) in functions.iter().enumerate() {
-        let response = responses.entry(site(&function.response));
-        response.or_default().push(i);
-        let reference = references.entry(site(&function.reference));
-        reference.or_default().push(i);
-    }
-    let roving_sensor = responses.len() > references.len();
-    let groups = if roving_sensor { responses } else { references };
-    (groups.into_values().collect(), roving_sensor)
 }
 
 /// All functions with their summed power in units of their noise.

@@ -116,16 +116,11 @@ impl<'a> Mobilities<'a> {
     pub fn functions_by_dofs(&self) -> std::collections::BTreeMap<(Dof, Dof), Vec<usize>> {
         let mut pairs = std::collections::BTreeMap::<_, Vec<usize>>::new();
         for (i, function) in self.functions().iter().enumerate() {
-            let pair = (site(&function.response), site(&function.reference));
+            let pair = (function.response.site(), function.reference.site());
             pairs.entry(pair).or_default().push(i);
         }
         pairs
     }
-}
-
-/// A degree of freedom without the sensor's sign and the number of the measurement.
-pub(super) fn site(dof: &Dof) -> Dof {
-    dof.positive().with_repeat(1)
 }
 
 fn noise_lines(k: usize, len: usize) -> Range<usize> {

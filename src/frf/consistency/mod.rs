@@ -27,8 +27,6 @@ mod false_alarm_tests;
 #[cfg(test)]
 mod synthetic;
 
-pub(crate) use mass_loading::measurement_runs;
-
 use num_complex::Complex64;
 
 use crate::finding::{Code, Finding, Location, Severity};

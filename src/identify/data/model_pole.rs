@@ -64,7 +64,7 @@ pub(in crate::identify) struct PoleQuality {
     /// The largest term of one output.
     pub largest: f64,
     /// Factor by which line correlation and force noise raise both where there is no mode.
-    pub by_lines: f64,
+    pub amplitude_noise_factor: f64,
 }
 
 /// Whether the damping ratio of a pole is that of a resonance.
@@ -87,7 +87,7 @@ impl PoleQuality {
         strengths: Vec::new(),
         combinations: Vec::new(),
         largest: 0.0,
-        by_lines: 1.0,
+        amplitude_noise_factor: 1.0,
     };
 
     /// Error of λ, rad/s: its standard deviation and its distance from the maximum of the

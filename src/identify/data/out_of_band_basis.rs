@@ -31,7 +31,7 @@ pub(in crate::identify) enum OutOfBandTerms {
     /// Unconstrained: they may lie anywhere.
     Anywhere,
     /// Their contribution has these frequency profiles; none where the data show no such modes.
-    Courses(Vec<OutOfBandTerm>),
+    Profiles(Vec<OutOfBandTerm>),
 }
 
 /// Out-of-band term: a rank-one contribution of modes outside the lines, common to all FRFs.
@@ -48,7 +48,7 @@ pub(in crate::identify) struct OutOfBandTerm {
 pub(in crate::identify) struct OutOfBandBasis<'a> {
     poles: Vec<Complex64>,
     /// Frequency profiles on the lines of the range.
-    courses: Vec<&'a [Complex64]>,
+    profiles: Vec<&'a [Complex64]>,
 }
 
 impl<'a> OutOfBandBasis<'a> {
@@ -59,13 +59,13 @@ impl<'a> OutOfBandBasis<'a> {
         match outside {
             OutOfBandTerms::Anywhere => Self {
                 poles: clustered(omega, lines, below, above),
-                courses: Vec::new(),
+                profiles: Vec::new(),
             },
-            OutOfBandTerms::Courses(courses) => {
-                let terms = courses.iter().filter(|_| below || above);
+            OutOfBandTerms::Profiles(profiles) => {
+                let terms = profiles.iter().filter(|_| below || above);
                 Self {
                     poles: Vec::new(),
-                    courses: terms.map(|course| &course.values[lines.clone()]).collect(),
+                    profiles: terms.map(|term| &term.values[lines.clone()]).collect(),
                 }
             }
         }
@@ -73,7 +73,7 @@ impl<'a> OutOfBandBasis<'a> {
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        MIN_OUT_OF_BAND_COLUMNS + self.poles.len() + self.courses.len()
+        MIN_OUT_OF_BAND_COLUMNS + self.poles.len() + self.profiles.len()
     }
 
     /// Value of a column at a line of the range.
@@ -84,7 +84,7 @@ impl<'a> OutOfBandBasis<'a> {
             1 => Complex64::from((2.0 * omega[k] - first - last) / (last - first)),
             _ => match self.poles.get(column - MIN_OUT_OF_BAND_COLUMNS) {
                 Some(pole) => pole.re.abs() / (Complex64::new(0.0, omega[k]) - pole),
-                None => self.courses[column - MIN_OUT_OF_BAND_COLUMNS - self.poles.len()][k],
+                None => self.profiles[column - MIN_OUT_OF_BAND_COLUMNS - self.poles.len()][k],
             },
         }
     }

@@ -117,8 +117,9 @@ impl OutOfBandFit {
 
     /// Coordinates of the residual of the poles: columns × FRFs.
     pub fn residual_coordinates(&self, roots: &[ModelPole]) -> ComplexMatrix {
-        let courses = self.weights.adjoint() * courses(self.line_shape, &self.omega, roots);
-        &self.coordinates - courses * residues(roots, self.level.len())
+        let poles = pole_columns(self.line_shape, &self.omega, roots);
+        let pole_coordinates = self.weights.adjoint() * poles;
+        &self.coordinates - pole_coordinates * residues(roots, self.level.len())
     }
 
     /// Prediction of the lines by poles and out-of-band terms; `variance` is that of the noise, by
@@ -223,16 +224,16 @@ impl PredictedResponse<'_> {
     /// Residual on a range of lines, over the noise at each.
     pub fn residual(&self, lines: Range<usize>) -> Residual {
         let first = self.out_of_band.columns.ncols();
-        let pole_columns = courses(
+        let of_poles = pole_columns(
             self.out_of_band.line_shape,
             &self.out_of_band.omega[lines.clone()],
             self.poles,
         );
-        let courses = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
+        let columns = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
             if c < first {
                 self.out_of_band.columns[(lines.start + k, c)]
             } else {
-                pole_columns[(k, c - first)]
+                of_poles[(k, c - first)]
             }
         });
         let over_noise = |f: usize, column: &mut [Complex64]| {
@@ -243,13 +244,13 @@ impl PredictedResponse<'_> {
         };
         let measured = self.frfs.values.matrix();
         let measured = measured.subrows(lines.start, lines.len());
-        let values = linalg::subtract_product(measured, &courses, &self.amplitudes, over_noise);
+        let values = linalg::subtract_product(measured, &columns, &self.amplitudes, over_noise);
         Residual { lines, values }
     }
 }
 
 /// `1/(iω − λ)` of every pole and of its conjugate: lines × twice the number of poles.
-pub(in crate::identify) fn courses(
+pub(in crate::identify) fn pole_columns(
     line_shape: LineShape,
     omega: &[f64],
     roots: &[ModelPole],

@@ -77,8 +77,8 @@ pub(in crate::identify) fn refine(
 ) -> Vec<ModelPole> {
     let mut is_final = false;
     let mut plan: Option<Vec<Task>> = None;
-    let far = data.out_of_band_fit();
-    let mut beyond: Option<ComplexMatrix> = None;
+    let out_of_band_fit = data.out_of_band_fit();
+    let mut out_of_band_coordinates: Option<ComplexMatrix> = None;
     let (mut sweep, mut next) = (0, 0);
     let mut lost = false;
     windows.retain(|window| window.is_of(data));
@@ -106,7 +106,7 @@ pub(in crate::identify) fn refine(
         // Out-of-band terms change little from sweep to sweep, and are computed again before the
         // last fit of all blocks.
         if lost || !fresh && (is_final || sweep == next) {
-            beyond = Some(far.residual_coordinates(&roots));
+            out_of_band_coordinates = Some(out_of_band_fit.residual_coordinates(&roots));
             next = 2 * sweep + 1;
         }
         lost &= fresh;
@@ -116,7 +116,7 @@ pub(in crate::identify) fn refine(
             frf_matrix,
             poles: &roots,
             residues: &residues(&roots, data.frfs.functions()),
-            far: beyond.as_ref(),
+            out_of_band_coordinates: out_of_band_coordinates.as_ref(),
             needs_shape_stds: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
         let fitted: Vec<Fitted> = active
@@ -153,7 +153,7 @@ pub(in crate::identify) fn refine(
     roots.par_iter_mut().for_each(|root| {
         root.quality.pole_std =
             root.quality.pole_bound * data.noise.pole_noise_factor(&data.frfs, root).sqrt();
-        root.quality.by_lines = data.noise.amplitude_noise_factor(&data.frfs, root);
+        root.quality.amplitude_noise_factor = data.noise.amplitude_noise_factor(&data.frfs, root);
     });
     roots
 }
@@ -241,7 +241,7 @@ fn update_poles(roots: &mut [ModelPole], block: &Block, fitted: &Fitted, stop: C
             combinations: combined(&root.parts, &strengths.combinations),
             strengths: strengths.values,
             largest: strengths.largest,
-            by_lines: before.quality.by_lines,
+            amplitude_noise_factor: before.quality.amplitude_noise_factor,
         };
         root.choose_pivots();
         root.progress = match before.progress {

@@ -52,7 +52,7 @@ pub(in crate::identify) struct CompressedBand {
     /// Expansion point λ_0 of each line shape.
     expansion_points: Vec<Complex64>,
     /// Maximum |ε|.
-    near: f64,
+    max_offset: f64,
     /// Coordinates of out-of-band terms and powers: an upper triangle.
     triangle: ComplexMatrix,
     /// Weights that yield the coordinates of values: lines × coordinates.
@@ -60,7 +60,7 @@ pub(in crate::identify) struct CompressedBand {
     /// Coordinates of the measured values, coordinates × FRFs.
     values: ComplexMatrix,
     /// Coordinates of the out-of-band columns of all lines.
-    far: ComplexMatrix,
+    out_of_band_columns: ComplexMatrix,
     /// Version of the data that they were computed from.
     version: u64,
 }
@@ -91,28 +91,28 @@ impl CompressedBand {
         let background = OutOfBandBasis::new(&data.frfs.omega, lines, data.out_of_band_terms());
         let first = background.columns();
         let columns = first + POWERS * expansion_points.len();
-        let courses = courses(data.frfs.line_shape, omega, &expansion_points);
+        let powers = power_columns(data.frfs.line_shape, omega, &expansion_points);
         let value = |k: usize, column: usize| {
             let value = match column.checked_sub(first) {
                 None => background.value(column, omega, k),
-                Some(index) => courses[(k, index)],
+                Some(index) => powers[(k, index)],
             };
-            value / profile.course[k]
+            value / profile.line_factor[k]
         };
         let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
-        let weights = divide_by_profile(&qr.q, &profile.course);
+        let weights = divide_by_profile(&qr.q, &profile.line_factor);
         let rows = |matrix: &ComplexMatrix| {
             let measured = matrix.subrows(lines.start, lines.len());
             linalg::adjoint_product(&weights, measured)
         };
         Self {
             values: rows(data.frfs.values.matrix()),
-            far: rows(data.out_of_band_fit().columns()),
+            out_of_band_columns: rows(data.out_of_band_fit().columns()),
             lines: lines.clone(),
             background: first,
             triangle: qr.r,
             version: data.version(),
-            near: max_expansion_distance(&data.frfs, lines, &profile),
+            max_offset: max_expansion_distance(&data.frfs, lines, &profile),
             expansion_points,
             weights,
             profile,
@@ -155,7 +155,7 @@ impl CompressedBand {
 
     /// Adds expansion points for the poles that are out of range of the present ones; compresses
     /// the lines anew where the number of coordinates would grow too much.
-    pub fn follow(&mut self, data: &FitData, poles: Vec<Complex64>) {
+    pub fn extend_to(&mut self, data: &FitData, poles: Vec<Complex64>) {
         let uncovered = poles
             .iter()
             .filter(|lambda| self.expansion_of(**lambda).is_none());
@@ -170,8 +170,8 @@ impl CompressedBand {
     }
 
     fn add_expansion_points(&mut self, data: &FitData, more: Vec<Complex64>) {
-        let noise_profile = &self.profile.course;
-        let columns = courses(
+        let noise_profile = &self.profile.line_factor;
+        let columns = power_columns(
             data.frfs.line_shape,
             &data.frfs.omega[self.lines.clone()],
             &more,
@@ -189,7 +189,10 @@ impl CompressedBand {
             linalg::adjoint_product(&weights, range)
         };
         self.values = stack(&self.values, &rows(data.frfs.values.matrix()));
-        self.far = stack(&self.far, &rows(data.out_of_band_fit().columns()));
+        self.out_of_band_columns = stack(
+            &self.out_of_band_columns,
+            &rows(data.out_of_band_fit().columns()),
+        );
         let (high, wide) = (self.triangle.nrows(), self.triangle.ncols());
         self.triangle =
             linalg::complex_matrix(high + added.ncols(), wide + added.ncols(), |i, j| {
@@ -213,7 +216,7 @@ impl CompressedBand {
 
     /// Coordinates of columns, and their components outside the present basis.
     fn split_off(&self, columns: &ComplexMatrix) -> (ComplexMatrix, ThinQr) {
-        let noise_profile = &self.profile.course;
+        let noise_profile = &self.profile.line_factor;
         let raw = linalg::complex_matrix(columns.nrows(), columns.ncols(), |k, c| {
             columns[(k, c)] * noise_profile[k]
         });
@@ -233,15 +236,15 @@ impl CompressedBand {
         };
         let offsets = self.expansion_points.iter().map(offset).enumerate();
         let nearest = offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
-        (nearest.1.norm() <= self.near).then_some(nearest)
+        (nearest.1.norm() <= self.max_offset).then_some(nearest)
     }
 
     /// Coordinates of the values minus the known response.
-    pub fn near(&self, known: &KnownResponse) -> CompressedValues {
-        let courses = linalg::adjoint_product(&self.weights, known.line_shapes.as_ref());
-        let mut values = &self.values - courses * known.residues;
+    pub fn values_minus(&self, known: &KnownResponse) -> CompressedValues {
+        let pole_coordinates = linalg::adjoint_product(&self.weights, known.line_shapes.as_ref());
+        let mut values = &self.values - pole_coordinates * known.residues;
         if let Some(coordinates) = known.out_of_band {
-            values -= &self.far * coordinates;
+            values -= &self.out_of_band_columns * coordinates;
         }
         let energy = |f: usize| {
             let energy: f64 = values.col(f).iter().map(Complex64::norm_sqr).sum();
@@ -273,7 +276,7 @@ impl CompressedBand {
             let values = data.frfs.values[*f][self.lines.clone()].iter();
             let terms = values
                 .zip(subtracted.col(index).iter())
-                .zip(&self.profile.course);
+                .zip(&self.profile.line_factor);
             let terms =
                 terms.map(|((h, known), profile)| (h - known).norm_sqr() / (profile * profile));
             let inside = near.values.col(*f).iter().map(Complex64::norm_sqr);
@@ -308,9 +311,9 @@ impl CompressedBand {
             } else {
                 moving[index - count]
             };
-            let (course, offset) = expansions[j];
-            let scale = members[j].lambda.re / self.expansion_points[course].re;
-            let power = |n: usize| self.triangle[(i, first + POWERS * course + n)];
+            let (point, offset) = expansions[j];
+            let scale = members[j].lambda.re / self.expansion_points[point].re;
+            let power = |n: usize| self.triangle[(i, first + POWERS * point + n)];
             if index < count {
                 scale * (power(0) + offset * (power(1) + offset * power(2)))
             } else {
@@ -330,13 +333,13 @@ impl CompressedBand {
         };
         let explained: f64 = (0..z.ncols()).map(energy).sum();
         let rows = qr.q.ncols() - first;
-        let mut courses = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
+        let mut profiles = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
         for i in 0..rows {
             for j in 0..count {
-                courses[(i, j)] = qr.r[(first + i, first + j)];
+                profiles[(i, j)] = qr.r[(first + i, first + j)];
             }
             for (index, &j) in moving.iter().enumerate() {
-                courses[(i, count + j)] = qr.r[(first + i, first + count + index)];
+                profiles[(i, count + j)] = qr.r[(first + i, first + count + index)];
             }
         }
         let below = |matrix: &ComplexMatrix, columns: usize, before: usize| {
@@ -345,8 +348,8 @@ impl CompressedBand {
         let compressed = Compressed {
             z: below(&z, z.ncols(), 0),
             g: below(&qr.r, count, first),
-            squares: courses.adjoint() * &courses,
-            courses,
+            squares: profiles.adjoint() * &profiles,
+            profiles,
         };
         (compressed, explained)
     }
@@ -355,8 +358,10 @@ impl CompressedBand {
 /// Maximum distance of poles from their expansion points, decay rates.
 fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandProfile) -> f64 {
     let strongest = |f: usize| {
-        let values = frfs.values[f][lines.clone()].iter().zip(&profile.course);
-        let powers = values.map(|(h, course)| h.norm_sqr() / (course * course));
+        let values = frfs.values[f][lines.clone()]
+            .iter()
+            .zip(&profile.line_factor);
+        let powers = values.map(|(h, factor)| h.norm_sqr() / (factor * factor));
         powers.fold(0.0, f64::max) / profile.level[f].powi(2)
     };
     let functions = (0..frfs.functions()).into_par_iter();
@@ -367,7 +372,11 @@ fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandP
 }
 
 /// Powers of the line shape of each pole: lines × powers of all.
-fn courses(line_shape: LineShape, omega: &[f64], expansion_points: &[Complex64]) -> ComplexMatrix {
+fn power_columns(
+    line_shape: LineShape,
+    omega: &[f64],
+    expansion_points: &[Complex64],
+) -> ComplexMatrix {
     linalg::complex_matrix(omega.len(), POWERS * expansion_points.len(), |k, column| {
         let lambda = expansion_points[column / POWERS];
         line_shape.power(lambda.re.abs(), omega[k], lambda, column % POWERS + 1)
@@ -375,9 +384,9 @@ fn courses(line_shape: LineShape, omega: &[f64], expansion_points: &[Complex64])
 }
 
 /// Columns divided by a profile over the lines.
-fn divide_by_profile(columns: &ComplexMatrix, course: &[f64]) -> ComplexMatrix {
+fn divide_by_profile(columns: &ComplexMatrix, profile: &[f64]) -> ComplexMatrix {
     linalg::complex_matrix(columns.nrows(), columns.ncols(), |k, c| {
-        columns[(k, c)] / course[k]
+        columns[(k, c)] / profile[k]
     })
 }
 

@@ -26,7 +26,7 @@ pub(in crate::identify) fn significance(
     // A single output does not determine the number of modes.
     let one_output = (
         quality.largest,
-        quality.by_lines * upper_quantile(2.0, false_alarm / outputs as f64),
+        quality.amplitude_noise_factor * upper_quantile(2.0, false_alarm / outputs as f64),
     );
     let output_is_better = one_output.0 / one_output.1 > whole.0 / whole.1;
     if output_is_better && root.multiplicity() == 1 {
@@ -55,7 +55,7 @@ fn limit(root: &ModelPole, frf_matrix: &FrfMatrix, false_alarm: f64) -> f64 {
         1 => upper_quantile(2.0 * frf_matrix.outputs.len() as f64, false_alarm),
         _ => 2.0 * noise_norm_quantile(frf_matrix, false_alarm).powi(2),
     };
-    root.quality.by_lines * white
+    root.quality.amplitude_noise_factor * white
 }
 
 /// Value that the largest singular value of outputs × inputs of noise of unit variance exceeds with

@@ -30,7 +30,7 @@ use crate::linalg::{self, ComplexMatrix};
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_allowed_pole};
-use crate::identify::data::residual::courses;
+use crate::identify::data::residual::pole_columns;
 use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues, KnownResponse};
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::mode_strength::{Strength, Strengths};
@@ -90,7 +90,7 @@ pub(in crate::identify) struct FitContext<'a> {
     pub poles: &'a [ModelPole],
     pub residues: &'a ComplexMatrix,
     /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
-    pub far: Option<&'a ComplexMatrix>,
+    pub out_of_band_coordinates: Option<&'a ComplexMatrix>,
     /// Whether the shapes need standard deviations: all poles have converged.
     pub needs_shape_stds: bool,
 }
@@ -101,7 +101,7 @@ impl FitContext<'_> {
         KnownResponse {
             line_shapes,
             residues: self.residues,
-            out_of_band: self.far,
+            out_of_band: self.out_of_band_coordinates,
         }
     }
 }
@@ -213,7 +213,7 @@ impl<'a> BandProblem<'a> {
         let window = match window.take() {
             Some(mut band) => {
                 if !band.serves(&poles) {
-                    band.follow(around.data, poles);
+                    band.extend_to(around.data, poles);
                 }
                 band
             }
@@ -221,7 +221,7 @@ impl<'a> BandProblem<'a> {
         };
         let known = other_line_shapes(&around.data.frfs, around.poles, block);
         let response = around.known_response(&known);
-        let near = window.near(&response);
+        let near = window.values_minus(&response);
         Self {
             energy: window.energy(around.data, &response, &near),
             near,
@@ -268,8 +268,10 @@ impl<'a> BandProblem<'a> {
     fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
-            self.window.follow(self.around.data, poles);
-            self.near = self.window.near(&self.around.known_response(&self.known));
+            self.window.extend_to(self.around.data, poles);
+            self.near = self
+                .window
+                .values_minus(&self.around.known_response(&self.known));
         }
         let moving: Vec<usize> = unknowns
             .iter()
@@ -324,7 +326,7 @@ fn unknowns(members: &[ModelPole], free: &[usize]) -> Vec<Unknown> {
 /// poles.
 fn other_line_shapes(frfs: &BandFrfs, roots: &[ModelPole], block: &Block) -> ComplexMatrix {
     let omega = &frfs.omega[block.lines.clone()];
-    let mut known = courses(frfs.line_shape, omega, roots);
+    let mut known = pole_columns(frfs.line_shape, omega, roots);
     for j in &block.members {
         known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
     }

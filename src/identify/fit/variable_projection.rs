@@ -29,7 +29,7 @@ pub(in crate::identify) struct Compressed {
     /// Columns × members.
     pub g: ComplexMatrix,
     /// The same followed by their derivatives, columns × twice the members; 0 for fixed poles.
-    pub courses: ComplexMatrix,
+    pub profiles: ComplexMatrix,
     /// Products of these columns with each other.
     pub squares: ComplexMatrix,
 }
@@ -42,7 +42,7 @@ struct Term {
     /// Column of the shapes.
     column: usize,
     /// Column of the profiles.
-    course: usize,
+    profile: usize,
     /// One for each input of the pattern, over its noise.
     factors: Vec<Complex64>,
 }
@@ -239,7 +239,7 @@ impl Problem<'_> {
         let mut terms = Vec::new();
         for (number, unknown) in self.unknowns.iter().enumerate() {
             for (column, &(j, part)) in self.columns.iter().enumerate() {
-                let (course, factors): (usize, Vec<Complex64>) = match *unknown {
+                let (profile, factors): (usize, Vec<Complex64>) = match *unknown {
                     Unknown::Pole(member) if member == j => {
                         let factor = |(index, input): (usize, &usize)| {
                             scaled(index, self.members[j].parts[part][*input])
@@ -260,7 +260,7 @@ impl Problem<'_> {
                 terms.push(Term {
                     number,
                     column,
-                    course,
+                    profile,
                     factors,
                 });
             }
@@ -289,18 +289,18 @@ impl Problem<'_> {
         let mut products = zero(terms.len(), outputs);
         for index in 0..inputs {
             let start = rows * index;
-            let of_q = q.subrows(start, rows).adjoint() * &self.data.courses;
-            let of_residual = self.data.courses.adjoint() * residual.subrows(start, rows);
+            let of_q = q.subrows(start, rows).adjoint() * &self.data.profiles;
+            let of_residual = self.data.profiles.adjoint() * residual.subrows(start, rows);
             for (t, term) in terms.iter().enumerate() {
                 let factor = term.factors[index];
                 if factor == Complex64::ZERO {
                     continue;
                 }
                 for c in 0..q.ncols() {
-                    within[(c, t)] += factor * of_q[(c, term.course)];
+                    within[(c, t)] += factor * of_q[(c, term.profile)];
                 }
                 for o in 0..outputs {
-                    products[(t, o)] += factor.conj() * of_residual[(term.course, o)];
+                    products[(t, o)] += factor.conj() * of_residual[(term.profile, o)];
                 }
             }
         }
@@ -315,7 +315,7 @@ impl Problem<'_> {
                     shapes[(term.column, o)].conj() * products[(a, o)];
             }
             for (b, other) in terms.iter().enumerate() {
-                let whole = all[(a, b)] * self.data.squares[(term.course, other.course)];
+                let whole = all[(a, b)] * self.data.squares[(term.profile, other.profile)];
                 let mut inner = whole - explained[(a, b)];
                 if a == b {
                     inner.re = inner.re.max(ROUND_OFF_ENERGY * whole.re);

@@ -188,7 +188,10 @@ impl Window {
         of_noise: &OrthogonalBasis,
         highest: usize,
     ) -> Result<ComplexMatrix, IdentifyError> {
-        let weight = self.denominator_weight.iter().zip(&self.profile.course);
+        let weight = self
+            .denominator_weight
+            .iter()
+            .zip(&self.profile.line_factor);
         let weight: Vec<f64> = weight
             .map(|(denominator, noise)| denominator / noise)
             .collect();
@@ -203,7 +206,7 @@ impl Window {
         let mut triangle = linalg::complex_matrix(0, size, |_, _| Complex64::ZERO);
         for (values, level) in data.values.iter().zip(&self.profile.level) {
             let values = &values[self.lines.clone()];
-            let scaled = |k: usize| values[k] / (level * self.profile.course[k]);
+            let scaled = |k: usize| values[k] / (level * self.profile.line_factor[k]);
             let mut columns = linalg::complex_matrix(self.x.len(), size, |k, j| {
                 scaled(k) * of_noise.columns[j][k]
             });

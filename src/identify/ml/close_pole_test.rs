@@ -92,7 +92,7 @@ fn second_terms(
     if lines.len() < near.len() + 3 {
         return None;
     }
-    let profile = BandProfile::new(&data.noise, lines.clone()).course;
+    let profile = BandProfile::new(&data.noise, lines.clone()).line_factor;
     let power = |k: usize, pole: &ModelPole, n: usize| {
         let omega = data.frfs.omega[lines.start + k];
         data.frfs
@@ -182,11 +182,11 @@ mod tests {
             &residual,
             1e-3,
         );
-        let [(index, beside)] = &found[..] else {
+        let [(index, other)] = &found[..] else {
             panic!("{} poles", found.len());
         };
         assert_eq!(*index, 0);
-        assert!((beside.lambda - pole.lambda).norm() < pole.width());
+        assert!((other.lambda - pole.lambda).norm() < pole.width());
     }
 
     #[test]

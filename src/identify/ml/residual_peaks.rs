@@ -53,7 +53,7 @@ pub(in crate::identify) fn residual_peak_poles(
         &power,
         functions,
         false_alarm_probability,
-        data.noise.line_correlation.alike(),
+        data.noise.line_correlation.line_ratio(),
     );
     let peak = ResidualPeak {
         data,
@@ -129,13 +129,13 @@ impl ResidualPeak<'_> {
             lines.clone().map(matched).sum()
         };
         let amplitudes: Vec<Complex64> = (0..self.data.frfs.functions()).map(amplitude).collect();
-        let by_lines = self
+        let line_factor = self
             .data
             .noise
             .line_correlation
             .amplitude_noise_factor(-lambda.re, self.data.frfs.step);
         let limit =
-            by_lines.sqrt() * noise_norm_quantile(self.frf_matrix, self.false_alarm_probability);
+            line_factor.sqrt() * noise_norm_quantile(self.frf_matrix, self.false_alarm_probability);
         let strengths = linalg::singular_values(&self.frf_matrix.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
@@ -157,8 +157,9 @@ impl ResidualPeak<'_> {
 
 /// Whether an existing pole has this pole and participation factor.
 fn is_same_participation(existing: &ModelPole, lambda: Complex64, part: &[Complex64]) -> bool {
-    let alike = |other: &Vec<Complex64>| mac(other, part) > Some(MAX_MAC_NEW_PARTICIPATION);
-    is_same_pole(existing, lambda) && existing.parts.iter().any(alike)
+    let same_participation =
+        |other: &Vec<Complex64>| mac(other, part) > Some(MAX_MAC_NEW_PARTICIPATION);
+    is_same_pole(existing, lambda) && existing.parts.iter().any(same_participation)
 }
 
 fn is_same_pole(existing: &ModelPole, lambda: Complex64) -> bool {

@@ -54,10 +54,10 @@ impl PoleModel {
                 return false;
             }
             let relative_std = |pole: &ModelPole| pole.quality.pole_std / pole.decay();
-            let mut doubtful: Vec<f64> = self.poles.iter().map(relative_std).collect();
-            doubtful.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
-            doubtful.sort_by(f64::total_cmp);
-            let Some(limit) = doubtful.get(doubtful.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
+            let mut uncertain: Vec<f64> = self.poles.iter().map(relative_std).collect();
+            uncertain.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
+            uncertain.sort_by(f64::total_cmp);
+            let Some(limit) = uncertain.get(uncertain.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
             else {
                 return true;
             };

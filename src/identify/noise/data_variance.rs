@@ -104,7 +104,7 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<VarianceSamp
         variance,
         power: values.iter().map(Complex64::norm_sqr).collect(),
         degrees_of_freedom: variance_dof.or(by_averages),
-        alike: 1.0,
+        line_ratio: 1.0,
         response_noise: None,
     })
 }
@@ -115,7 +115,7 @@ pub(in crate::identify) struct NoiseSquares {
     half_width: usize,
     /// Lines of white noise whose second differences have the information of one; `None` for the
     /// squares of a level.
-    pub differences_alike: Option<f64>,
+    pub difference_line_ratio: Option<f64>,
 }
 
 impl NoiseSquares {
@@ -132,7 +132,7 @@ impl NoiseSquares {
         Self {
             values: squares.collect(),
             half_width: MEDIAN_HALF_WIDTH_LINES,
-            differences_alike: Some(DIFFERENCE_LINE_RATIO),
+            difference_line_ratio: Some(DIFFERENCE_LINE_RATIO),
         }
     }
 
@@ -142,7 +142,7 @@ impl NoiseSquares {
         Self {
             values: scaled.collect(),
             half_width: MEDIAN_HALF_WIDTH_LINES.max(squares.len() / LEVEL_HALF_WIDTHS_PER_BAND),
-            differences_alike: None,
+            difference_line_ratio: None,
         }
     }
 
@@ -153,7 +153,7 @@ impl NoiseSquares {
 
     /// Response noise `a` for a given force noise `f`, where the squares estimate `a + f`: the
     /// running median of the squares minus `f`.
-    pub fn beside(&self, force: impl Iterator<Item = f64>) -> Vec<f64> {
+    pub fn response_noise(&self, force: impl Iterator<Item = f64>) -> Vec<f64> {
         let excess = self.values.iter().zip(force);
         let excess: Vec<f64> = excess.map(|(square, force)| square - force).collect();
         running_median(&excess, self.half_width)

@@ -135,7 +135,7 @@ impl ForceNoise {
             .iter()
             .map(|group| per_segment(&rest.lines, |lines| response.lines(group, lines)))
             .collect();
-        let line_ratio = response_correlation.alike();
+        let line_ratio = response_correlation.line_ratio();
         let common_fraction: Vec<f64> = (groups.iter().zip(&self.fraction_from_variances))
             .map(|(lines, minimum)| common_fraction_of_lines(lines, line_ratio).max(*minimum))
             .collect();
@@ -168,7 +168,7 @@ impl ForceNoise {
         let estimate = LineCorrelation::from_phases(&phases.collect::<Vec<_>>());
         let stated = (self.window != LineCorrelation::WHITE).then(|| self.window.clone());
         let candidates = stated.into_iter().chain(estimate);
-        let strongest = candidates.max_by(|a, b| a.alike().total_cmp(&b.alike()));
+        let strongest = candidates.max_by(|a, b| a.line_ratio().total_cmp(&b.line_ratio()));
         Self {
             line_correlation: strongest.unwrap_or_else(|| response_correlation.clone()),
             variance_ratio,

@@ -240,7 +240,12 @@ impl NoiseModel {
             None => ResponseVariance::Level,
         };
         let measured: Vec<Complex64> = values.map(|(h, s)| h * s).collect();
-        ResidualVariance::new(&measured, &residual, source, self.line_correlation.alike())
+        ResidualVariance::new(
+            &measured,
+            &residual,
+            source,
+            self.line_correlation.line_ratio(),
+        )
     }
 
     /// Variances of the receptance f from those of its measured quantity.

@@ -80,7 +80,7 @@ impl ResidualVariance {
                 variance: energy,
                 power,
                 degrees_of_freedom: Some(2.0),
-                alike: line_ratio,
+                line_ratio,
                 response_noise: None,
             },
             squares,
@@ -101,14 +101,14 @@ impl ResidualVariance {
             variance: lines.iter().map(mean).collect(),
             power: lines.iter().map(power).collect(),
             degrees_of_freedom: Some(2.0),
-            alike: self.samples.alike * squares.differences_alike?,
+            line_ratio: self.samples.line_ratio * squares.difference_line_ratio?,
             response_noise: None,
         })
     }
 
     fn difference_squares(&self) -> Option<&NoiseSquares> {
         let squares = self.squares.as_ref();
-        squares.filter(|squares| squares.differences_alike.is_some())
+        squares.filter(|squares| squares.difference_line_ratio.is_some())
     }
 
     /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.
@@ -121,7 +121,10 @@ impl ResidualVariance {
             .iter()
             .zip(force_noise_coefficient)
             .map(|(p, b)| b * p);
-        let estimates = squares.beside(force).into_iter().zip(squares.variance());
+        let estimates = squares
+            .response_noise(force)
+            .into_iter()
+            .zip(squares.variance());
         let raised = estimates.map(|(v, without)| v.max(MIN_RESPONSE_NOISE_RATIO * without));
         self.set_response_noise(raised.collect());
     }

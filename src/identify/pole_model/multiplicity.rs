@@ -132,7 +132,7 @@ fn participation_factors(
     // The strength of a pole is twice the energy of its residues over their noise.
     let over = |(a, s): (&Complex64, &f64)| (a / s).norm_sqr();
     let energy: f64 = pole.residues.iter().zip(&level).map(over).sum();
-    let noise_factor = pole.quality.by_lines * metrics.reduced_chi_square.max(1.0);
+    let noise_factor = pole.quality.amplitude_noise_factor * metrics.reduced_chi_square.max(1.0);
     let noise = (2.0 * energy / pole.quality.significance() * noise_factor).sqrt();
     let residues = frf_matrix.matrix(|f| pole.residues[f]);
     let deviations = linalg::real_matrix(frf_matrix.outputs.len(), frf_matrix.inputs, |o, i| {

@@ -7,7 +7,7 @@ use crate::linalg::{self, ComplexMatrix, ThinQr};
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::OutOfBandBasis;
-use crate::identify::data::residual::{courses, residues};
+use crate::identify::data::residual::{pole_columns, residues};
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::run_variation::shifted_mode::ShiftedMode;
@@ -75,8 +75,8 @@ impl<'a> Resonance<'a> {
             return None;
         }
         let profile = BandProfile::new(&data.noise, lines.clone());
-        let over = |k: usize, f: usize| profile.course[k] * profile.level[f];
-        let explained = courses(data.frfs.line_shape, &omega, &farther)
+        let over = |k: usize, f: usize| profile.line_factor[k] * profile.level[f];
+        let explained = pole_columns(data.frfs.line_shape, &omega, &farther)
             * residues(&farther, data.frfs.functions());
         let aligned = linalg::complex_matrix(omega.len(), data.frfs.functions(), |k, f| {
             let value = data.frfs.values[f][lines.start + k] - explained[(k, f)];
@@ -124,7 +124,7 @@ impl<'a> Resonance<'a> {
                 Some(lambda) => self.data.frfs.line_shape.pole(self.omega[k], *lambda) * lambda.re,
                 None => self.background[(k, column - near.len())],
             };
-            value / self.profile.course[k]
+            value / self.profile.line_factor[k]
         });
         ThinQr::or_not_a_number(&columns).q
     }

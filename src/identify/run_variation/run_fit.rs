@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
             ..
         } = self.resonance;
         linalg::complex_matrix(omega.len(), poles.len(), |k, j| {
-            data.frfs.line_shape.power(1.0, omega[k], poles[j], power) / profile.course[k]
+            data.frfs.line_shape.power(1.0, omega[k], poles[j], power) / profile.line_factor[k]
         })
     }
 
@@ -285,17 +285,17 @@ mod tests {
             let phase = 0.7 * (k * k) as f64 + 1.3 * (n * (k + 1)) as f64;
             Complex64::from_polar(1.0 + 0.1 * n as f64, phase)
         };
-        let course = |k: usize, j: usize| value(k, j) + 0.4 * value(k, 1 - j);
+        let column = |k: usize, j: usize| value(k, j) + 0.4 * value(k, 1 - j);
         let values = linalg::complex_matrix(9, 2, |k, f| value(k, 5 + f));
         // The third hardly differs from the first.
         let profiles = linalg::complex_matrix(9, 3, |k, j| match j {
-            2 => course(k, 0) * (1.0 + 1e-5 * k as f64),
-            _ => course(k, j),
+            2 => column(k, 0) * (1.0 + 1e-5 * k as f64),
+            _ => column(k, j),
         });
         let products = profiles.adjoint() * &profiles;
         let along = profiles.adjoint() * &values;
         let power = &along * along.adjoint();
-        let basis = linalg::thin_qr(&linalg::complex_matrix(9, 2, course))
+        let basis = linalg::thin_qr(&linalg::complex_matrix(9, 2, column))
             .unwrap()
             .q;
         let expected = (basis.adjoint() * &values).squared_norm_l2();

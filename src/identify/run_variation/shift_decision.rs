@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use crate::linalg;
 
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::data::residual::{courses, residues};
+use crate::identify::data::residual::{pole_columns, residues};
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::run_variation::model_selection::{Criterion, between_runs};
 use crate::identify::run_variation::pole_shift::{Fitted, Track};
@@ -343,12 +343,12 @@ impl Resonance<'_> {
             .iter()
             .map(|model_pole| (*model_pole).clone())
             .collect();
-        let explained = courses(self.data.frfs.line_shape, &self.omega, &group_poles)
+        let explained = pole_columns(self.data.frfs.line_shape, &self.omega, &group_poles)
             * residues(&group_poles, self.data.frfs.functions());
-        let BandProfile { course, level } = &self.profile;
+        let BandProfile { line_factor, level } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.frfs.functions());
         let residual = linalg::complex_matrix(lines, functions, |k, f| {
-            self.aligned[(k, f)] - explained[(k, f)] / (course[k] * level[f])
+            self.aligned[(k, f)] - explained[(k, f)] / (line_factor[k] * level[f])
         });
         without(&self.basis(&self.others), &residual).squared_norm_l2()
     }

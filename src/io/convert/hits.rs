@@ -12,7 +12,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::quantity::Quantity;
 use crate::record::{
-    ChannelInfo, ChannelPlace, HitInfo, ReadError, Recording, Role, Samples, Stretch,
+    ChannelInfo, ChannelPlace, ChannelSegment, HitInfo, ReadError, Recording, Role, Samples,
 };
 
 use super::hit_grouping::{RecordGroup, RecordGrouper, add_once, channel_override};
@@ -67,9 +67,9 @@ impl Recording for FileRecording {
         &self.hits
     }
 
-    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
-        let (file, force, responses) = &self.places[stretch.hit];
-        let entry = match stretch.channel {
+    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
+        let (file, force, responses) = &self.places[segment.hit];
+        let entry = match segment.channel {
             ChannelPlace::Force => *force,
             ChannelPlace::Response(number) => responses[number],
         };
@@ -79,7 +79,7 @@ impl Recording for FileRecording {
         };
         let source = &mut self.files[*file].source;
         source
-            .read(entry, stretch.samples.clone(), &mut block)
+            .read(entry, segment.samples.clone(), &mut block)
             .map_err(ReadError::new)?;
         *samples = match block {
             Block::F32(values) => Samples::F32(values),

@@ -93,7 +93,7 @@ fn test_needs(test_needs: &TestNeeds) -> Value {
         "roots_by_rest": test_needs.support.by_residual(),
         "functions": test_needs.support.functions,
         "lines": test_needs.support.lines,
-        "stretch": test_needs.support.stretch,
+        "stretch": test_needs.support.segment_lines,
         "orders": test_needs.orders.iter().map(order).collect::<Vec<_>>(),
         "single": test_needs.single.iter().map(mode).collect::<Vec<_>>(),
         "notes": test_needs.notes,

@@ -7,7 +7,7 @@ use crate::dof::Dof;
 pub enum Rule {
     /// A second contact of the hammer.
     DoubleHit,
-    /// Samples on the rail of the converter.
+    /// Clipped samples.
     Overload,
     /// Peak force against the median of the series.
     Level,

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Check, JudgeLimits, Outcome, Rule};
+use super::{Check, HitQualityLimits, Outcome, Rule};
 
 /// Fewest hits of which one can be far from the median.
 const MIN_HITS_FOR_LEVEL: usize = 3;
@@ -14,8 +14,8 @@ const MIN_HITS_FOR_CONSISTENCY: usize = 4;
 /// matter.
 ///
 /// Noted beyond a factor (structures and noise are not linear), rejected beyond a larger one, see
-/// [`JudgeLimits`].
-pub fn judge_levels(peaks_n: &[f64], limits: &JudgeLimits) -> Vec<Check> {
+/// [`HitQualityLimits`].
+pub fn assess_levels(peaks_n: &[f64], limits: &HitQualityLimits) -> Vec<Check> {
     let sizes: Vec<f64> = peaks_n.iter().map(|p| p.abs()).collect();
     let middle = median(&sizes);
     let judge = |size: &f64| {
@@ -74,7 +74,7 @@ fn median(values: &[f64]) -> f64 {
 pub fn inconsistent_hits(
     force: &[&[Complex64]],
     response: &[&[Complex64]],
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Vec<Check> {
     let n = force.len().min(response.len());
     let judge = |hit: usize| {

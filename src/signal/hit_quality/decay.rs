@@ -2,7 +2,7 @@
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
-use super::JudgeLimits;
+use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 use super::pretrigger::{MAX_VARIANCE_RATIO_STDS, rms_about};
 
@@ -18,24 +18,24 @@ const MIN_DRIFT_STDS: f64 = 5.0;
 /// σ² is the variance before the hit. Where `s_end² - σ²` is within the scatter of both variances,
 /// the value is the largest amplitude that this scatter can hide, and the rule decides only when it
 /// is below the limit.
-pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
+pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &HitQualityLimits) -> Check {
     let limit = limits.decay;
     let after = &response[pulse.onset..];
     let last = &after[after.len() - after.len() / RECORD_END_DIVISOR..];
-    let quiet = PreTrigger::of(&response[pulse.quiet()]);
-    let (Some(quiet), true) = (quiet, last.len() >= MIN_PRETRIGGER_SAMPLES) else {
+    let pretrigger = PreTrigger::of(&response[pulse.pretrigger()]);
+    let (Some(pretrigger), true) = (pretrigger, last.len() >= MIN_PRETRIGGER_SAMPLES) else {
         return Check::new(Rule::Decay, Outcome::NotDecidable);
     };
-    let largest = after.iter().map(|x| (x - quiet.mean).abs());
+    let largest = after.iter().map(|x| (x - pretrigger.mean).abs());
     let largest = largest.fold(f64::MIN_POSITIVE, f64::max);
     let mean = last.iter().sum::<f64>() / last.len() as f64;
     let power = rms_about(last, mean).powi(2);
-    let scatter = (2.0 / quiet.samples as f64 + 2.0 / last.len() as f64).sqrt();
-    let hidden = MAX_VARIANCE_RATIO_STDS * scatter * quiet.variance;
+    let scatter = (2.0 / pretrigger.samples as f64 + 2.0 / last.len() as f64).sqrt();
+    let hidden = MAX_VARIANCE_RATIO_STDS * scatter * pretrigger.variance;
     let left = |power: f64| (2.0 * power).sqrt() / largest;
-    let above_noise = power - quiet.variance > hidden;
+    let above_noise = power - pretrigger.variance > hidden;
     let value = left(if above_noise {
-        power - quiet.variance
+        power - pretrigger.variance
     } else {
         hidden
     });
@@ -66,24 +66,25 @@ pub struct Drift {
 /// (t - t_onset)`. A response that still rings at the end leaves of its amplitude A about `A/(ω
 /// T/8)` in the mean.
 pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
-    let quiet = PreTrigger::of(samples.get(pulse.quiet())?)?;
+    let pretrigger = PreTrigger::of(samples.get(pulse.pretrigger())?)?;
     let part = samples.len().saturating_sub(pulse.end) / RECORD_END_DIVISOR;
     let last = PreTrigger::of(&samples[samples.len() - part..])?;
     let middle = |start: usize, count: usize| start as f64 + 0.5 * (count as f64 - 1.0);
-    let from = middle(0, quiet.samples);
+    let from = middle(0, pretrigger.samples);
     let to = middle(samples.len() - part, part);
-    let slope = (last.mean - quiet.mean) / (to - from);
-    let error =
-        (quiet.variance / quiet.samples as f64 + last.variance / last.samples as f64).sqrt();
+    let slope = (last.mean - pretrigger.mean) / (to - from);
+    let error = (pretrigger.variance / pretrigger.samples as f64
+        + last.variance / last.samples as f64)
+        .sqrt();
     Some(Drift {
-        offset: quiet.mean + slope * (pulse.onset as f64 - from),
+        offset: pretrigger.mean + slope * (pulse.onset as f64 - from),
         slope_per_s: slope / step_s,
         error,
     })
 }
 
 /// The larger end of the line over the peak.
-fn judge_drift(samples: &[f64], step_s: f64, pulse: &Pulse, peak: f64, limit: f64) -> Check {
+fn assess_drift(samples: &[f64], step_s: f64, pulse: &Pulse, peak: f64, limit: f64) -> Check {
     let Some(drift) = drift_of(samples, step_s, pulse) else {
         return Check::new(Rule::Drift, Outcome::NotDecidable);
     };
@@ -105,9 +106,9 @@ pub(super) fn force_drift(
     force_n: &[f64],
     step_s: f64,
     pulse: &Pulse,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Check {
-    judge_drift(force_n, step_s, pulse, pulse.height_n.abs(), limits.drift)
+    assess_drift(force_n, step_s, pulse, pulse.height_n.abs(), limits.drift)
 }
 
 /// Offset and drift of a response over its largest value.
@@ -115,10 +116,11 @@ pub(super) fn response_drift(
     response: &[f64],
     step_s: f64,
     pulse: &Pulse,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Check {
-    let offset = PreTrigger::of(&response[pulse.quiet()]).map_or(0.0, |quiet| quiet.mean);
+    let offset =
+        PreTrigger::of(&response[pulse.pretrigger()]).map_or(0.0, |pretrigger| pretrigger.mean);
     let peak = response.iter().map(|x| (x - offset).abs());
     let peak = peak.fold(0.0, f64::max);
-    judge_drift(response, step_s, pulse, peak, limits.drift)
+    assess_drift(response, step_s, pulse, peak, limits.drift)
 }

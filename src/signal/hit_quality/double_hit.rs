@@ -31,7 +31,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::linalg::vectorised;
 
 use super::super::Pulse;
-use super::JudgeLimits;
+use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule};
 use super::pretrigger::{converter_step, trimmed_deviation};
 
@@ -85,7 +85,7 @@ pub(super) fn double_hit(
     force_n: &[f64],
     step_s: f64,
     pulse: &Pulse,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Check {
     let Some((rest, search)) = search_twice(force_n, pulse) else {
         return Check::new(Rule::DoubleHit, Outcome::NotDecidable);
@@ -151,7 +151,7 @@ fn search_twice(force_n: &[f64], pulse: &Pulse) -> Option<(ForceAfterImpact, Con
     Some((rest, search))
 }
 
-fn outcome_of_contact(ratio: f64, limits: &JudgeLimits) -> Outcome {
+fn outcome_of_contact(ratio: f64, limits: &HitQualityLimits) -> Outcome {
     if ratio >= limits.double_hit_ratio {
         Outcome::Rejected
     } else if ratio >= limits.double_hit_noted {
@@ -166,7 +166,7 @@ fn outcome_without_contact(
     search: &ContactSearch,
     rest: &ForceAfterImpact,
     pulse: &Pulse,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Outcome {
     let ratio = limits.double_hit_ratio;
     let seen = ratio / search.scale >= limits.least_detectability
@@ -385,10 +385,10 @@ impl MatchedFilter {
         let sum: f64 = template.iter().sum();
         let mut places = Vec::new();
         for (start, end) in [(0, first_contact.0), (first_contact.1, force_n.len())] {
-            let stretch = decimate(&force_n[start..end], decimation);
-            let beside = stretch.len().saturating_sub(template.len()).max(1) as f64;
+            let segment = decimate(&force_n[start..end], decimation);
+            let beside = segment.len().saturating_sub(template.len()).max(1) as f64;
             let spread = (1.0 + sum * sum / (energy * beside)).sqrt();
-            let products = template_products(&stretch, &template).into_iter();
+            let products = template_products(&segment, &template).into_iter();
             places.extend(products.enumerate().map(|(k, product)| FilterOutput {
                 ratio: product / energy,
                 delay: (start + k * decimation) as f64 - first as f64,
@@ -409,7 +409,7 @@ impl MatchedFilter {
     }
 
     /// Top of the parabola through a place and its neighbours; the place itself at the end of a
-    /// stretch.
+    /// segment.
     fn interpolated_ratio(&self, best: usize) -> f64 {
         let here = self.places[best];
         let neighbours = self.places.get(best.wrapping_sub(1));

@@ -62,7 +62,7 @@ fn hit(width: f64, snr_db: f64, second: Option<(f64, f64)>, random: &mut ChaCha8
 
 fn judge(force_n: &[f64]) -> Check {
     let pulse = Pulse::locate(force_n, ONSET_FRACTION).expect("a pulse");
-    double_hit::double_hit(force_n, STEP_S, &pulse, &JudgeLimits::default())
+    double_hit::double_hit(force_n, STEP_S, &pulse, &HitQualityLimits::default())
 }
 
 fn found(check: &Check) -> bool {

@@ -3,7 +3,7 @@
 use crate::fourier::ForwardPlan;
 
 use super::super::Pulse;
-use super::JudgeLimits;
+use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 
 /// Frequency lines per 1/length of the pulse: the frequency where the spectrum crosses a level is
@@ -22,7 +22,7 @@ pub(super) fn roll_off(
     step_s: f64,
     pulse: &Pulse,
     band_end_hz: f64,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Check {
     let half = (pulse.end - pulse.onset).div_ceil(2);
     let first = pulse.onset.saturating_sub(half);

@@ -4,7 +4,7 @@ use super::super::{ONSET_FRACTION, SignalError};
 
 /// Limits of the rules. Ratios are fractions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JudgeLimits {
+pub struct HitQualityLimits {
     /// Second over first contact from which a hit is rejected.
     pub double_hit_ratio: f64,
     /// Second over first contact from which it is noted.
@@ -13,7 +13,7 @@ pub struct JudgeLimits {
     pub least_detectability: f64,
     /// False alarms of the search for a second contact, per hit in white noise.
     pub double_hit_false_alarms: f64,
-    /// Samples on the rail that make an overload.
+    /// Clipped samples that make an overload.
     pub overload_samples: usize,
     /// Peak over median of the series, or its inverse, from which a hit is noted.
     pub level_noted: f64,
@@ -37,7 +37,7 @@ pub struct JudgeLimits {
     pub odd_difference: f64,
 }
 
-impl Default for JudgeLimits {
+impl Default for HitQualityLimits {
     fn default() -> Self {
         Self {
             double_hit_ratio: 0.1, // 1 + r e^(-iωτ) bends the spectrum by -0.9 to +0.8 dB, and a window that cuts it biases H by 10 %
@@ -59,7 +59,7 @@ impl Default for JudgeLimits {
     }
 }
 
-impl JudgeLimits {
+impl HitQualityLimits {
     /// Checks the limits.
     ///
     /// # Errors

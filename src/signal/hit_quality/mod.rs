@@ -35,10 +35,10 @@ use crate::dof::Dof;
 use super::{Extent, Pulse};
 
 pub use check::{Check, Outcome, Rule};
-pub use consistency::{inconsistent_hits, judge_levels};
+pub use consistency::{assess_levels, inconsistent_hits};
 pub use decay::{Drift, drift_of};
 pub use double_hit::least_delay_samples;
-pub use limits::JudgeLimits;
+pub use limits::HitQualityLimits;
 
 /// The checks of a force, in this order.
 const FORCE_RULES: [Rule; 7] = [
@@ -76,13 +76,13 @@ fn undecided(rules: &[Rule], dof: Option<&Dof>) -> Vec<Check> {
 /// [`Pulse::locate`] finds it. `full_scale_n` is the range of the channel where it is known,
 /// `band_end_hz` the highest frequency of interest. A pulse of another, longer record leaves all of
 /// them not decidable.
-pub fn judge_force(
+pub fn assess_force(
     force_n: &[f64],
     step_s: f64,
     pulse: &Pulse,
     full_scale_n: Option<f64>,
     band_end_hz: f64,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Vec<Check> {
     if force_n.len() < pulse.end {
         return undecided(&FORCE_RULES, None);
@@ -115,10 +115,10 @@ pub struct ResponseRecord<'a> {
 /// of the force.
 ///
 /// A response that ends before the pulse does has all of them not decidable.
-pub fn judge_response(
+pub fn assess_response(
     record: &ResponseRecord<'_>,
     pulse: &Pulse,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Vec<Check> {
     if record.samples.len() < pulse.end {
         return undecided(&RESPONSE_RULES, Some(record.dof));
@@ -142,13 +142,13 @@ pub fn judge_response(
     named.collect()
 }
 
-/// The check of a record that ran into the rail, as the rule of [`judge_response`]; `None` for any
+/// The check of a clipped record, as the rule of [`assess_response`]; `None` for any
 /// other.
 pub fn overloaded(
     samples: &[f64],
     extent: &Extent,
     full_scale: Option<f64>,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Option<Check> {
     let check = overload::overload(samples, extent, full_scale, limits);
     (check.outcome == Outcome::Rejected).then_some(check)

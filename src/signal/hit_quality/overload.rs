@@ -1,24 +1,24 @@
-//! Overload: samples on the rail of the converter, jitter of its last bits included.
+//! Overload: clipped samples, the jitter of the last bits of the converter included.
 //!
-//! With a known full scale the rail is there. Otherwise it is the extreme of the record, of either
+//! The clipping level is the full scale, where that is known. Otherwise it is the extreme of the record, of either
 //! sign, if the samples pile up on it. Under a smooth top the depth below the extreme grows with
 //! the square of the distance, so that of the samples less than Kδ deep a share of `1/√K` is less
 //! than δ deep; noise and quantised tops have a smaller share, whereas a clipped signal leaves the
-//! rail at its full slope. The count is compared with the binomial distribution of that share, for
+//! clipping level at its full slope. The count is compared with the binomial distribution of that share, for
 //! K from 5 on doubled up to half the height.
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::super::Extent;
-use super::JudgeLimits;
+use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule};
 use super::pretrigger::converter_step;
 
-/// Depth of the rail in steps: a jitter of ±2 codes spreads over 4, and half a step for rounding.
-const RAIL_DEPTH_STEPS: f64 = 4.5;
-/// The rail is at least so deep, relative to the range: samples that went through single precision
+/// Depth below the clipping level, in steps, at which a sample counts as clipped: a jitter of ±2 codes spreads over 4, and half a step for rounding.
+const CLIP_DEPTH_STEPS: f64 = 4.5;
+/// Minimum of this depth, relative to the range: samples that went through single precision
 /// are on no clean raster.
-const MIN_RAIL_DEPTH_OVER_RANGE: f64 = 1e-6;
+const MIN_CLIP_DEPTH_OVER_RANGE: f64 = 1e-6;
 /// Samples from the start of the record that show the step of the converter, together with as many
 /// of the upper half of each side.
 const STEP_SAMPLES: usize = 1024;
@@ -29,7 +29,7 @@ const STEP_BOUND_SAMPLES: usize = 64;
 const MIN_STEP_OVER_RANGE: f64 = 4e-6;
 /// The smallest K: samples within five depths.
 const MIN_COUNTED_DEPTHS: f64 = 5.0;
-/// Chance of as many samples on the extreme under a top of random depths. Three samples on a rail
+/// Chance of as many samples on the extreme under a top of random depths. Three clipped samples
 /// of a 12-bit converter with one in the upper half of the height beside them are at 0.0018 (K =
 /// 160); smooth tops are more even than random ones and stay far above.
 const FALSE_ALARM_PROBABILITY: f64 = 2e-3;
@@ -39,19 +39,19 @@ const SAMPLES_PER_BLOCK: usize = 64;
 
 /// Part of the range below its end in which a clipped record has its samples: the jitter of a
 /// converter of 12 bits.
-const RAIL_SEARCH_OVER_RANGE: f64 = 2.5e-3;
+const CLIP_SEARCH_OVER_RANGE: f64 = 2.5e-3;
 
-/// The rule; the value is the number of samples on the rail. A record with too few samples near its
+/// The rule; the value is the number of clipped samples. A record with too few samples near its
 /// ends has passed at a glance. `extent` is that of the samples.
 pub(super) fn overload(
     samples: &[f64],
     extent: &Extent,
     full_scale: Option<f64>,
-    limits: &JudgeLimits,
+    limits: &HitQualityLimits,
 ) -> Check {
     let fewest = limits.overload_samples;
     let count = match full_scale {
-        Some(rail) => count_at_full_scale(samples, extent, rail.abs(), fewest),
+        Some(clip_level) => count_at_full_scale(samples, extent, clip_level.abs(), fewest),
         None => count_at_extremes(samples, extent, fewest),
     };
     let outcome = if count >= limits.overload_samples {
@@ -68,24 +68,24 @@ pub(super) fn overload(
     )
 }
 
-fn count_at_full_scale(samples: &[f64], extent: &Extent, rail: f64, fewest: usize) -> usize {
-    let near = rail - RAIL_SEARCH_OVER_RANGE * extent.range();
+fn count_at_full_scale(samples: &[f64], extent: &Extent, clip_level: f64, fewest: usize) -> usize {
+    let near = clip_level - CLIP_SEARCH_OVER_RANGE * extent.range();
     if extent.hi.max(-extent.lo) < near || extent.count_beyond(samples, -near, near) < fewest {
         return 0;
     }
-    let rail = rail - rail_depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
-    extent.count_beyond(samples, -rail, rail)
+    let clip_level = clip_level - clip_depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
+    extent.count_beyond(samples, -clip_level, clip_level)
 }
 
 fn count_at_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
-    let depth_of_search = RAIL_SEARCH_OVER_RANGE * extent.range();
+    let depth_of_search = CLIP_SEARCH_OVER_RANGE * extent.range();
     let few_within =
         |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
-    // Most records have few samples even where a rail is sought, and counting them is faster than
+    // Most records have few samples even where clipping is looked for, and counting them is faster than
     // the depth.
     if extent.range() <= 0.0
         || few_within(depth_of_search)
-        || few_within(max_rail_depth(samples, extent).min(depth_of_search))
+        || few_within(max_clip_depth(samples, extent).min(depth_of_search))
     {
         return 0;
     }
@@ -105,17 +105,17 @@ fn count_at_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     for side in &sides {
         few.extend(side.samples().take(STEP_SAMPLES));
     }
-    let depth = rail_depth(&few, extent);
-    let counts = sides.iter().map(|side| side.count_at_rail(depth));
+    let depth = clip_depth(&few, extent);
+    let counts = sides.iter().map(|side| side.count_clipped(depth));
     counts.max().unwrap_or(0)
 }
 
-/// A bound of the depth of the rail from above, by which most records pass at a glance; infinite
+/// An upper bound of [`clip_depth`], by which most records pass at a glance; infinite
 /// where the first samples know none.
 ///
 /// Two samples a step or more apart bound the step. Others may lie between them in steps that count
 /// as rounding, in all less than [`MIN_STEP_OVER_RANGE`].
-fn max_rail_depth(samples: &[f64], extent: &Extent) -> f64 {
+fn max_clip_depth(samples: &[f64], extent: &Extent) -> f64 {
     let mut first = [0.0; STEP_BOUND_SAMPLES];
     let first = &mut first[..samples.len().min(STEP_BOUND_SAMPLES)];
     first.copy_from_slice(&samples[..first.len()]);
@@ -123,12 +123,12 @@ fn max_rail_depth(samples: &[f64], extent: &Extent) -> f64 {
     let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
     let sure = gaps.filter(|gap| *gap > MIN_STEP_OVER_RANGE * extent.range());
     let step = sure.fold(f64::INFINITY, f64::min);
-    (RAIL_DEPTH_STEPS * step).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
+    (CLIP_DEPTH_STEPS * step).max(MIN_CLIP_DEPTH_OVER_RANGE * extent.range())
 }
 
-/// Depth of the rail, from a few samples.
-fn rail_depth(few: &[f64], extent: &Extent) -> f64 {
-    (RAIL_DEPTH_STEPS * converter_step(few)).max(MIN_RAIL_DEPTH_OVER_RANGE * extent.range())
+/// Depth at which a sample counts as clipped, from a few samples.
+fn clip_depth(few: &[f64], extent: &Extent) -> f64 {
+    (CLIP_DEPTH_STEPS * converter_step(few)).max(MIN_CLIP_DEPTH_OVER_RANGE * extent.range())
 }
 
 /// The upper half of one side of a record.
@@ -176,7 +176,7 @@ impl UpperHalf {
     }
 
     /// Samples within `depth` of the extreme, 0 where they do not pile up.
-    fn count_at_rail(&self, depth: f64) -> usize {
+    fn count_clipped(&self, depth: f64) -> usize {
         if self.height <= 2.0 * MIN_COUNTED_DEPTHS * depth {
             return 0;
         }
@@ -197,12 +197,12 @@ impl UpperHalf {
         let on = self.below.iter().filter(|below| **below <= depth).count();
         let mut within = 0;
         let mut octaves = by_octave.iter().zip(0..);
-        let rail = octaves.any(|(count, octave)| {
+        let is_clipped = octaves.any(|(count, octave)| {
             within += count;
             pile_up_probability(on, within, MIN_COUNTED_DEPTHS * 2f64.powi(octave))
                 < FALSE_ALARM_PROBABILITY
         });
-        if rail { on } else { 0 }
+        if is_clipped { on } else { 0 }
     }
 }
 
@@ -217,8 +217,8 @@ fn pile_up_probability(on: usize, all: usize, depths: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A sine of 1.3 over a little noise, in steps of a converter, cut off at `rail`.
-    fn record(step: f64, noise: f64, rail: f64) -> Vec<f64> {
+    /// A sine of 1.3 over a little noise, in steps of a converter, clipped at `clip_level`.
+    fn record(step: f64, noise: f64, clip_level: f64) -> Vec<f64> {
         let value = |n: u32| {
             let random = (f64::from(n) * 12.9898).sin() * 43_758.545_3;
             let rings = if n < 1100 {
@@ -227,7 +227,7 @@ mod tests {
                 1.3 * (0.05 * f64::from(n)).sin()
             };
             let sample = rings + noise * (random - random.floor() - 0.5);
-            (sample.clamp(-rail, rail) / step).round() * step
+            (sample.clamp(-clip_level, clip_level) / step).round() * step
         };
         (0..8192).map(value).collect()
     }
@@ -239,10 +239,10 @@ mod tests {
             for noise in [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.1] {
                 let samples = record(step, noise, 10.0);
                 let extent = Extent::of(&samples);
-                let bound = max_rail_depth(&samples, &extent);
+                let bound = max_clip_depth(&samples, &extent);
                 bounds += usize::from(bound.is_finite());
                 for few in [STEP_SAMPLES, 3 * STEP_SAMPLES] {
-                    let depth = rail_depth(&samples[..few], &extent);
+                    let depth = clip_depth(&samples[..few], &extent);
                     assert!(bound >= depth, "{step} {noise}: {bound} {depth}");
                 }
             }
@@ -255,13 +255,13 @@ mod tests {
     fn samples_that_pass_the_quick_check_are_no_overload() {
         for step in [1e-3, 1e-5, 1e-7] {
             for noise in [1e-5, 1e-3, 1e-2] {
-                let judge = |rail| {
-                    let samples = record(step, noise, rail);
-                    let limits = JudgeLimits::default();
+                let assess = |clip_level| {
+                    let samples = record(step, noise, clip_level);
+                    let limits = HitQualityLimits::default();
                     overload(&samples, &Extent::of(&samples), None, &limits).outcome
                 };
-                assert_eq!(judge(1.2), Outcome::Rejected, "{step} {noise}");
-                assert_eq!(judge(10.0), Outcome::Passed, "{step} {noise}");
+                assert_eq!(assess(1.2), Outcome::Rejected, "{step} {noise}");
+                assert_eq!(assess(10.0), Outcome::Passed, "{step} {noise}");
             }
         }
     }

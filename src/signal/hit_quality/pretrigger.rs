@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::super::{PreTrigger, Pulse};
-use super::JudgeLimits;
+use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 
 /// Longest lag of the autocorrelation, samples: a ringing of up to 100 samples a period shows in
@@ -53,11 +53,15 @@ pub(super) fn converter_step(samples: &[f64]) -> f64 {
 }
 
 /// Rms of the force before the hit over the peak.
-pub(super) fn force_pre_trigger(force_n: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
+pub(super) fn force_pre_trigger(
+    force_n: &[f64],
+    pulse: &Pulse,
+    limits: &HitQualityLimits,
+) -> Check {
     let limit = limits.force_pre_trigger;
-    match PreTrigger::of(&force_n[pulse.quiet()]) {
-        Some(quiet) => {
-            let value = quiet.variance.sqrt() / pulse.height_n.abs();
+    match PreTrigger::of(&force_n[pulse.pretrigger()]) {
+        Some(pretrigger) => {
+            let value = pretrigger.variance.sqrt() / pulse.height_n.abs();
             let outcome = compare_with_limit(value, limit, Outcome::Noted);
             Check::new(Rule::PreTrigger, outcome).value(value, limit, "")
         }
@@ -75,14 +79,18 @@ pub(super) fn force_pre_trigger(force_n: &[f64], pulse: &Pulse, limits: &JudgeLi
 ///
 /// # Reference
 /// Box and Pierce (1970), J. Amer. Statist. Assoc. 65, eq. 1.3 (`n Σ r_k²/r_0²` is chi squared).
-pub(super) fn response_pre_trigger(response: &[f64], pulse: &Pulse, limits: &JudgeLimits) -> Check {
-    let quiet = pulse.quiet().end;
-    let quiet = &response[..quiet - PRECURSOR_SAMPLES.min(quiet / 4)];
-    let after = &response[pulse.onset..(pulse.onset + quiet.len()).min(response.len())];
-    if quiet.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
+pub(super) fn response_pre_trigger(
+    response: &[f64],
+    pulse: &Pulse,
+    limits: &HitQualityLimits,
+) -> Check {
+    let pretrigger = pulse.pretrigger().end;
+    let pretrigger = &response[..pretrigger - PRECURSOR_SAMPLES.min(pretrigger / 4)];
+    let after = &response[pulse.onset..(pulse.onset + pretrigger.len()).min(response.len())];
+    if pretrigger.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
         return Check::new(Rule::PreTrigger, Outcome::NotDecidable);
     }
-    let ringing = Ringing::of(quiet);
+    let ringing = Ringing::of(pretrigger);
     let level = rms_about(after, ringing.mean).max(f64::MIN_POSITIVE);
     let value = ringing.power.sqrt() / level;
     let outcome = if ringing.significant && value > limits.ringing_rejected {
@@ -106,12 +114,12 @@ struct Ringing {
 }
 
 impl Ringing {
-    fn of(quiet: &[f64]) -> Self {
-        let n = quiet.len() as f64;
-        let mean = quiet.iter().sum::<f64>() / n;
-        let lags = (quiet.len() / 4).min(MAX_LAG_SAMPLES);
+    fn of(pretrigger: &[f64]) -> Self {
+        let n = pretrigger.len() as f64;
+        let mean = pretrigger.iter().sum::<f64>() / n;
+        let lags = (pretrigger.len() / 4).min(MAX_LAG_SAMPLES);
         let covariance = |lag: usize| {
-            let pairs = quiet.iter().zip(&quiet[lag..]);
+            let pairs = pretrigger.iter().zip(&pretrigger[lag..]);
             pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / n
         };
         let noise = covariance(0).powi(2) / n;
@@ -137,11 +145,11 @@ pub(super) fn rms_about(samples: &[f64], mean: f64) -> f64 {
 /// A force whose peak is no more than noise: `|height| / σ` against `sqrt(2 ln N) + 2`, two above
 /// what N samples reach.
 pub(super) fn dead_force(force_n: &[f64], pulse: &Pulse) -> Check {
-    let Some(quiet) = PreTrigger::of(&force_n[pulse.quiet()]) else {
+    let Some(pretrigger) = PreTrigger::of(&force_n[pulse.pretrigger()]) else {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     };
     let limit = (2.0 * (force_n.len() as f64).ln()).sqrt() + 2.0;
-    let noise = quiet.variance.sqrt();
+    let noise = pretrigger.variance.sqrt();
     if noise <= 0.0 {
         return Check::new(Rule::Dead, Outcome::Passed);
     }
@@ -163,10 +171,10 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
     if constant {
         return Check::new(Rule::Dead, Outcome::Rejected);
     }
-    let Some(quiet) = PreTrigger::of(&response[pulse.quiet()]) else {
+    let Some(pretrigger) = PreTrigger::of(&response[pulse.pretrigger()]) else {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     };
-    if quiet.variance <= 0.0 {
+    if pretrigger.variance <= 0.0 {
         return Check::new(Rule::Dead, Outcome::Passed);
     }
     let after = &response[pulse.onset..];
@@ -174,9 +182,11 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
     if after.len() < part {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     }
-    let levels = after.chunks_exact(part).map(|x| rms_about(x, quiet.mean));
-    let value = levels.fold(0.0, f64::max) / quiet.variance.sqrt();
-    let scatter = (2.0 / quiet.samples as f64 + 2.0 / part as f64).sqrt();
+    let levels = after
+        .chunks_exact(part)
+        .map(|x| rms_about(x, pretrigger.mean));
+    let value = levels.fold(0.0, f64::max) / pretrigger.variance.sqrt();
+    let scatter = (2.0 / pretrigger.samples as f64 + 2.0 / part as f64).sqrt();
     let limit = (1.0 + MAX_VARIANCE_RATIO_STDS * scatter).sqrt();
     let outcome = if value > limit {
         Outcome::Passed

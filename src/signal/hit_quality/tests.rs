@@ -67,7 +67,7 @@ fn of(samples: &[f64], rule: Rule) -> Check {
         dof: &dof,
         full_scale: None,
     };
-    let checks = judge_response(&record, &pulse(), &JudgeLimits::default());
+    let checks = assess_response(&record, &pulse(), &HitQualityLimits::default());
     assert!(checks.iter().all(|c| c.dof.as_ref() == Some(&dof)));
     checks
         .into_iter()
@@ -76,8 +76,8 @@ fn of(samples: &[f64], rule: Rule) -> Check {
 }
 
 fn of_force(samples: &[f64], band_end_hz: f64, rule: Rule) -> Check {
-    let limits = JudgeLimits::default();
-    let checks = judge_force(
+    let limits = HitQualityLimits::default();
+    let checks = assess_force(
         samples,
         STEP_S,
         &locate(samples),
@@ -138,9 +138,9 @@ fn a_coarsely_quantised_signal_with_a_flat_top_is_no_overload() {
 #[test]
 fn a_known_full_scale_is_the_rail() {
     let record = quantised(&force(12.0, 1e-4, 1), 1.0 / 4096.0);
-    let limits = JudgeLimits::default();
+    let limits = HitQualityLimits::default();
     let outcome = |full_scale| {
-        let checks = judge_force(&record, STEP_S, &locate(&record), full_scale, 1.0, &limits);
+        let checks = assess_force(&record, STEP_S, &locate(&record), full_scale, 1.0, &limits);
         checks[1].outcome
     };
     assert_eq!(outcome(Some(1.5)), Outcome::Passed);
@@ -263,7 +263,7 @@ fn offset_and_drift_equal_their_synthetic_values() {
 #[test]
 fn levels_are_compared_with_the_median() {
     let outcomes = |peaks: &[f64]| -> Vec<Outcome> {
-        let checks = judge_levels(peaks, &JudgeLimits::default());
+        let checks = assess_levels(peaks, &HitQualityLimits::default());
         checks.iter().map(|c| c.outcome).collect()
     };
     use Outcome::{NotDecidable, Noted, Passed, Rejected};
@@ -295,7 +295,7 @@ fn series(n: usize, snr_db: f64, odd: Option<(usize, f64)>, seed: u64) -> Vec<Ou
     }
     let force: Vec<&[Complex64]> = force.iter().map(Vec::as_slice).collect();
     let response: Vec<&[Complex64]> = response.iter().map(Vec::as_slice).collect();
-    let checks = inconsistent_hits(&force, &response, &JudgeLimits::default());
+    let checks = inconsistent_hits(&force, &response, &HitQualityLimits::default());
     checks.iter().map(|c| c.outcome).collect()
 }
 
@@ -318,32 +318,32 @@ fn the_odd_hit_is_found_and_no_other_is_lost() {
 
 #[test]
 fn limits_out_of_range_are_errors_with_their_name() {
-    assert!(JudgeLimits::default().validate().is_ok());
-    let default = JudgeLimits::default;
+    assert!(HitQualityLimits::default().validate().is_ok());
+    let default = HitQualityLimits::default;
     let bad = [
         (
-            JudgeLimits {
+            HitQualityLimits {
                 decay: 0.0,
                 ..default()
             },
             "decay",
         ),
         (
-            JudgeLimits {
+            HitQualityLimits {
                 odd_false_alarms: 1.0,
                 ..default()
             },
             "odd_false_alarms",
         ),
         (
-            JudgeLimits {
+            HitQualityLimits {
                 double_hit_ratio: 0.001,
                 ..default()
             },
             "double_hit_ratio",
         ),
         (
-            JudgeLimits {
+            HitQualityLimits {
                 level_noted: f64::NAN,
                 ..default()
             },
@@ -371,7 +371,7 @@ fn a_record_without_pretrigger_samples_is_undecided_not_accepted() {
 #[test]
 fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule() {
     let (limits, dof) = (
-        JudgeLimits::default(),
+        HitQualityLimits::default(),
         "3:-Z".parse().expect("a name of a degree of freedom"),
     );
     let samples = response(2e-3, 0.3, 1e-2, 5);
@@ -382,8 +382,8 @@ fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule() {
         full_scale: None,
     };
     let rules = |checks: &[Check]| -> Vec<Rule> { checks.iter().map(|c| c.rule).collect() };
-    let whole = judge_response(&record(LEN), &pulse(), &limits);
-    let short = judge_response(&record(ONSET), &pulse(), &limits);
+    let whole = assess_response(&record(LEN), &pulse(), &limits);
+    let short = assess_response(&record(ONSET), &pulse(), &limits);
     assert_eq!(rules(&whole), rules(&short));
     assert!(
         short
@@ -391,8 +391,8 @@ fn a_record_shorter_than_its_pulse_is_undecided_in_every_rule() {
             .all(|c| c.outcome == Outcome::NotDecidable && c.dof.is_some())
     );
     let force = force(12.0, 1e-3, 1);
-    let whole = judge_force(&force, STEP_S, &pulse(), None, 100.0, &limits);
-    let short = judge_force(&force[..ONSET], STEP_S, &pulse(), None, 100.0, &limits);
+    let whole = assess_force(&force, STEP_S, &pulse(), None, 100.0, &limits);
+    let short = assess_force(&force[..ONSET], STEP_S, &pulse(), None, 100.0, &limits);
     assert_eq!(rules(&whole), rules(&short));
     assert!(short.iter().all(|c| c.outcome == Outcome::NotDecidable));
 }

@@ -7,7 +7,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
-use crate::frf::{FrfSet, HammerOptions, ResponseWindow, hammer, modal_terms, synthesise};
+use crate::frf::{
+    FrfSet, HammerOptions, ResponseWindow, evaluate_hammer_test, modal_terms, synthesise,
+};
 use crate::modal::ModalModel;
 use crate::quantity::Quantity;
 use crate::record::{Hit, InMemory};
@@ -86,7 +88,7 @@ impl Draw {
             },
             ..HammerOptions::default()
         };
-        let estimated = hammer(&mut InMemory::new(&hits), &options);
+        let estimated = evaluate_hammer_test(&mut InMemory::new(&hits), &options);
         let middle = tests.len() / 2;
         // Where a roving sensor loads the structure, no frequency is right; the middle one is the
         // least wrong.

@@ -64,7 +64,7 @@ fn needs(bic: [f64; 4]) -> SceneNeeds {
         support: OrderSelection {
             functions: 3,
             lines: 100,
-            stretch: 1,
+            segment_lines: 1,
             noise_stated: true,
             identified: 2,
             tried: bic.into_iter().enumerate().map(tried).collect(),

@@ -2,9 +2,9 @@
 
 use crate::axis::{Band, TimeAxis};
 use crate::finding::Finding;
-use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, hammer};
+use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, evaluate_hammer_test};
 use crate::modal::{InputFile, ModalModel};
-use crate::record::{HitInfo, ReadError, Recording, Samples, Stretch};
+use crate::record::{ChannelSegment, HitInfo, ReadError, Recording, Samples};
 use crate::scene::{Scene, SceneError, TestPlan, test_data};
 
 use super::super::StudyError;
@@ -83,7 +83,7 @@ fn estimate_variants(
     options: &SpeedAccuracyOptions,
 ) -> Result<TestSets, StudyError> {
     let base = test.hammer_options(&scene.hammer);
-    let first = hammer(recording, &base)?;
+    let first = evaluate_hammer_test(recording, &base)?;
     let excited = first.estimated.set.excited_band.unwrap_or(first.usable);
     let wanted = test.band.unwrap_or(first.usable);
     let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
@@ -147,7 +147,7 @@ fn estimate_from_share(
         hits: hits.collect(),
         whole: recording,
     };
-    Ok(hammer(&mut shortened, options)?.estimated.set)
+    Ok(evaluate_hammer_test(&mut shortened, options)?.estimated.set)
 }
 
 /// The beginning of every hit.
@@ -161,7 +161,7 @@ impl Recording for Shortened<'_> {
         &self.hits
     }
 
-    fn read(&mut self, stretch: &Stretch, samples: &mut Samples) -> Result<(), ReadError> {
-        self.whole.read(stretch, samples)
+    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
+        self.whole.read(segment, samples)
     }
 }
