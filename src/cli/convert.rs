@@ -77,7 +77,8 @@ fn sources(args: &ConvertArgs, format: Option<&str>) -> Result<Merged, Error> {
         && Scene::is_path(only)
     {
         let scene = Scene::load(only)?;
-        let TestSource::Files { files, typed, .. } = &scene.tests[0].source else {
+        let first = scene.tests.first().map(|test| &test.source);
+        let Some(TestSource::Files { files, typed, .. }) = first else {
             return Err(Error::Argument {
                 argument: "INPUT",
                 got: scene.path.clone(),

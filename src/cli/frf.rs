@@ -87,7 +87,11 @@ fn ingest_scene_files(
     scene: &Scene,
     format: Option<&str>,
 ) -> Result<Ingested, Error> {
-    let test = &scene.tests[0];
+    let without_files = || {
+        let expected = "recordings, or a scene whose first test has `files`";
+        argument_error("INPUT", &scene.path, expected)
+    };
+    let test = scene.tests.first().ok_or_else(without_files)?;
     let TestSource::Files {
         files,
         hits,
@@ -95,11 +99,7 @@ fn ingest_scene_files(
         typed,
     } = &test.source
     else {
-        return Err(argument_error(
-            "INPUT",
-            &scene.path,
-            "recordings, or a scene whose first test has `files`",
-        ));
+        return Err(without_files());
     };
     let partial = args.partial || test.partial;
     Ok(ingest_files(
@@ -165,9 +165,14 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
         },
         ..HammerOptions::default()
     };
-    let base = scene.map_or(default, |scene| {
-        scene.tests[0].hammer_options(&scene.hammer)
-    });
+    let of_scene = |scene: &Scene| {
+        let first = scene.tests.first();
+        first.map_or_else(
+            || scene.hammer.clone(),
+            |test| test.hammer_options(&scene.hammer),
+        )
+    };
+    let base = scene.map_or(default, of_scene);
     let estimator = match args.estimator.as_deref() {
         None => base.estimate.estimator,
         Some(name) => Estimator::from_name(name)

@@ -411,3 +411,25 @@ fn a_function_with_a_gap_in_the_band_is_left_out_where_the_good_part_will_do() {
     let outside = identify(&["identify", &below]);
     assert_eq!(outside.status.code(), Some(0));
 }
+
+#[test]
+fn a_scene_without_a_test_has_no_recordings_to_convert() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = root().join("measurements/free-free-beam/model.toml");
+    let scene = "schema = \"modalign-scene/1\"\n[model]\nfile = \"model.toml\"\n";
+    let model = std::fs::read_to_string(model).unwrap();
+    write(
+        folder.path(),
+        &[("model.toml", &model), ("scene.toml", scene)],
+    );
+    let path = folder.path().to_str().unwrap();
+    let out = folder.path().join("out.uff");
+    for verb in ["frf", "convert"] {
+        let error = fail([verb, path, "-o", out.to_str().unwrap()]);
+        assert!(
+            error.contains("a scene whose first test has `files`"),
+            "{error}"
+        );
+        assert!(!out.exists());
+    }
+}
