@@ -18,13 +18,16 @@ use super::{Block, Cell, Column, Table};
 pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Option<Block> {
     let roots = expected.roots.as_ref()?;
     let in_hz = roots.published().all(|root| root.printed_hz.is_some());
-    let unit = if in_hz { "Hz" } else { "rad/s" };
+    let (model_head, printed_head) = match in_hz {
+        true => ("model (Hz)", "printed (Hz)"),
+        false => ("model (rad/s)", "printed (rad/s)"),
+    };
     let columns = vec![
         Column::text("root"),
         Column::number("M"),
-        Column::number(format!("model ({unit})")),
+        Column::number(model_head),
         Column::number("M printed"),
-        Column::number(format!("printed ({unit})")),
+        Column::number(printed_head),
         Column::number("error (%)"),
         Column::text("class of the model"),
         Column::text("class as printed"),
