@@ -78,11 +78,17 @@
 //!
 //! # Where to begin
 //!
-//! To add a file format, implement [`io::Format`] and [`io::Source`] and put it into
-//! [`io::FORMATS`]; a method of identification, [`identify::PoleEstimator`] and
-//! [`identify::ESTIMATORS`]; a machine, [`theory::TheoreticalModel`] and [`theory::BUILT_IN`]; an
-//! output of tables, [`report::Renderer`] and [`report::RENDERERS`]; something that the data say,
-//! [`finding::Code`]. What is in such a list is tested with the others.
+//! Implement the trait, and add the implementation to the list:
+//!
+//! | to add | implement | list |
+//! |---|---|---|
+//! | a file format | [`io::Format`]; its source is an [`io::MemorySource`] or an [`io::Source`] | [`io::FORMATS`], and `READERS` in `tests/population/mutation.rs` |
+//! | a method of identification | [`identify::PoleEstimator`] | [`identify::ESTIMATORS`] |
+//! | a machine | [`theory::TheoreticalModel`] | [`theory::BUILT_IN`] |
+//! | an output of tables | [`report::Renderer`] | [`report::RENDERERS`] |
+//! | an observation about data | - | [`finding::Code`] |
+//!
+//! The command line, its help and the tests take their names from these lists.
 //!
 //! # Where things are
 //!

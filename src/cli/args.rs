@@ -9,6 +9,8 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Code;
 use crate::frf::Window;
+use crate::identify::ESTIMATORS;
+use crate::io::FORMATS;
 use crate::report::Language;
 use crate::theory::SweepRange;
 
@@ -45,9 +47,7 @@ pub struct Global {
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Read every input as this format instead of detecting it by content (uff, hdf5, matlab5, npz,
-    /// npy, modes, pulse, signalcalc, table).
-    #[arg(long, global = true, value_name = "NAME")]
+    #[arg(long, global = true, value_name = "NAME", help = format_help())]
     pub format: Option<String>,
     /// Captions and headings of tables and findings in English or Chinese; definitions below the
     /// tables, CSV and JSON stay English.
@@ -236,8 +236,7 @@ pub struct IdentifyArgs {
     /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// auto (ml), peak, circle, line, rfp, lsce, lscf (as PolyMAX) or ml.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help = method_help())]
     pub method: Option<String>,
     /// Band in Hz, LO:HI; the whole axis when not given.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
@@ -577,4 +576,17 @@ fn code(text: &str) -> Result<Code, String> {
         let near = near.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
         format!("got code `{text}`, expected one of {}{near}", all.join(" "))
     })
+}
+
+fn method_help() -> String {
+    let names: Vec<&str> = ESTIMATORS.iter().map(|entry| entry.name).collect();
+    format!("auto (ml), {}; lscf is known as PolyMAX", names.join(", "))
+}
+
+fn format_help() -> String {
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
+    format!(
+        "Read every input as this format instead of detecting it by content ({})",
+        names.join(", ")
+    )
 }

@@ -37,11 +37,13 @@ impl Default for MethodOptions {
 pub struct Candidate {
     /// Model order of the pole.
     pub order: Option<usize>,
-    /// Pole as in the data, with the damping of an exponential window.
+    /// Pole of the data; an exponential window adds its decay rate
+    /// ([`FrfSet::added_damping_rad_s`]).
     pub pole: Pole,
     /// Participation of each of [`FrfSet::references`].
     pub participation: Option<Vec<Complex64>>,
-    /// Receptance residue of each function of the set, in its order, m/(N s).
+    /// Receptance residue of each function of the set, in its order, m/(N s); without them the mode
+    /// has no shape.
     pub residues: Option<Vec<Complex64>>,
     /// Standard deviation of real and of imaginary part of each residue, m/(N s), without a common
     /// factor.
@@ -61,6 +63,26 @@ pub struct Candidate {
     /// Figure of merit of the method; for the circle fit the relative standard deviation of the
     /// damping surface.
     pub quality: Option<f64>,
+}
+
+impl Candidate {
+    /// A single pole of which nothing else is known.
+    pub fn new(pole: Pole) -> Self {
+        Self {
+            order: None,
+            pole,
+            participation: None,
+            residues: None,
+            residue_stds: None,
+            multiplicity: 1,
+            frequency_std_hz: None,
+            damping_std: None,
+            frequency_damping_correlation: None,
+            frequency_bias_hz: None,
+            damping_bias: None,
+            quality: None,
+        }
+    }
 }
 
 /// Status of a pole of one model order.
@@ -112,7 +134,7 @@ pub trait PoleEstimator {
     /// Its name in [`ESTIMATORS`](crate::identify::ESTIMATORS).
     fn name(&self) -> &'static str;
 
-    /// Poles in a band.
+    /// Poles in a band; no candidate where the FRFs hold no signal.
     ///
     /// # Errors
     /// [`IdentifyError`] when band or options do not fit the set or a matrix problem has no

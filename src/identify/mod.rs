@@ -25,6 +25,8 @@
 //! factors of several references. `rfp`, `lsce` and `lscf` take the poles that are stable while the
 //! model order rises, with residues by least squares (`mdof`), and list the poles of all orders.
 //!
+//! A file may use its room and those of the last column; a test compares the imports with it.
+//!
 //! | room | holds | may use |
 //! |---|---|---|
 //! | `estimator` | what every method gives | `error` |
@@ -85,6 +87,7 @@ pub struct Entry {
     pub name: &'static str,
     /// Whether it has a model order.
     pub has_order: bool,
+    /// Its constructor; an estimator without shifts between runs has an empty `impl Method`.
     build: fn(&MethodOptions) -> Box<dyn Method>,
 }
 
@@ -95,7 +98,11 @@ impl Entry {
     }
 }
 
-/// Every estimator.
+/// Every estimator, in ascending order of effort: a study names the first one that suffices, and
+/// takes those without a model order as methods of one mode at a time.
+///
+/// The implementation is a file of `sdof`, `mdof` or `ml` that takes the FRFs of the band from
+/// `data::band_frfs`.
 pub const ESTIMATORS: &[Entry] = &[
     Entry {
         name: "peak",

@@ -43,8 +43,9 @@ pub trait Format: Sync {
     /// Name for `--format` and messages.
     fn name(&self) -> &'static str;
 
-    /// File extensions that ask for it, in lower case; none when it is not written.
-    fn extensions(&self) -> &'static [&'static str] {
+    /// Extensions under which it is written, in lower case; none where it is only read. Reading goes
+    /// by content.
+    fn written_extensions(&self) -> &'static [&'static str] {
         &[]
     }
 

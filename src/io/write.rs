@@ -59,7 +59,9 @@ fn rename_into_place(temporary: tempfile::NamedTempFile, path: &Path) -> Result<
 
 /// Every extension that asks for a format that is written.
 pub fn writable_extensions() -> Vec<&'static str> {
-    let extensions = FORMATS.iter().flat_map(|format| format.extensions());
+    let extensions = FORMATS
+        .iter()
+        .flat_map(|format| format.written_extensions());
     let mut all: Vec<&'static str> = extensions.copied().collect();
     let mut known = BTreeSet::new();
     all.retain(|extension| known.insert(*extension));
@@ -112,7 +114,8 @@ fn format_for(
     };
     let extension = path.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or("").to_lowercase();
-    let of_extension = |format: &&&dyn Format| format.extensions().contains(&extension.as_str());
+    let of_extension =
+        |format: &&&dyn Format| format.written_extensions().contains(&extension.as_str());
     let mut formats = FORMATS
         .iter()
         .copied()

@@ -403,7 +403,7 @@ const OPTIONAL_TABLES: &str = "
 # force_window_s = 0.02      # hold the force this long after its pulse; its noise counts without it
 
 # [identify]
-# method = \"ml\"             # the default; peak, circle, line, rfp, lsce and lscf as well
+# method = \"ml\"             # the default; `modalign identify --help` has the others
 
 # [pair]
 # max_frequency_error = 0.3  # a fraction: pairs further apart are not considered

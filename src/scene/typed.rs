@@ -270,7 +270,7 @@ pub struct FrfTable {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifyTable {
-    /// `auto` (default), `peak`, `circle`, `line`, `rfp`, `lsce`, `lscf` or `ml`.
+    /// `auto` (default), or the name of one of [`crate::identify::ESTIMATORS`].
     pub method: Option<String>,
     /// Highest model order, for a method that has one.
     pub order: Option<usize>,

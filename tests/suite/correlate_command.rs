@@ -264,6 +264,18 @@ fn the_four_storey_frame_starts_with_its_published_errors_and_shapes() {
 }
 
 #[test]
+fn the_help_names_every_method_and_format() {
+    let help = succeed(["identify", "--help"]);
+    let methods = modalign::identify::ESTIMATORS
+        .iter()
+        .map(|entry| entry.name);
+    let formats = modalign::io::FORMATS.iter().map(|format| format.name());
+    for name in methods.chain(formats) {
+        assert!(help.contains(name), "{name}: {help}");
+    }
+}
+
+#[test]
 fn the_help_of_every_verb_has_an_example() {
     let help = succeed(["--help"]);
     let verbs = help

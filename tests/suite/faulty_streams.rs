@@ -122,6 +122,7 @@ fn read_cut(format: &dyn Format, bytes: &[u8], end: u64) -> Option<Vec<Block>> {
     lengths.iter().enumerate().map(&mut read).collect()
 }
 
+/// The formats whose samples are read after the file is opened.
 #[test]
 fn a_file_that_shrinks_while_it_is_read_is_an_error_or_gives_what_it_held() {
     let all: [(&str, Vec<Vec<u8>>); 8] = [

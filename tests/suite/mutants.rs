@@ -19,6 +19,6 @@ fn readers_survive_damaged_files() {
 fn every_format_is_tried() {
     for format in FORMATS {
         let tried = READERS.iter().any(|reader| reader.name == format.name());
-        assert!(tried, "{}", format.name());
+        assert!(tried, "{} has no line in READERS", format.name());
     }
 }

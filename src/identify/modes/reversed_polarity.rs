@@ -171,20 +171,11 @@ mod tests {
             Complex64::new(1e-9, sign * products.sum::<f64>())
         };
         Candidate {
-            order: None,
-            pole: Pole {
-                lambda: Complex64::new(-1.0, 100.0),
-            },
-            participation: None,
             residues: Some((0..4 * references).map(residue).collect()),
-            residue_stds: None,
             multiplicity: 2,
-            frequency_std_hz: None,
-            damping_std: None,
-            frequency_damping_correlation: None,
-            frequency_bias_hz: None,
-            damping_bias: None,
-            quality: None,
+            ..Candidate::new(Pole {
+                lambda: Complex64::new(-1.0, 100.0),
+            })
         }
     }
 

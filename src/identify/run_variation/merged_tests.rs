@@ -55,20 +55,10 @@ fn an_unmerged_mode_with_misfit_has_the_typical_scatter_of_the_others() {
         ..RunShifts::default()
     };
     let candidate = |hz: f64| Candidate {
-        order: None,
-        pole: Pole {
-            lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
-        },
-        participation: None,
-        residues: None,
-        residue_stds: None,
-        multiplicity: 1,
         frequency_std_hz: Some(0.003),
-        damping_std: None,
-        frequency_damping_correlation: None,
-        frequency_bias_hz: None,
-        damping_bias: None,
-        quality: None,
+        ..Candidate::new(Pole {
+            lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
+        })
     };
     let std = |hz: f64, has_misfit: bool| {
         moved

@@ -3,7 +3,7 @@
 //! A format implements [`Format`] and stands in [`FORMATS`]. Universal files (`uff`) and text
 //! tables (`text`) hold records and FRFs entry by entry. HDF5, MATLAB and NumPy files hold named
 //! arrays: each lists and reads them as an `arrays::store`, and [`arrays::schema`] gives them their
-//! meaning. A matrix file and a pole selection are no measurements: `matrices` and `selection_json`
+//! meaning. A text of lines is a file of `text`, as `signalcalc` is. A matrix file and a pole selection are no measurements: `matrices` and `selection_json`
 //! read them directly and are not in [`FORMATS`].
 //!
 //! A format reads and writes the stream that it is given. It may use the catalogue, sources in
@@ -36,7 +36,8 @@ pub use selection_json::{SELECTION_SCHEMA, read_selection, selection_from_json};
 pub use text::{Pulse, SignalCalc, Table};
 pub use uff::{FileLabel, Uff, write_frfs, write_time_records};
 
-/// Every format that can be read; the content decides which one a file has.
+/// Every format that can be read; the content decides which one a file has. A text export that
+/// states its channels is also in `TEXT_EXPORTS` of `scene/ingest`.
 pub const FORMATS: &[&dyn Format] = &[
     &Uff,
     &Hdf5,

@@ -60,7 +60,7 @@ impl Format for Hdf5 {
         "hdf5"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["h5", "hdf5"]
     }
 

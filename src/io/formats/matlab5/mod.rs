@@ -47,7 +47,7 @@ impl Format for Matlab5 {
         "matlab5"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["mat"]
     }
 

@@ -50,7 +50,7 @@ impl Format for ModesCsv {
         "modes-csv"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["csv"]
     }
 

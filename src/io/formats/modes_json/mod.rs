@@ -23,7 +23,7 @@ impl Format for ModesJson {
         "modes"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["json"]
     }
 

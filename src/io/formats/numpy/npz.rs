@@ -42,7 +42,7 @@ impl Format for Npz {
         "npz"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["npz"]
     }
 

@@ -22,16 +22,16 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// The damage as an error where there is no good row.
+    /// The damage as an error where there is no good row; rows begin at this line.
     ///
     /// # Errors
     /// [`IoError::Text`].
-    pub fn good(mut self, path: &str) -> Result<Self, IoError> {
+    pub fn good(mut self, path: &str, first_line: u64) -> Result<Self, IoError> {
         match self.damage.take_if(|_| self.rows == 0) {
             Some(error) => Err(error),
             None if self.rows == 0 => Err(IoError::Text {
                 path: path.to_owned(),
-                line: 1,
+                line: first_line,
                 what: "rows of numbers",
                 got: "none".to_owned(),
                 expected: "at least one row".to_owned(),
@@ -216,7 +216,8 @@ pub(super) fn table_rows(
         slots,
         any_value: wanted != Wanted::Finite,
     };
-    read_rows(text, &shape, wanted != Wanted::Counted, path)?.good(path)
+    read_rows(text, &shape, wanted != Wanted::Counted, path)?
+        .good(path, dialect.lines_before as u64 + 1)
 }
 
 /// Reads the columns at these places; the damage, where there is one.

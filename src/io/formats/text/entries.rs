@@ -1,4 +1,4 @@
-//! Columns whose headings state everything, to entries.
+//! Sources of text formats, and the entries of columns whose headings state everything.
 
 use num_complex::Complex64;
 
@@ -7,7 +7,25 @@ use super::header_syntax::{Abscissa, HeadingMeaning, Meaning, Part};
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::columns::{RowLines, even_axis};
-use crate::io::{Block, Domain, Entry, EntryAxis, GeneralAxis, MemorySource, SampleFormat};
+use crate::io::{
+    Block, Domain, Entry, EntryAxis, GeneralAxis, IoError, MemorySource, Part as FilePart,
+    SampleFormat,
+};
+
+/// A source without entries.
+pub(super) fn new_source(format: &'static str, path: &str) -> MemorySource {
+    let mut source = MemorySource::default();
+    (source.catalog.format, source.catalog.path) = (format, path.to_owned());
+    source
+}
+
+/// The source with the damage of its rows, where there is one: a row may hold any function.
+pub(super) fn with_damage(mut source: MemorySource, damage: Option<IoError>) -> MemorySource {
+    if let Some(error) = damage {
+        source.catalog.note_damage(error, FilePart::Function);
+    }
+    source
+}
 
 /// Adds the entries of the columns to the source.
 pub(super) fn entries_of(rows: Rows, meanings: &[Meaning], source: &mut MemorySource) {

@@ -1,7 +1,8 @@
 //! Text other than universal files: tables of numbers (CSV and its kin) and the exports of two
 //! measurement systems.
 //!
-//! A text is read in blocks; its numbers are parsed straight from the bytes.
+//! A text is read in blocks ([`encoding::TextBlocks`]); its numbers are parsed straight from the
+//! bytes. Samples are kept in a [`MemorySource`](crate::io::MemorySource).
 
 mod columns;
 mod dialect;

@@ -13,10 +13,10 @@ use num_complex::Complex64;
 
 use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, text_of};
+use super::entries::new_source;
 use super::entries::{axis_of, report_uneven_axis};
 use super::fields::{Notation, RowShape};
 use super::header_syntax::{Abscissa, unit_of};
-use super::table::new_source;
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::frf::Estimator;
 use crate::io::formats::number;

@@ -16,9 +16,9 @@ use super::dialect::{MAX_COLUMNS, too_wide};
 use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, lines, text_of};
 use super::entries::{axis_of, report_uneven_axis};
+use super::entries::{new_source, with_damage};
 use super::fields::{Notation, RowShape, fields, row_of};
 use super::header_syntax::{Abscissa, unit_of};
-use super::table::{new_source, with_damage};
 use crate::dof::Dof;
 use crate::io::{
     Block, Confidence, Delimiter, Domain, Entry, Format, FunctionType, Hints, IoError,
@@ -71,7 +71,8 @@ impl Format for SignalCalc {
             slots: (0..width).map(Some).collect(),
             any_value: false,
         };
-        let mut rows = read_rows(&mut text, &shape, true, path)?.good(path)?;
+        let mut rows =
+            read_rows(&mut text, &shape, true, path)?.good(path, header.lines as u64 + 1)?;
         let damage = rows.damage.take();
         let mut source = new_source(self.name(), path);
         header.entries(rows, &mut source);

@@ -7,13 +7,13 @@
 use super::columns::{Wanted, places, read_columns, table_rows};
 use super::dialect::{Dialect, detect_dialect};
 use super::encoding::{TextBlocks, is_text};
-use super::entries::entries_of;
+use super::entries::{entries_of, new_source, with_damage};
 use super::header_syntax::{Meaning, meanings};
 use super::header_units::with_heading_units;
 use crate::finding::Finding;
 use crate::io::columns::entries_from_columns;
 use crate::io::{
-    ArrayInfo, Confidence, Format, Hints, IoError, MemorySource, Part, ReadSeek, Source, TableSpec,
+    ArrayInfo, Confidence, Format, Hints, IoError, MemorySource, ReadSeek, Source, TableSpec,
     WriteOptions, WriteSeek,
 };
 
@@ -25,7 +25,7 @@ impl Format for Table {
         "table"
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["csv"]
     }
 
@@ -130,19 +130,4 @@ fn column_name(dialect: &Dialect, column: usize) -> String {
         (Some(heading), None) => heading,
         (None, _) => format!("column {}", column + 1),
     }
-}
-
-/// A source without entries.
-pub(super) fn new_source(format: &'static str, path: &str) -> MemorySource {
-    let mut source = MemorySource::default();
-    (source.catalog.format, source.catalog.path) = (format, path.to_owned());
-    source
-}
-
-/// A source that says what is bad in its file, where something is.
-pub(super) fn with_damage(mut source: MemorySource, damage: Option<IoError>) -> MemorySource {
-    if let Some(error) = damage {
-        source.catalog.note_damage(error, Part::Function);
-    }
-    source
 }

@@ -67,7 +67,7 @@ impl Format for Uff {
         NAME
     }
 
-    fn extensions(&self) -> &'static [&'static str] {
+    fn written_extensions(&self) -> &'static [&'static str] {
         &["uff", "unv", "ufb"]
     }
 
