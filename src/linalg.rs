@@ -11,6 +11,7 @@ mod low_modes;
 #[cfg(test)]
 mod low_modes_tests;
 mod matrix;
+mod order;
 mod pencil;
 mod products;
 mod ritz;
@@ -40,6 +41,7 @@ pub use matrix::{
     ComplexMatrix, ComplexView, Matrix3, RealMatrix, Vector3, complex_matrix, not_a_number,
     real_matrix,
 };
+pub use order::{sort_ascending_by, sort_descending_by};
 pub use products::{add_square, adjoint_product, for_each_column, subtract_product};
 pub use scaled_pair::SymmetricModes;
 pub use semidefinite::{

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{Matrix3, Vector3};
 
 use super::CorrelateError;
@@ -290,7 +291,7 @@ pub fn align_nearest(
     let as_good = fits.into_iter().filter(|fit| fit.rms_m <= limit);
     let mut different = distinct_fits(as_good, test, extent(theory));
     let angle = |fit: &Alignment| fit.similarity.angle();
-    different.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    sort_ascending_by(&mut different, angle);
     let as_good = different.len() - 1;
     let chosen = different.swap_remove(0);
     Alignment { as_good, ..chosen }.check_tolerance(tolerance_m)
@@ -314,7 +315,7 @@ fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
             .map(|start| iterate_closest_points(start, points, theory, &tree))
             .collect();
         let mut fits: Vec<Alignment> = fits.into_iter().flatten().collect();
-        fits.sort_by(|a, b| a.rms_m.total_cmp(&b.rms_m));
+        sort_ascending_by(&mut fits, |fit| fit.rms_m);
         fits
     };
     let sample = farthest_points(test, MAX_SAMPLE_POINTS);

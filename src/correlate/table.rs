@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use crate::linalg::sort_ascending_by;
 use crate::modal::ModalModel;
 
 use super::footnote::{Footnote, footnotes};
@@ -178,7 +179,7 @@ fn extra_rows(tests: &[PairedTest<'_>]) -> Vec<Row> {
     };
     let mut cells: Vec<TestCell> = tests.iter().flat_map(of_test).collect();
     let hz = |cell: &TestCell| cell.hz.unwrap_or(f64::INFINITY);
-    cells.sort_by(|a, b| hz(a).total_cmp(&hz(b)));
+    sort_ascending_by(&mut cells, hz);
     let row = |(number, cell): (usize, TestCell)| Row {
         label: format!("x{number}"),
         theory: None,

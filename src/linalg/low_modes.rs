@@ -19,6 +19,7 @@ use faer::{Mat, Par, Side};
 use super::scaled_pair::{ScaledPair, SymmetricModes};
 use super::symmetric_solvers::divide_and_conquer;
 use super::{LinalgError, RealMatrix};
+use crate::linalg::sort_ascending_by;
 
 /// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger:
 /// time without use (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of
@@ -207,7 +208,7 @@ impl<'a> LowModes<'a> {
         let kinetic: Vec<f64> = (0..count).map(kinetic).collect();
         let quotient = |j: usize| strain[j].value / kinetic[j];
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&a, &b| quotient(a).total_cmp(&quotient(b)));
+        sort_ascending_by(&mut order, |&column| quotient(column));
         let along = moved.transpose() * modes.vectors.subcols(count, n - count);
         let mut others = modes.vectors.subcols_mut(count, n - count);
         others -= low * along;

@@ -18,6 +18,7 @@ use super::symmetric_solvers::{
     Solver, SymmetricEigen, divide_and_conquer, not_converged, qr_iteration,
 };
 use super::{LinalgError, RealMatrix, SparseMatrix, verify};
+use crate::linalg::sort_ascending_by;
 
 /// All eigenvalues and vectors of a symmetric matrix, of which the lower triangle counts.
 ///
@@ -74,7 +75,7 @@ impl SymmetricModes {
         let quotient = |j: usize| upper.col(j).transpose() * forces.col(j);
         let values: Vec<f64> = (0..n - first).map(quotient).collect();
         let mut order: Vec<usize> = (0..n - first).collect();
-        order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+        sort_ascending_by(&mut order, |&index| values[index]);
         let sorted = Mat::from_fn(n, n - first, |i, j| upper[(i, order[j])]);
         self.vectors.subcols_mut(first, n - first).copy_from(sorted);
         for (place, &j) in order.iter().enumerate() {

@@ -2,6 +2,7 @@
 //! of a model, energies and sensitivities.
 
 use crate::axis::Band;
+use crate::linalg::sort_descending_by;
 use crate::modal::{ModalModel, Mode};
 use crate::theory::{ModelRoot, ParameterSpec, RootSensitivity};
 
@@ -220,7 +221,7 @@ fn largest_bodies(roots: &[&ModelRoot], count: usize) -> Vec<usize> {
             let shares = roots.iter().map(|root| root.kinetic_energy[*i].1);
             shares.fold(0.0, f64::max)
         };
-        indices.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
+        sort_descending_by(&mut indices, largest);
         indices.truncate(LARGEST_BODY_COLUMNS);
         indices.sort_unstable();
     }

@@ -10,6 +10,7 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::io::modes_from_json;
+use crate::linalg::sort_ascending_by;
 use crate::modal::{ModalModel, Mode, ModeShape};
 use crate::synth::{HitPlan, Truth};
 use crate::theory::ModeOptions;
@@ -113,7 +114,7 @@ fn modes_at_stated_frequencies(
             ..moved(&root[0])
         });
     }
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    sort_ascending_by(&mut modes, |mode| mode.frequency_hz);
     Ok(modes)
 }
 

@@ -16,6 +16,7 @@ use std::fmt;
 use num_complex::Complex64;
 
 use crate::correlate::subspace_mac;
+use crate::linalg::sort_ascending_by;
 use crate::modal::{ModalModel, Mode};
 
 use super::bound::{NoisyLines, PoleBound, pole_bounds};
@@ -306,7 +307,7 @@ impl Comparison<'_> {
         let near = |f: &usize| self.distance_hz(r, *f) <= self.tolerance_hz(r);
         let fits = |f: &usize| self.mac(r, *f) >= MIN_MAC_FRACTION * self.detectability[r].mac;
         let mut candidates: Vec<usize> = (0..self.found.len()).filter(near).filter(fits).collect();
-        candidates.sort_by(|a, b| self.distance_hz(r, *a).total_cmp(&self.distance_hz(r, *b)));
+        sort_ascending_by(&mut candidates, |candidate| self.distance_hz(r, *candidate));
         candidates
     }
 

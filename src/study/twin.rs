@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::frf::FrfSet;
+use crate::linalg::sort_ascending_by;
 use crate::modal::{ModalModel, Mode};
 
 use super::StudyError;
@@ -40,7 +41,7 @@ impl System {
         };
         let modes = model.modes.iter().map(|mode| measured.true_mode(mode));
         let mut modes = modes.collect::<Result<Vec<_>, _>>()?;
-        modes.sort_by(|a, b| a.hz().total_cmp(&b.hz()));
+        sort_ascending_by(&mut modes, |mode| mode.hz());
         if modes.is_empty() {
             return Err(invalid_value(
                 "modes",

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::geometry::Sensor;
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{self, ComplexMatrix, RealMatrix};
 use crate::modal::{ModalModel, Mode, ModeShape, Pole, Scaling, modal_phase_collinearity};
 
@@ -220,7 +221,7 @@ fn roots(omega: &[f64], damping: &RealMatrix) -> Result<Vec<Root>, TheoryError> 
             q: (0..n).map(|k| component(k, column, lambda)).collect(),
         })
         .collect();
-    roots.sort_by(|a, b| a.lambda.norm().total_cmp(&b.lambda.norm()));
+    sort_ascending_by(&mut roots, |root| root.lambda.norm());
     Ok(roots)
 }
 

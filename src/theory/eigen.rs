@@ -10,6 +10,7 @@ use std::sync::Arc;
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::{self, RealMatrix};
+use crate::linalg::{sort_ascending_by, sort_descending_by};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::energy::{StrainShares, kinetic_shares, strain_shares};
@@ -147,7 +148,7 @@ impl Solution {
         let n = eigenvalues.len();
         let value = |j: usize| eigenvalues[j].omega_squared;
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| value(a).total_cmp(&value(b)));
+        sort_ascending_by(&mut order, |&index| value(index));
         let mut vectors = columns(raw, &order);
         let mut omega_squared: Vec<f64> = order.iter().map(|&j| value(j)).collect();
         let roots = repeated_roots(&omega_squared);
@@ -187,7 +188,7 @@ impl Solution {
         };
         let mut moved: Vec<(f64, f64)> = elastic.map(part).collect();
         moved.retain(|(_, part)| *part > ROUNDING_REPORTED);
-        moved.sort_by(|a, b| b.1.total_cmp(&a.1));
+        sort_descending_by(&mut moved, |mode| mode.1);
         let (&(hz, largest), others) = moved.split_first()?;
         let finding = Finding::new(
             Severity::Warning,

@@ -5,6 +5,7 @@
 //! only, where `K_aa - K_ao K_oo^-1 K_oa` would have its error and the rounding of `K_aa`, which is
 //! 1e9 of `K_c` for a mass on a mesh of 800 beam elements.
 
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{
     self, LinalgError, RealMatrix, SparseMatrix, SparseModes, Wanted, real_matrix,
 };
@@ -84,7 +85,7 @@ fn all_modes(
         |j: usize| linalg::sparse_rayleigh_quotient(stiffness, mass, vectors.col_as_slice(j));
     let quotients: Vec<(f64, f64)> = (0..massive.len()).map(quotient).collect();
     let mut order: Vec<usize> = (0..massive.len()).collect();
-    order.sort_by(|&a, &b| quotients[a].0.total_cmp(&quotients[b].0));
+    sort_ascending_by(&mut order, |&index| quotients[index].0);
     Ok(SparseModes {
         omega_squared: order.iter().map(|&j| quotients[j].0).collect(),
         vectors: real_matrix(condensation.size, order.len(), |i, j| {

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::linalg::RealMatrix;
+use crate::linalg::sort_descending_by;
 
 use super::{TheoreticalModel, TheoryModes};
 
@@ -41,7 +42,7 @@ impl ModelRoot {
                 None => kinds.push((kind.to_owned(), *share)),
             }
         }
-        kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
+        sort_descending_by(&mut kinds, |kind| kind.1);
         kinds
     }
 }

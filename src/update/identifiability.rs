@@ -13,6 +13,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::linalg::sort_descending_by;
 use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 
 use super::{FreeParameter, UpdateError};
@@ -131,7 +132,7 @@ impl Identifiability {
 }
 
 fn combination(s: f64, mut parts: Vec<(String, f64)>) -> Combination {
-    parts.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    sort_descending_by(&mut parts, |part| part.1.abs());
     let sign = if parts[0].1 < 0.0 { -1.0 } else { 1.0 };
     parts.retain(|(_, part)| part.abs() >= MIN_LISTED_PART);
     parts.iter_mut().for_each(|(_, part)| *part *= sign);

@@ -3,6 +3,7 @@
 
 use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
 use crate::linalg::RealMatrix;
+use crate::linalg::sort_ascending_by;
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
 
@@ -67,9 +68,7 @@ impl PairedModes {
             self.by_frequency(theory, targets, options.max_frequency_error)
         };
         for root_pair in &mut root_pairs {
-            root_pair
-                .targets
-                .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
+            sort_ascending_by(&mut root_pair.targets, |&target| targets[target].hz);
         }
         root_pairs.sort();
         Ok(root_pairs)
@@ -171,9 +170,7 @@ pub(super) fn with_whole_roots(
         }
         root_pair.modes.sort_unstable();
         root_pair.modes.dedup();
-        root_pair
-            .targets
-            .sort_by(|&a, &b| targets[a].hz.total_cmp(&targets[b].hz));
+        sort_ascending_by(&mut root_pair.targets, |&target| targets[target].hz);
         whole.push(root_pair);
     }
     whole.sort();

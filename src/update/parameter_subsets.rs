@@ -19,6 +19,7 @@ use super::result::{Fit, fit};
 use super::solve::solve_from_starts;
 use super::trust_region::Solution;
 use super::{UpdateError, UpdateProblem};
+use crate::linalg::sort_ascending_by;
 
 /// Pairs are tried among this many of the best single parameters.
 const PAIRED_PARAMETERS: usize = 8;
@@ -218,7 +219,7 @@ impl<'b> Trials<'b> {
         let changes: Vec<Result<(Vec<usize>, SubsetFit), UpdateError>> =
             sets.par_iter().map(change).collect();
         let mut changes = changes.into_iter().collect::<Result<Ranked, _>>()?;
-        changes.sort_by(|a, b| a.1.fit.chi_square.total_cmp(&b.1.fit.chi_square));
+        sort_ascending_by(&mut changes, |change| change.1.fit.chi_square);
         Ok(changes)
     }
 

@@ -12,6 +12,7 @@
 //! With equal deviations `sigma` of all `d` components, whose root mean square is 1, its square is
 //! `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
 
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
 use crate::theory::{ModeDerivatives, TheoryModes};
 
@@ -37,7 +38,7 @@ pub(super) struct RootPairResidual<'a> {
 impl<'a> RootPairResidual<'a> {
     pub fn new(root_pair: &RootPair, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
         let mut members = root_pair.modes.clone();
-        members.sort_by(|&a, &b| modes.omega_rad_s[a].total_cmp(&modes.omega_rad_s[b]));
+        sort_ascending_by(&mut members, |&member| modes.omega_rad_s[member]);
         let targets: Vec<&Target> = root_pair.targets.iter().map(|&t| &targets[t]).collect();
         let projection = |target: &&Target| {
             let shapes = target.shapes.as_ref()?;

@@ -1,6 +1,7 @@
 //! The result of an update holds the multi-start solution, identifiability, and parameters kept
 //! where the data do not determine them.
 
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{RealMatrix, real_matrix};
 use crate::theory::ParameterStatus;
 
@@ -342,7 +343,7 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
     let count = ends.len();
     ends.retain(|(_, z)| !near(z, &found.best.at.z));
     let reached = count - ends.len();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_ascending_by(&mut ends, |end| end.0);
     let mut others: Vec<(&Vec<f64>, OtherOptimum)> = Vec::new();
     for (objective, z) in ends {
         match others.iter_mut().find(|(known, _)| near(known, z)) {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::finding::{Code, Finding, Location, Severity};
+use crate::linalg::sort_descending_by;
 use crate::modal::ModalModel;
 
 use super::super::model_roots::check_model;
@@ -111,7 +112,7 @@ fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -
             }
         }
     }
-    found.sort_by(|a, b| b.mac.total_cmp(&a.mac));
+    sort_descending_by(&mut found, |found| found.mac);
     found
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::linalg::sort_ascending_by;
 use crate::modal::ModalModel;
 
 use super::super::model_roots::elastic_modes;
@@ -65,10 +66,7 @@ pub(super) fn clusters(
         pairing,
     };
     let mut modes = elastic_modes(theory);
-    modes.sort_by(|&a, &b| {
-        let hz = |j: usize| theory.modes[j].frequency_hz;
-        hz(a).total_cmp(&hz(b))
-    });
+    sort_ascending_by(&mut modes, |&j| theory.modes[j].frequency_hz);
     let mut clusters: Vec<Vec<usize>> = Vec::new();
     for j in modes {
         match clusters.last_mut() {

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::correlate::assign;
+use crate::linalg::sort_ascending_by;
 use crate::theory::ModelRoot;
 
 /// One root as a table of natural frequencies prints it.
@@ -134,7 +135,7 @@ pub fn match_roots(
     }
     let unmatched = (0..model.len()).filter(|j| !taken[*j]);
     rows.extend(unmatched.map(|j| row(Some(&model[j]), None)));
-    rows.sort_by(|a, b| a.omega_rad_s().total_cmp(&b.omega_rad_s()));
+    sort_ascending_by(&mut rows, |row| row.omega_rad_s());
     RootMatch {
         simple: summary(rows.iter().filter(|row| row.is_simple())),
         elastic: summary(rows.iter()),
@@ -166,7 +167,7 @@ fn partners(
             .total_cmp(&published[*b].omega_rad_s)
     });
     let mut columns: Vec<usize> = partners.iter().copied().flatten().collect();
-    columns.sort_by(|a, b| model[*a].omega_rad_s.total_cmp(&model[*b].omega_rad_s));
+    sort_ascending_by(&mut columns, |column| model[*column].omega_rad_s);
     for (row, column) in rows.into_iter().zip(columns) {
         partners[row] = Some(column);
     }

@@ -22,6 +22,7 @@ use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
+use crate::linalg::sort_ascending_by;
 
 /// Half length of the lines of a block, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 20.0;
@@ -90,7 +91,7 @@ pub(in crate::identify) fn refine(
             .any(|root| matches!(root.progress, FitState::Fresh(_)));
         // Blocks keep their lines while poles iterate, so that both cannot drift together.
         let mut tasks = plan.take().unwrap_or_else(|| {
-            roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+            sort_ascending_by(&mut roots, |root| root.lambda.im);
             tasks(windows, blocks(&data.frfs, windows, &roots, fresh))
         });
         let iterates = |root: &usize| roots[*root].progress != FitState::Settled;
@@ -149,7 +150,7 @@ pub(in crate::identify) fn refine(
     }
     let kept = plan.into_iter().flatten();
     windows.extend(kept.filter_map(|task| task.window));
-    roots.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+    sort_ascending_by(&mut roots, |root| root.lambda.im);
     roots.par_iter_mut().for_each(|root| {
         root.quality.pole_std =
             root.quality.pole_bound * data.noise.pole_noise_factor(&data.frfs, root).sqrt();

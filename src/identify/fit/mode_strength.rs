@@ -9,6 +9,7 @@
 
 use num_complex::Complex64;
 
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{self, ComplexMatrix};
 
 /// Shapes of the modes of a pole, by outputs of one covariance.
@@ -112,7 +113,7 @@ impl Strength {
                 )
             })
             .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_ascending_by(&mut order, |index| index.0);
         let (values, combinations) = order.into_iter().unzip();
         Some(Strengths {
             values,

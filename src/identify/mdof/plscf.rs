@@ -41,6 +41,7 @@ use crate::identify::mdof::normal_equations::{CHUNK_OUTPUTS, Output, Transforms}
 use crate::identify::mdof::pole_tracks::{GlobalPole, OrderPoles};
 use crate::identify::mdof::stabilization::rising_orders;
 use crate::identify::mdof::z_plane::ZPlane;
+use crate::linalg::sort_ascending_by;
 
 /// Minimum and maximum ridge on the diagonals, relative to their mean, so that data without noise
 /// have a solution: the round-off of the sums, and the precision that normal equations lose.
@@ -182,7 +183,7 @@ impl Lscf {
                 })
             })
             .collect::<Result<_, LinalgError>>()?;
-        poles.sort_by(|p, q| p.lambda.im.total_cmp(&q.lambda.im));
+        sort_ascending_by(&mut poles, |pole| pole.lambda.im);
         Ok(poles)
     }
 }

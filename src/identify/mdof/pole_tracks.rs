@@ -7,6 +7,7 @@
 
 use num_complex::Complex64;
 
+use crate::linalg::sort_ascending_by;
 use crate::modal::mac;
 
 /// Maximum distance from order to order, in decay rates.
@@ -99,7 +100,7 @@ pub(in crate::identify) fn stable_poles(tables: &[OrderPoles], step_rad_s: f64) 
             }
         })
         .collect();
-    stable_poles.sort_by(|a, b| a.pole.lambda.im.total_cmp(&b.pole.lambda.im));
+    sort_ascending_by(&mut stable_poles, |stable| stable.pole.lambda.im);
     stable_poles
 }
 

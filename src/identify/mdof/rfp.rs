@@ -43,6 +43,7 @@ use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::pole_tracks::{GlobalPole, MIN_TRACK_ORDERS, OrderPoles};
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 use crate::identify::noise::band_profile::BandProfile;
+use crate::linalg::sort_ascending_by;
 
 /// Lines on either side of a peak: half-power bandwidths, and minimum number.
 const HALF_WINDOW_BANDWIDTHS: f64 = 20.0;
@@ -243,7 +244,7 @@ impl Window {
         };
         let roots = basis.roots(&denominator)?.into_iter().map(to_pole);
         let mut poles: Vec<GlobalPole> = roots.filter(|pole| pole.lambda.re < 0.0).collect();
-        poles.sort_by(|p, q| p.lambda.im.total_cmp(&q.lambda.im));
+        sort_ascending_by(&mut poles, |pole| pole.lambda.im);
         Ok(poles)
     }
 }

@@ -19,6 +19,7 @@ use crate::identify::fit::fit_data::FitData;
 use crate::identify::ml::residual_peaks::strongest_inputs;
 use crate::identify::noise::band_profile::BandProfile;
 use crate::identify::pole_model::pole_metrics::reduced_chi_square;
+use crate::linalg::sort_descending_by;
 
 /// Half-width of the band of the test, half-power bandwidths: beyond it the second term has a
 /// hundredth of its energy.
@@ -70,7 +71,7 @@ pub(in crate::identify) fn close_pair_candidates(
         Some((energy, j, ModelPole::single(lambda, &parts[0], functions)))
     };
     let mut found: Vec<_> = (0..poles.len()).filter_map(second).collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort_descending_by(&mut found, |found| found.0);
     found.into_iter().map(|(_, j, pole)| (j, pole)).collect()
 }
 

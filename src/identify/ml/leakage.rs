@@ -27,6 +27,7 @@ use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
 use crate::identify::ml::estimator::MaximumLikelihood;
 use crate::identify::pole_model::PoleModel;
 use crate::identify::sdof::findings::MAX_LEAKAGE_BIAS;
+use crate::linalg::sort_ascending_by;
 
 /// Largest distance from a mode, frequency lines, of the lines on which line shapes are compared:
 /// the first side lobe of the Hann window.
@@ -159,7 +160,7 @@ impl PoleModel {
         self.poles.retain(|pole| is_other(&pole));
         let merged = groups.iter().flat_map(|group| &group.merged);
         self.poles.extend(merged.cloned());
-        (self.poles).sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        sort_ascending_by(&mut self.poles, |pole| pole.lambda.im);
         self.reestimate_noise_and_prune();
         self.complete();
         let is_lost = |group: &Group| !self.poles.iter().any(|pole| is_of(pole, group));
@@ -288,7 +289,7 @@ fn split_groups(fit: &PoleModel, smoothed: &PoleModel, shape: LineShape) -> Vec<
     let plain = fit.poles.iter().map(|pole| (pole, false));
     let smoothed = smoothed.poles.iter().map(|pole| (pole, true));
     let mut all: Vec<(&ModelPole, bool)> = plain.chain(smoothed).collect();
-    all.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
+    sort_ascending_by(&mut all, |entry| entry.0.lambda.im);
     let is_near =
         |a: &(&ModelPole, bool), b: &(&ModelPole, bool)| b.0.lambda.im - a.0.lambda.im < limit;
     let group = |chunk: &[(&ModelPole, bool)]| {

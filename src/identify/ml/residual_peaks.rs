@@ -11,6 +11,7 @@ use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::data::residual::Residual;
 use crate::identify::fit::detection_threshold::{noise_norm_quantile, upper_quantile};
 use crate::identify::fit::fit_data::FitData;
+use crate::linalg::sort_descending_by;
 
 /// Minimum number of segments in the band: sets the maximum segment length.
 const MIN_SEGMENTS_PER_BAND: usize = 8;
@@ -200,7 +201,7 @@ fn segments(
         }
         width *= 2;
     }
-    found.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    sort_descending_by(&mut found, |found| found.excess);
     let mut chosen: Vec<Segment> = Vec::new();
     for segment in found {
         let clear = |other: &Segment| {

@@ -19,6 +19,7 @@ use crate::identify::estimator::{Candidate, PoleTable};
 use crate::identify::modes::rank_one_terms;
 use crate::identify::modes::reversed_polarity::sign_reversed_frf;
 use crate::identify::modes::shape::{self, Residues, ScaledShape};
+use crate::linalg::sort_ascending_by;
 
 /// Maximum relative residual of one shape for the residues of one mode at several references.
 const MAX_SHAPE_MISFIT: f64 = 0.25;
@@ -51,7 +52,7 @@ pub(in crate::identify) fn modal_model(
         modes_by_pole.push(modes);
         findings.extend(finding);
     }
-    modes_by_pole.sort_by(|a, b| a[0].frequency_hz.total_cmp(&b[0].frequency_hz));
+    sort_ascending_by(&mut modes_by_pole, |modes| modes[0].frequency_hz);
     let repeated = modes_by_pole.iter_mut().filter(|modes| modes.len() > 1);
     for (group, modes) in (1..).zip(repeated) {
         modes.iter_mut().for_each(|mode| mode.group = Some(group));

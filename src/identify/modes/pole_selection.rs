@@ -18,6 +18,7 @@ use crate::modal::{Pole, PoleSelection, SelectedPole};
 
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleStatus, PoleTable};
+use crate::linalg::sort_ascending_by;
 
 /// Maximum distance of a mode from the selected pole that it belongs to, in decay rates.
 const MATCH_DECAY_RATES: f64 = 0.5;
@@ -73,7 +74,7 @@ pub(in crate::identify) fn select_poles(
         }
     }
     let frequency = |selected: &(SelectedPole, SelectablePole)| selected.1.as_in_data.lambda.im;
-    taken.sort_by(|a, b| frequency(a).total_cmp(&frequency(b)));
+    sort_ascending_by(&mut taken, frequency);
     let chosen: Vec<Complex64> = taken
         .iter()
         .map(|selected| selected.1.as_in_data.lambda)

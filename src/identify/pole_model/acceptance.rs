@@ -10,6 +10,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_resonance};
 use crate::identify::fit::detection_threshold::{modes_above_noise, significance};
 use crate::identify::pole_model::findings::DropReason;
+use crate::linalg::sort_ascending_by;
 
 /// Number of independent resonance widths at each frequency line: trials of noise for the
 /// false-alarm probability.
@@ -56,10 +57,7 @@ impl AcceptanceTest<'_> {
     /// Required edits, at most one of poles within a half-power bandwidth of each other.
     pub fn required_edits(&self, poles: &[ModelPole]) -> Vec<PoleEdit> {
         let mut order: Vec<usize> = (0..poles.len()).collect();
-        order.sort_by(|a, b| {
-            let worth = |j: &usize| poles[*j].quality.significance();
-            worth(a).total_cmp(&worth(b))
-        });
+        sort_ascending_by(&mut order, |j| poles[*j].quality.significance());
         let mut changes: Vec<PoleEdit> = Vec::new();
         let mut touched: Vec<usize> = Vec::new();
         for j in order {

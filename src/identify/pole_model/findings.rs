@@ -19,6 +19,7 @@ use crate::identify::pole_model::pole_metrics::{
 use crate::identify::run_variation::RunShifts;
 use crate::identify::run_variation::separate_responses::{by_point, run_partners};
 use crate::identify::sdof::findings::{reach, rejected_peak_finding};
+use crate::linalg::sort_ascending_by;
 
 /// Minimum number of frequency lines in a half-power band; below it the damping depends on the
 /// model alone.
@@ -229,7 +230,7 @@ impl FindingContext<'_> {
             let finding = Finding::new(Severity::Info, code, self.location(lambda));
             reported.push((lambda, finding.value(value, unit).limit(limit)));
         }
-        reported.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
+        sort_ascending_by(&mut reported, |pole| pole.0.im);
         reported.into_iter().map(|(_, finding)| finding).collect()
     }
 

@@ -13,6 +13,7 @@ use crate::identify::pole_model::findings::FindingContext;
 use crate::identify::pole_model::pole_metrics::{
     MAX_CHI_SQUARE, PoleMetrics, lines_of_pole, reduced_chi_square_by_frf,
 };
+use crate::linalg::sort_descending_by;
 
 /// Residual above the noise over the response, both root mean square near the pole, above which a
 /// misfit matters: the unmodelled response moves the frequency by about as large a part of the
@@ -79,7 +80,7 @@ impl FindingContext<'_> {
         let consequences = misfitting.map(|(pole, metrics)| self.consequence(pole, metrics));
         let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
         let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
-        all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        sort_descending_by(&mut all, worth);
         let worst = all.first()?;
         let location = match all.len() {
             1 => self.location(worst.pole.lambda),
@@ -160,7 +161,7 @@ impl FindingContext<'_> {
             .filter(|misfit| **misfit > MAX_CHI_SQUARE)
             .count();
         let mut order: Vec<usize> = (0..misfits.len()).collect();
-        order.sort_by(|a, b| misfits[*b].total_cmp(&misfits[*a]));
+        sort_descending_by(&mut order, |index| misfits[*index]);
         let named = order
             .iter()
             .take(LISTED_FUNCTIONS.min(above.max(1)))

@@ -26,6 +26,7 @@ use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine}
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::run_variation::RunShifts;
+use crate::linalg::{sort_ascending_by, sort_descending_by};
 
 pub(in crate::identify) mod acceptance;
 pub(in crate::identify) mod findings;
@@ -252,9 +253,9 @@ impl PoleModel {
             modes.filter(|(pole, _)| is_mode(pole)).collect();
         if let Some(most) = self.options.max_modes {
             let worth = |(pole, _): &(&ModelPole, &PoleMetrics)| pole.quality.significance();
-            kept.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+            sort_descending_by(&mut kept, worth);
             kept.truncate(most);
-            kept.sort_by(|a, b| a.0.lambda.im.total_cmp(&b.0.lambda.im));
+            sort_ascending_by(&mut kept, |kept| kept.0.lambda.im);
         }
         let evidence = FindingContext {
             set,

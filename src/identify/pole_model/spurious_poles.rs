@@ -9,6 +9,7 @@ use crate::identify::pole_model::findings::{DropReason, Dropped};
 use crate::identify::pole_model::pole_metrics::{
     Rejection, RejectionPolicy, phases_scatter, rejection_reason, residual_chi_square,
 };
+use crate::linalg::sort_ascending_by;
 
 /// Maximum rounds of rejection.
 const MAX_REJECTION_ROUNDS: usize = 30;
@@ -51,11 +52,7 @@ impl PoleModel {
             };
             let mut order: Vec<(usize, Rejection)> =
                 (0..self.poles.len()).filter_map(rejected).collect();
-            order.sort_by(|a, b| {
-                pole_metrics[a.0]
-                    .contribution
-                    .total_cmp(&pole_metrics[b.0].contribution)
-            });
+            sort_ascending_by(&mut order, |(j, _)| pole_metrics[*j].contribution);
             let mut rejected: Vec<(usize, Rejection)> = Vec::new();
             for (j, rejection) in order {
                 let leans = |(other, _): &(usize, Rejection)| {

@@ -28,6 +28,7 @@ use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::estimator::Candidate;
 use crate::identify::fit::fit_data::FitData;
+use crate::linalg::{sort_ascending_by, sort_descending_by};
 
 mod model_selection;
 mod pole_shift;
@@ -229,7 +230,7 @@ impl RunShifts {
             |a: &Grouping, b: &Grouping| b.modes < a.modes || b.modes == a.modes && b.gain > a.gain;
         let best = alternatives.reduce(|a, b| if better(&a, &b) { b } else { a });
         let mut moving = best.map_or_else(Vec::new, |grouping| grouping.shifted);
-        moving.sort_by(|a, b| a.lambda.im.total_cmp(&b.lambda.im));
+        sort_ascending_by(&mut moving, |pole| pole.lambda.im);
         moving
     }
 
@@ -479,7 +480,7 @@ fn explained_by_mass(mode: &ShiftedMode, runs: &[Vec<usize>]) -> f64 {
 fn groups(model_poles: &[ModelPole], bandwidths: f64, fraction: f64) -> Vec<Vec<usize>> {
     let strength = |j: &usize| model_poles[*j].quality.significance();
     let mut order: Vec<usize> = (0..model_poles.len()).collect();
-    order.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    sort_descending_by(&mut order, strength);
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for j in order {
         let same = |group: &&mut Vec<usize>| {

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 
 use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
 use crate::identify::run_variation::run_fit::{Best, Line, Run, Step};
+use crate::linalg::sort_ascending_by;
 
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 30;
@@ -209,7 +210,7 @@ impl Resonance<'_> {
 /// The pole of the median frequency.
 fn median(poles: impl Iterator<Item = Complex64>) -> Option<Complex64> {
     let mut poles: Vec<Complex64> = poles.collect();
-    poles.sort_by(|a, b| a.im.total_cmp(&b.im));
+    sort_ascending_by(&mut poles, |pole| pole.im);
     poles.get(poles.len() / 2).copied()
 }
 

@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use crate::linalg::{self, ComplexMatrix, ThinQr};
 
 use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
+use crate::linalg::sort_ascending_by;
 
 /// Maximum change of a decay rate over that of its frequency.
 const MAX_SLOPE: f64 = 0.5;
@@ -227,7 +228,7 @@ impl<'a> Run<'a> {
             one: trial_poles[one],
             by_one: whole - left_by_one,
             two: two.map(|(mut pair, residual_energy)| {
-                pair.sort_by(|a, b| a.im.total_cmp(&b.im));
+                sort_ascending_by(&mut pair, |pole| pole.im);
                 ([pair[0], pair[1]], whole - residual_energy)
             }),
         }

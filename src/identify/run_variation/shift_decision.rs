@@ -13,6 +13,7 @@ use crate::identify::run_variation::pole_shift::{Fitted, Track};
 use crate::identify::run_variation::resonance::Resonance;
 use crate::identify::run_variation::run_fit::{Run, Step, without};
 use crate::identify::run_variation::shifted_mode::ShiftedMode;
+use crate::linalg::sort_descending_by;
 
 /// Maximum shift of a run, half-power bandwidths or fraction of the frequency: the mass of a sensor
 /// or a drift causes no larger shift, but two modes look like one.
@@ -128,7 +129,7 @@ impl Resonance<'_> {
             powers.sum()
         };
         let mut order: Vec<(f64, &Vec<usize>)> = runs.iter().map(|run| (power(run), run)).collect();
-        order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        sort_descending_by(&mut order, |(power, _)| *power);
         let strongest: Vec<Vec<usize>> = (order.into_iter().take(SCREENED_RUNS))
             .map(|(_, run)| run.clone())
             .collect();

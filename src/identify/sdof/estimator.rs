@@ -32,6 +32,7 @@ use crate::identify::sdof::single_mode_method::{
     Isolated, MIN_RESIDUE_SIDE_LINES, RESIDUE_HALF_WINDOW_BANDWIDTHS, Resonance, SingleModeFit,
     SingleModeMethod,
 };
+use crate::linalg::sort_descending_by;
 
 /// Fits of every resonance with the other modes subtracted.
 const REFINEMENT_PASSES: usize = 5;
@@ -177,7 +178,7 @@ fn strongest_modes(found: &DetectedPeaks, max_modes: Option<usize>) -> Vec<usize
     let power = |mode: &usize| found.peaks[*mode].power;
     let mut modes: Vec<usize> = (0..found.peaks.len()).collect();
     if let Some(max_modes) = max_modes {
-        modes.sort_by(|a, b| power(b).total_cmp(&power(a)));
+        sort_descending_by(&mut modes, power);
         modes.truncate(max_modes);
         modes.sort_unstable();
     }

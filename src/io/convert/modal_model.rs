@@ -1,6 +1,7 @@
 //! The modes of a catalogue become a modal model.
 
 use crate::io::Catalog;
+use crate::linalg::sort_ascending_by;
 use crate::modal::{InputFile, ModalModel};
 
 /// The modes of a file as a modal model, in ascending frequency.
@@ -10,7 +11,7 @@ pub fn modal_model_of(catalog: &Catalog, inputs: Vec<InputFile>) -> ModalModel {
         .iter()
         .map(|entry| entry.mode.clone())
         .collect();
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    sort_ascending_by(&mut modes, |mode| mode.frequency_hz);
     ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs,

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::correlate::{Status, TestSummary};
 use crate::finding::{Code, Finding, Severity};
+use crate::linalg::sort_descending_by;
 use crate::scene::Overview;
 
 use super::super::Language;
@@ -240,7 +241,7 @@ fn identified_changes(parameters: &[Value], language: Language) -> Vec<String> {
             let std = std.filter(|std| *std > 0.0).unwrap_or(f64::INFINITY);
             (to.unwrap_or(0.0) - from.unwrap_or(0.0)).abs() / std
         };
-        identified.sort_by(|a, b| change_in_stds(b).total_cmp(&change_in_stds(a)));
+        sort_descending_by(&mut identified, |parameter| change_in_stds(parameter));
         identified.truncate(MAX_LISTED_ITEMS);
     }
     let mut sentences: Vec<String> = identified

@@ -1,6 +1,7 @@
 //! Bar charts show frequency errors by mode and kinetic energy fractions by natural frequency.
 
 use crate::correlate::Status;
+use crate::linalg::sort_descending_by;
 use crate::scene::{EnergyBar, Overview, OverviewCell, OverviewRow, TestFigures};
 
 use super::super::test_title::test_title;
@@ -135,7 +136,7 @@ pub(super) fn energies(bars: &[EnergyBar]) -> Option<String> {
             None => totals.push((name, *share)),
         }
     }
-    totals.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_descending_by(&mut totals, |total| total.1);
     let color = |name: &str| {
         let rank = totals.iter().position(|(body, _)| *body == name);
         rank.filter(|rank| *rank < MAX_COLORED_BODIES)

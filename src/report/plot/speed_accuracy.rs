@@ -1,6 +1,7 @@
 //! The speed and accuracy figures show time and error of every method, and errors over their
 //! Cramér-Rao bound against noise.
 
+use crate::linalg::sort_ascending_by;
 use crate::study::{Condition, DetectionCounts, Method, SpeedAccuracy, TestStudy};
 
 use super::axis::{Axis, draw_frame, range};
@@ -207,7 +208,7 @@ fn draw_panel(canvas: &mut Canvas, chart: &Chart, quantity: usize, x: &Axis) {
         ])
     };
     let mut front: Vec<&Point> = chart.points.iter().filter(|point| point.on_front).collect();
-    front.sort_by(|a, b| a.time_s.unwrap_or(0.0).total_cmp(&b.time_s.unwrap_or(0.0)));
+    sort_ascending_by(&mut front, |entry| entry.time_s.unwrap_or(0.0));
     // The front is that of time and frequency error.
     if quantity == 0 {
         let corners: Vec<_> = front.iter().map(|point| place(point)).collect();

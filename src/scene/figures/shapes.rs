@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::correlate::Pairing;
 use crate::dof::Dof;
 use crate::geometry::{Geometry, Sensor, Target, unit};
+use crate::linalg::sort_ascending_by;
 use crate::linalg::{Vector3, complex_matrix, least_squares};
 use crate::modal::ModeShape;
 
@@ -391,7 +392,7 @@ fn lines_along_axis(points: &[ShapePoint]) -> Vec<[usize; 2]> {
     }
     let mut order: Vec<usize> = (0..points.len()).collect();
     let coordinate = |i: usize| (at(i) - at(0)).dot(&along);
-    order.sort_by(|a, b| coordinate(*a).total_cmp(&coordinate(*b)));
+    sort_ascending_by(&mut order, |index| coordinate(*index));
     order.windows(2).map(|two| [two[0], two[1]]).collect()
 }
 

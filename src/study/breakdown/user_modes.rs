@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::frf::FrfSet;
+use crate::linalg::sort_ascending_by;
 use crate::modal::{ModalModel, Mode};
 
 use super::slice::{MIN_SUCCESS_RATE, SliceResult, SuccessRate};
@@ -228,7 +229,7 @@ impl SliceResult {
                 .nearest()
                 .map_or(f64::INFINITY, |(_, distance)| distance.share)
         };
-        points.sort_by(|a, b| slack(a).total_cmp(&slack(b)));
+        sort_ascending_by(&mut points, slack);
         points
     }
 

@@ -2,6 +2,7 @@
 
 use super::super::Method;
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
+use crate::linalg::sort_ascending_by;
 
 /// Largest number of missed and spurious modes of a reliable method, as a share of the observable
 /// modes.
@@ -30,7 +31,7 @@ pub fn recommendations(study: &SpeedAccuracy) -> Vec<String> {
 fn fastest_and_most_exact(test: &TestStudy) -> Option<String> {
     let mut front: Vec<&DataRow> = test.data.iter().filter(|row| row.on_front).collect();
     let time = |row: &&DataRow| row.timing.median_s.unwrap_or(f64::INFINITY);
-    front.sort_by(|a, b| time(a).total_cmp(&time(b)));
+    sort_ascending_by(&mut front, time);
     let described = |row: &DataRow| {
         let error = match (row.is_reference, row.counts.frequency()) {
             (true, _) => "the refined solution itself".to_owned(),

@@ -11,6 +11,7 @@ use crate::finding::Finding;
 use crate::modal::{InputFile, ModalModel, Mode, ModeShape, Pole, Scaling};
 
 use crate::io::IoError;
+use crate::linalg::sort_ascending_by;
 
 /// The schema text.
 pub const MODES_SCHEMA: &str = "modalign-modes/1";
@@ -193,7 +194,7 @@ pub fn modes_from_json(text: &str, path: &str) -> Result<ModalModel, IoError> {
         read_mode(mode).map_err(|got| error(1, 1, format!("mode {}: {got}", index + 1)))
     });
     let mut modes: Vec<Mode> = modes.collect::<Result<_, _>>()?;
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    sort_ascending_by(&mut modes, |mode| mode.frequency_hz);
     Ok(ModalModel {
         producer: file.producer,
         inputs: file

@@ -12,6 +12,7 @@ use crate::modal::{ModalModel, Mode};
 use super::array_index::ArrayIndex;
 use super::arrays::{Put, numbers, text, texts};
 use crate::io::formats::dropped_content::DroppedContent;
+use crate::linalg::sort_ascending_by;
 
 /// Emits the modes in ascending frequency. A mode that its text cannot hold (a number that is not
 /// finite) is left out.
@@ -29,7 +30,7 @@ pub(super) fn write(
     if carried.is_empty() {
         return Ok(());
     }
-    carried.sort_by(|a, b| a.1.mode.frequency_hz.total_cmp(&b.1.mode.frequency_hz));
+    sort_ascending_by(&mut carried, |mode| mode.1.mode.frequency_hz);
     let count = carried.len();
     let model = model(
         carried
@@ -127,7 +128,7 @@ pub(super) fn read(
             (position, entry)
         })
         .collect();
-    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_ascending_by(&mut placed, |entry| entry.0);
     modes.extend(placed.into_iter().map(|(_, entry)| entry));
     Ok(())
 }

@@ -12,6 +12,7 @@ use crate::io::{
     Block, Catalog, Domain, Entry, EntryAxis, FunctionType, GeneralAxis, IoError, Part,
     SampleFormat, Source,
 };
+use crate::linalg::sort_ascending_by;
 
 use super::array_index::{ArrayIndex, same_shape};
 use super::arrays::SCHEMA;
@@ -109,7 +110,7 @@ pub(in crate::io) fn open_with_schema(
     for (error, part) in errors {
         catalog.note_damage(error, part);
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_ascending_by(&mut found, |found| found.0);
     let (entries, places) = found
         .into_iter()
         .map(|(_, entry, place)| (entry, place))
