@@ -11,6 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
+use super::draws;
 use super::identification::identified;
 use super::systems::{Drawn, component, dofs, mode};
 
@@ -161,7 +162,7 @@ fn outcome(setup: &Setup, number: u64) -> Outcome {
 }
 
 fn outcomes(setup: &Setup) -> Vec<Outcome> {
-    (0..DRAWS)
+    (0..draws(DRAWS))
         .into_par_iter()
         .map(|n| outcome(setup, n))
         .collect()
@@ -225,7 +226,7 @@ fn two_references_tell_close_pairs_where_the_bound_does() {
         (label, two, allowed, fewest(allowed, chance), worst)
     });
     for (label, two, allowed, fewest, worst) in judged {
-        assert_eq!(allowed as u64, DRAWS, "{label}");
+        assert_eq!(allowed as u64, draws(DRAWS), "{label}");
         assert!(two >= fewest, "{label}: {two} of {allowed}, not {fewest}");
         assert!(worst <= MAX_PAIR_ANGLE_DEG, "{label}: {worst}");
     }

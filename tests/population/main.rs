@@ -35,6 +35,13 @@ use rayon::prelude::*;
 
 use population::Member;
 
+/// Number of draws of a long test: all, or the first of as many parts as the environment variable
+/// `POPULATION_PARTS` says. The limits are the same.
+fn draws(all: u64) -> u64 {
+    let parts = std::env::var("POPULATION_PARTS").map_or(1, |parts| parts.parse().unwrap());
+    all / parts
+}
+
 /// Every member, kind by kind.
 fn members() -> Vec<Member> {
     let family = pipeline::family();
