@@ -212,8 +212,8 @@ impl Dof {
         }
     }
 
-    /// The point and the positive axis: neither the sensor's sign nor the number of the measurement.
-    pub(crate) fn site(&self) -> Self {
+    /// The DOF without the polarity of its sensor and without the number of the measurement.
+    pub(crate) fn without_sign_and_repeat(&self) -> Self {
         self.positive().with_repeat(1)
     }
 

@@ -78,17 +78,17 @@
 //!
 //! # Where to begin
 //!
-//! Implement the trait, and add the implementation to the list:
+//! Implement the trait, if there is one, and add to the list:
 //!
 //! | to add | implement | list |
 //! |---|---|---|
 //! | a file format | [`io::Format`]; its source is an [`io::MemorySource`] or an [`io::Source`] | [`io::FORMATS`], and `READERS` in `tests/population/mutation.rs` |
-//! | a method of identification | [`identify::PoleEstimator`] | [`identify::ESTIMATORS`] |
+//! | a method of identification | [`identify::PoleEstimator`], and `Method` of `identify`, empty but for one that knows measurement runs | [`identify::ESTIMATORS`] |
 //! | a machine | [`theory::TheoreticalModel`] | [`theory::BUILT_IN`] |
 //! | an output of tables | [`report::Renderer`] | [`report::RENDERERS`] |
-//! | an observation about data | - | [`finding::Code`] |
+//! | a finding | - | [`finding::Code`] |
 //!
-//! The command line, its help and the tests take their names from these lists.
+//! The command line and its help offer what the lists contain.
 //!
 //! # Where things are
 //!

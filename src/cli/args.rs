@@ -580,7 +580,10 @@ fn code(text: &str) -> Result<Code, String> {
 
 fn method_help() -> String {
     let names: Vec<&str> = ESTIMATORS.iter().map(|entry| entry.name).collect();
-    format!("auto (ml), {}; lscf is known as PolyMAX", names.join(", "))
+    format!(
+        "auto (= ml) or one of {}; lscf is the polyreference LSCF (PolyMAX)",
+        names.join(", ")
+    )
 }
 
 fn format_help() -> String {

@@ -165,14 +165,8 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
         },
         ..HammerOptions::default()
     };
-    let of_scene = |scene: &Scene| {
-        let first = scene.tests.first();
-        first.map_or_else(
-            || scene.hammer.clone(),
-            |test| test.hammer_options(&scene.hammer),
-        )
-    };
-    let base = scene.map_or(default, of_scene);
+    let test = scene.and_then(|scene| Some((scene, scene.tests.first()?)));
+    let base = test.map_or(default, |(scene, test)| test.hammer_options(&scene.hammer));
     let estimator = match args.estimator.as_deref() {
         None => base.estimate.estimator,
         Some(name) => Estimator::from_name(name)

@@ -6,8 +6,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{Matrix3, Vector3};
+use crate::linalg::{Matrix3, Vector3, sort_ascending_by};
 
 use super::CorrelateError;
 use super::nearest::PointTree;

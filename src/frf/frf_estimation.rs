@@ -235,7 +235,7 @@ impl Estimation<'_> {
         Ok(to_si(hit, channel, samples, &mut work.record)?)
     }
 
-    /// The finding of a response of this extent that is empty or clipped.
+    /// The finding of a response that is constant or clipped; `extent` is its range of values.
     fn rejection(&self, index: RecordIndex, record: &[f64], extent: &Extent) -> Option<Finding> {
         let number = self.group.numbers[index.hit];
         let limits = self.selection.overloads.as_ref()?;

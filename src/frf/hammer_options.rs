@@ -35,6 +35,6 @@ pub struct HammerOptions {
     pub accept: BTreeSet<usize>,
     /// Numbers, from 1, of hits that are not used whatever the rules say.
     pub reject: BTreeSet<usize>,
-    /// Judge, but use every hit that `reject` does not name.
+    /// Assess, but use every hit that `reject` does not name.
     pub keep_all: bool,
 }

@@ -36,11 +36,13 @@ pub struct HammerTestResult {
     pub estimate: EstimateOptions,
 }
 
-/// Assesses every hit, decides the window and estimates the FRFs of the accepted hits.
+/// Assesses every hit that the user does not reject, decides the window and estimates the FRFs of
+/// the accepted hits.
 ///
 /// One exponential window serves the whole test, so that every pole gets the same added damping.
 /// With it the records begin at their pulse, see [`EstimateOptions::cut_pretrigger`]. Where the
-/// rules would reject all hits of an excitation point, they are accepted, with a finding.
+/// rules would reject all hits of an excitation point, its hits are used all the same, with a
+/// finding.
 ///
 /// # Errors
 /// As [`estimate_recording`]; [`FrfError::HitNumber`] for a stated hit that is not there;
@@ -66,7 +68,7 @@ pub fn evaluate_hammer_test(
         hi_hz: 0.0,
     })?;
     let estimation_findings = std::mem::take(&mut estimated.set.findings);
-    // A clipped response is found by its hit report and again by its transform.
+    // Hit report and estimation both find a clipped response; the finding is kept once.
     let new: Vec<Finding> = estimation_findings
         .into_iter()
         .filter(|f| !findings.contains(f))
@@ -175,8 +177,8 @@ fn decide_window(
         },
     };
     let cut = options.cut_pretrigger.unwrap_or(end.is_some());
-    let stretch_s = shortest_response_s(recording, hits);
-    let window = |end| ExponentialWindow::from_end_value(end, stretch_s);
+    let duration_s = shortest_response_s(recording, hits);
+    let window = |end| ExponentialWindow::from_end_value(end, duration_s);
     let estimate = EstimateOptions {
         exponential: end.map(window).transpose()?,
         cut_pretrigger: cut,

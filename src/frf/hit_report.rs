@@ -23,7 +23,7 @@ use super::hammer_options::HammerOptions;
 use super::preconditions::check;
 
 /// Responses of a hit that are assessed.
-const ASSESSED_RESPONSES: usize = 4;
+const MAX_ASSESSED_RESPONSES: usize = 4;
 
 /// Hits that are read and assessed at a time.
 const HITS_PER_BLOCK: usize = 8;
@@ -117,7 +117,7 @@ fn code(rule: Rule) -> Code {
 /// The stored data of a hit until the series is checked.
 struct AssessedHit {
     report: HitReport,
-    /// Force, and the response of which FRFs are compared, at the assessed lines.
+    /// Force, and the response of which FRFs are compared, at the lines of the assessed band.
     spectra: (Vec<Complex64>, Vec<Complex64>),
     /// That response.
     compared: Dof,
@@ -186,7 +186,7 @@ impl HitSamples {
         };
         // Spread over the channels: neighbours in a file often sit side by side.
         let count = info.responses.len();
-        let step = count.div_ceil(ASSESSED_RESPONSES);
+        let step = count.div_ceil(MAX_ASSESSED_RESPONSES);
         let force = read(ChannelPlace::Force)?;
         let responses = (0..count).step_by(step.max(1));
         let responses = responses.map(|r| Ok((r, read(ChannelPlace::Response(r))?)));

@@ -1,5 +1,5 @@
-//! FRFs are grouped by measurement run: those measured together, with the roving sensor or hammer at
-//! one position.
+//! FRFs are grouped by measurement run: those measured together, with the roving sensor or hammer
+//! at one position.
 
 use std::collections::BTreeMap;
 
@@ -8,15 +8,16 @@ use crate::frf::Function;
 
 /// Functions by run, and whether the sensor roves.
 ///
-/// A run is the functions of one response point where the responses outnumber the references (a
-/// roving sensor), else those of one reference (a roving hammer).
+/// A run is the functions of one response DOF where the responses outnumber the references, as with
+/// a roving sensor (so is a fixed array of sensors taken); else those of one reference, as with a
+/// roving hammer.
 pub(crate) fn measurement_runs(functions: &[Function]) -> (Vec<Vec<usize>>, bool) {
     let mut responses = BTreeMap::<Dof, Vec<usize>>::new();
     let mut references = BTreeMap::<Dof, Vec<usize>>::new();
     for (i, function) in functions.iter().enumerate() {
-        let response = responses.entry(function.response.site());
+        let response = responses.entry(function.response.without_sign_and_repeat());
         response.or_default().push(i);
-        let reference = references.entry(function.reference.site());
+        let reference = references.entry(function.reference.without_sign_and_repeat());
         reference.or_default().push(i);
     }
     let roving_sensor = responses.len() > references.len();

@@ -1,10 +1,10 @@
 //! Truncation error of H, because the record ends before the response has decayed, estimated from
 //! the record itself.
 //!
-//! One mode of decay rate σ rings as `e^{λt}`, λ = -σ + iω_d. Transformed over a segment `T` from
+//! One mode of decay rate σ rings as `e^{λt}`, λ = -σ + iω_d. Transformed over a duration `T` from
 //! the hit instead of for ever, its part of H is multiplied by `1 - e^{(λ - iω)T}`, at every line:
 //! a relative error of `e^{-σT}`. The energy of that mode falls by `e^{-2σT/4}` from one quarter of
-//! the segment to the next, so that `(E_{q+1} / E_q)² = e^{-σT}`.
+//! the duration to the next, so that `(E_{q+1} / E_q)² = e^{-σT}`.
 //!
 //! A record holds several modes. If their energies add, log E is convex in time and the last fall
 //! is the slowest. If two of them beat, a single fall may be too fast (the last quarter in a node

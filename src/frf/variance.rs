@@ -23,7 +23,7 @@ pub(super) struct NoisePowers {
     pub response: Option<f64>,
     /// Of the force.
     pub force: Option<f64>,
-    /// Quiet samples of the response.
+    /// Pre-trigger samples of the response.
     pub samples: usize,
 }
 

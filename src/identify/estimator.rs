@@ -37,8 +37,8 @@ impl Default for MethodOptions {
 pub struct Candidate {
     /// Model order of the pole.
     pub order: Option<usize>,
-    /// Pole of the data; an exponential window adds its decay rate
-    /// ([`FrfSet::added_damping_rad_s`]).
+    /// Pole as measured, with the decay rate of an exponential window
+    /// ([`FrfSet::added_damping_rad_s`]), which is subtracted later.
     pub pole: Pole,
     /// Participation of each of [`FrfSet::references`].
     pub participation: Option<Vec<Complex64>>,

@@ -16,7 +16,7 @@ pub(in crate::identify) struct Outcome {
     pub run_shifts: RunShifts,
 }
 
-/// A method of identification. One that knows no shifts between runs implements it without a body.
+/// A method of identification. One that estimates no shifts between runs has an empty `impl`.
 pub(in crate::identify) trait Method: PoleEstimator {
     /// As [`PoleEstimator::estimate`], with the shifts between runs: none, unless a method
     /// estimates them.

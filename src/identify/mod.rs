@@ -25,7 +25,7 @@
 //! factors of several references. `rfp`, `lsce` and `lscf` take the poles that are stable while the
 //! model order rises, with residues by least squares (`mdof`), and list the poles of all orders.
 //!
-//! A file may use its room and those of the last column; a test compares the imports with it.
+//! A file may import from its room and from those of the last column, which a test checks.
 //!
 //! | room | holds | may use |
 //! |---|---|---|
@@ -99,7 +99,7 @@ impl Entry {
 }
 
 /// Every estimator, in ascending order of effort: a study names the first one that suffices, and
-/// takes those without a model order as methods of one mode at a time.
+/// takes those without a model order as single-degree-of-freedom methods.
 ///
 /// The implementation is a file of `sdof`, `mdof` or `ml` that takes the FRFs of the band from
 /// `data::band_frfs`.

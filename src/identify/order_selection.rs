@@ -93,7 +93,7 @@ pub struct OrderSelection {
     pub functions: usize,
     /// Number of lines.
     pub lines: usize,
-    /// Number of lines that are held out together.
+    /// Number of lines that are predicted together; above 1, as many on either side are held out.
     pub segment_lines: usize,
     /// Whether the data supply the noise of every FRF; else it is estimated from the residual.
     pub noise_stated: bool,
@@ -326,7 +326,7 @@ impl<'a> Fitted<'a> {
         let (lines, functions) = (data.frfs.lines(), data.frfs.functions());
         let BandProfile {
             level,
-            line_factor: noise_profile,
+            noise_profile,
         } = BandProfile::new(&data.noise, 0..lines);
         let background =
             OutOfBandBasis::new(&data.frfs.omega, &(0..lines), &OutOfBandTerms::Anywhere);
@@ -336,8 +336,8 @@ impl<'a> Fitted<'a> {
             ratios.collect::<Vec<f64>>()
         };
         let value = |k: usize, f: usize| data.frfs.values[f][k] / (level[f] * noise_profile[k]);
-        let line_ratio = data.noise.line_correlation.line_ratio();
-        let segment_lines = (line_ratio.round() as usize).clamp(1, MAX_SEGMENT_LINES);
+        let lines_per_effective_line = data.noise.line_correlation.lines_per_effective_line();
+        let segment_lines = (lines_per_effective_line.round() as usize).clamp(1, MAX_SEGMENT_LINES);
         let mut fitted = Self {
             ratio: (0..functions).map(ratio).collect(),
             basis: linalg::complex_matrix(lines, 0, |_, _| Complex64::ZERO),
@@ -345,13 +345,13 @@ impl<'a> Fitted<'a> {
             used_freedom: 0.0,
             segment_lines,
             segments: Vec::new(),
-            ln_count: (2.0 * (lines * functions) as f64 / line_ratio).ln(),
+            ln_count: (2.0 * (lines * functions) as f64 / lines_per_effective_line).ln(),
             bic: 0.0,
             data,
             noise_profile,
         };
         let basis = background.basis(&data.frfs.omega, &fitted.noise_profile);
-        fitted.add(&basis, line_ratio);
+        fitted.add(&basis, lines_per_effective_line);
         let all = (0..lines).step_by(segment_lines);
         let all = all.map(|k| k..(k + segment_lines).min(lines));
         let leverage = |segment: &Range<usize>, hat: &ComplexMatrix| {

@@ -43,8 +43,8 @@ pub trait Format: Sync {
     /// Name for `--format` and messages.
     fn name(&self) -> &'static str;
 
-    /// Extensions under which it is written, in lower case; none where it is only read. Reading goes
-    /// by content.
+    /// Extensions under which it is written, in lower case; none where it is only read. Reading
+    /// goes by content.
     fn written_extensions(&self) -> &'static [&'static str] {
         &[]
     }
@@ -120,12 +120,12 @@ pub enum Encoding {
 /// An opened file: what is in it, and its samples on demand.
 ///
 /// A format implements the first three methods, and [`Source::read_abscissa`] where it has uneven
-/// axes. Callers use the others, which check the range.
+/// axes. Callers use the others, which check the range and are not to be overridden.
 pub trait Source: Send {
     /// The contents of the headers.
     fn catalog(&self) -> &Catalog;
 
-    /// As [`Source::catalog`], to add to it.
+    /// As [`Source::catalog`], to take its damage; the entries stay as they are.
     fn catalog_mut(&mut self) -> &mut Catalog;
 
     /// Reads samples `range` of entry `entry` into `block`, replacing what it held. Single
@@ -140,8 +140,8 @@ pub trait Source: Send {
         block: &mut Block,
     ) -> Result<(), IoError>;
 
-    /// Puts the abscissa of samples `range` of entry `entry`, whose axis is uneven, into `out`, in
-    /// s, Hz or the unit of the file. The range lies inside the entry.
+    /// Puts the abscissa of samples `range` of entry `entry`, whose axis is uneven, into `out`,
+    /// replacing what it held, in s, Hz or the unit of the file. The range lies inside the entry.
     ///
     /// # Errors
     /// As [`Source::read_samples`]; [`IoError::NotStated`] where the file has no values.
@@ -184,6 +184,10 @@ pub trait Source: Send {
         out: &mut Vec<f64>,
     ) -> Result<(), IoError> {
         check_range(self.catalog(), entry, &range)?;
+        if range.is_empty() {
+            out.clear();
+            return Ok(());
+        }
         match self.catalog().entries[entry].axis.even() {
             Some(even) => {
                 even_abscissa(even, range, out);

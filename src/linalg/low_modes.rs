@@ -17,9 +17,9 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
 use super::scaled_pair::{ScaledPair, SymmetricModes};
+use super::sort_ascending_by;
 use super::symmetric_solvers::divide_and_conquer;
 use super::{LinalgError, RealMatrix};
-use crate::linalg::sort_ascending_by;
 
 /// Modes whose omega² is below this part of the largest are computed by shift and invert. Larger:
 /// time without use (a beam of 500 elements has 56 such modes of 1,002). Smaller: the error of

@@ -14,11 +14,11 @@ use faer::{Mat, Par, Side};
 
 use super::low_modes::LowModes;
 use super::scaled_pair::{ScaledPair, SymmetricModes};
+use super::sort_ascending_by;
 use super::symmetric_solvers::{
     Solver, SymmetricEigen, divide_and_conquer, not_converged, qr_iteration,
 };
 use super::{LinalgError, RealMatrix, SparseMatrix, verify};
-use crate::linalg::sort_ascending_by;
 
 /// All eigenvalues and vectors of a symmetric matrix, of which the lower triangle counts.
 ///

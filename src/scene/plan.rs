@@ -254,7 +254,7 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
 /// Treatment of the mean before the hit.
 pub fn offset(remove: Option<bool>) -> Offset {
     match remove {
-        None => Offset::RemoveIfQuiet,
+        None => Offset::RemoveIfPretrigger,
         Some(true) => Offset::Remove,
         Some(false) => Offset::Keep,
     }

@@ -261,7 +261,7 @@ pub struct FrfTable {
     /// Whether the mean before the hit is removed from every channel; where it can be measured when
     /// not stated.
     pub remove_offset: Option<bool>,
-    /// Judge the hits, but use all that `reject` does not name.
+    /// Assess the hits, but use all that `reject` does not name.
     #[serde(default)]
     pub keep_all: bool,
 }

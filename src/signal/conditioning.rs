@@ -19,10 +19,10 @@ pub enum Offset {
     /// It stays.
     #[default]
     Keep,
-    /// It is taken off; too few pretrigger samples are an error.
+    /// It is taken off; too few pre-trigger samples are an error.
     Remove,
-    /// It is taken off where there are pretrigger samples enough.
-    RemoveIfQuiet,
+    /// It is taken off where there are enough pre-trigger samples.
+    RemoveIfPretrigger,
 }
 
 /// Treatment of every hit before its transform. The default is none.
@@ -184,7 +184,7 @@ pub fn pretrigger_offset(
 ) -> Result<(Option<PreTrigger>, f64), SignalError> {
     let pretrigger = PreTrigger::of(&record[pulse.pretrigger()]);
     let taken = match (offset, &pretrigger) {
-        (Offset::Keep, _) | (Offset::RemoveIfQuiet, None) => 0.0,
+        (Offset::Keep, _) | (Offset::RemoveIfPretrigger, None) => 0.0,
         (_, Some(pretrigger)) => pretrigger.mean,
         (Offset::Remove, None) => {
             return Err(SignalError::NoPreTrigger {
@@ -372,6 +372,6 @@ mod tests {
             matches!(error, SignalError::NoPreTrigger { got: 7, .. }),
             "{error}"
         );
-        assert_eq!(of(Offset::RemoveIfQuiet).unwrap(), (None, 0.0));
+        assert_eq!(of(Offset::RemoveIfPretrigger).unwrap(), (None, 0.0));
     }
 }

@@ -116,11 +116,11 @@ pub enum SignalError {
         /// The accepted values.
         expected: &'static str,
     },
-    /// A limit of the hit judging outside its range.
+    /// A limit of the hit quality outside its range.
     #[error(
         "got limit {parameter} = {got}, expected a positive finite one (a probability below 1, a factor of 1 or more, a limit of rejection not below that of a note)"
     )]
-    JudgeLimit {
+    HitQualityLimit {
         /// Name of the limit.
         parameter: &'static str,
         /// Got.

@@ -1,6 +1,6 @@
 //! Cutting the hits out of one continuous force record by trigger.
 //!
-//! It finds where hits are; it does not judge them and changes no sample. A second contact of the
+//! It finds where hits are; it does not assess them and changes no sample. A second contact of the
 //! hammer stays within the record of its hit.
 
 use std::ops::Range;
@@ -222,7 +222,8 @@ impl Trigger {
         })
     }
 
-    /// Segments above the level, each from its onset to its last sample above the level, in order.
+    /// Contacts: intervals above the level, each from its onset to its last sample above the level,
+    /// in order.
     fn contacts(&self) -> Vec<Range<usize>> {
         let mut contacts = Vec::new();
         let mut sample = 0;

@@ -1,7 +1,7 @@
 //! The hammer pulse is located in a force record; mean and noise of a channel are estimated before
 //! it.
 //!
-//! Works on one force in SI units. It does not judge the hit (double hits, overloads) and changes
+//! Works on one force in SI units. It does not assess the hit (double hits, overloads) and changes
 //! no sample.
 
 use std::ops::Range;
@@ -14,7 +14,7 @@ use super::lane_sum;
 /// the peak).
 pub const ONSET_FRACTION: f64 = 0.05;
 
-/// Fewest pretrigger samples that give a mean and a variance.
+/// Fewest pre-trigger samples that give a mean and a variance.
 pub(super) const MIN_PRETRIGGER_SAMPLES: usize = 8;
 
 /// The hammer pulse of one force record, as sample numbers from 0.
@@ -100,7 +100,7 @@ fn furthest_from(values: &[f64], level: f64) -> Option<usize> {
 /// Mean and variance of one channel before the hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreTrigger {
-    /// Number of pretrigger samples.
+    /// Number of pre-trigger samples.
     pub samples: usize,
     /// Their mean, SI unit of the channel.
     pub mean: f64,
@@ -111,7 +111,7 @@ pub struct PreTrigger {
 impl PreTrigger {
     /// Of the pre-trigger samples of a channel; `None` for fewer than eight.
     ///
-    /// Noise slower than these samples shows in the mean, not in the variance.
+    /// Noise of a longer period than these samples shows in the mean, not in the variance.
     pub fn of(pretrigger: &[f64]) -> Option<Self> {
         if pretrigger.len() < MIN_PRETRIGGER_SAMPLES {
             return None;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_and_variance_of_the_quiet_samples() {
+    fn mean_and_variance_of_the_pre_trigger_samples() {
         let pretrigger: Vec<f64> = (1..=8).map(f64::from).collect();
         let noise = PreTrigger::of(&pretrigger).unwrap();
         assert!((noise.mean - 4.5).abs() < 1e-15 && (noise.variance - 6.0).abs() < 1e-14);

@@ -8,8 +8,7 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::geometry::Sensor;
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{self, ComplexMatrix, RealMatrix};
+use crate::linalg::{self, ComplexMatrix, RealMatrix, sort_ascending_by};
 use crate::modal::{ModalModel, Mode, ModeShape, Pole, Scaling, modal_phase_collinearity};
 
 use super::sensor_modes::check_sensors;

@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::linalg::{self, RealMatrix};
-use crate::linalg::{sort_ascending_by, sort_descending_by};
+use crate::linalg::{self, RealMatrix, sort_ascending_by, sort_descending_by};
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 use super::energy::{StrainShares, kinetic_shares, strain_shares};

@@ -5,9 +5,9 @@
 //! only, where `K_aa - K_ao K_oo^-1 K_oa` would have its error and the rounding of `K_aa`, which is
 //! 1e9 of `K_c` for a mass on a mesh of 800 beam elements.
 
-use crate::linalg::sort_ascending_by;
 use crate::linalg::{
     self, LinalgError, RealMatrix, SparseMatrix, SparseModes, Wanted, real_matrix,
+    sort_ascending_by,
 };
 
 use super::massless::rows_of;

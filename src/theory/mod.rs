@@ -147,7 +147,7 @@ pub struct Spring {
     /// The name that its share of the strain energy goes by; springs of one name are counted
     /// together.
     pub name: String,
-    /// ChannelSegment (or twist) per unit of each coordinate, `b`.
+    /// Stretch (or twist) per unit of each coordinate, `b`.
     pub row: Vec<f64>,
     /// Stiffness, N/m; N m/rad against rotation.
     pub stiffness: f64,

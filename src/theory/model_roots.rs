@@ -3,8 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::linalg::RealMatrix;
-use crate::linalg::sort_descending_by;
+use crate::linalg::{RealMatrix, sort_descending_by};
 
 use super::{TheoreticalModel, TheoryModes};
 

@@ -90,7 +90,7 @@ impl RigidBodies {
         Ok(self.row(body, reading))
     }
 
-    /// ChannelSegment of a spring between two points along a direction, per unit of each coordinate.
+    /// Stretch of a spring between two points along a direction, per unit of each coordinate.
     pub fn stretch_row(
         &self,
         used_by: &str,

@@ -1,6 +1,6 @@
 //! Assembly of a machine of bodies and springs, every number with its derivative by one parameter.
 //!
-//! `M = diag(inertia)`, `K = sum k b b^T` with `b` the segment of a spring per unit of each
+//! `M = diag(inertia)`, `K = sum k b b^T` with `b` the stretch of a spring per unit of each
 //! coordinate; the derivatives are `dK = sum dk b b^T + k (db b^T + b db^T)`. Here are sums alone:
 //! what the bodies and springs are is the model's.
 
@@ -9,14 +9,14 @@ use crate::linalg::{RealMatrix, real_matrix};
 use super::dual::Dual;
 use super::{Coordinate, Motion, Spring, SystemDerivative, SystemMatrices};
 
-/// ChannelSegment per unit of the coordinates that take part, by their index; one that stands twice counts
+/// Stretch per unit of the coordinates that take part, by their index; one that stands twice counts
 /// twice.
-pub(super) type ChannelSegment = Vec<(usize, Dual)>;
+pub(super) type Stretch = Vec<(usize, Dual)>;
 
 /// A spring with its numbers.
 struct MachineSpring {
     name: &'static str,
-    segment: ChannelSegment,
+    stretch: Stretch,
     stiffness: Dual,
 }
 
@@ -39,17 +39,17 @@ impl Machine {
     }
 
     /// Adds a spring.
-    pub fn add(&mut self, name: &'static str, stiffness: Dual, segment: ChannelSegment) {
+    pub fn add(&mut self, name: &'static str, stiffness: Dual, stretch: Stretch) {
         self.springs.push(MachineSpring {
             name,
-            segment,
+            stretch,
             stiffness,
         });
     }
 
     /// Displacement of a point of a body along a direction, per unit of the body's coordinates:
     /// `arm` is the point seen from the body's centre.
-    pub fn point(&self, body: &str, arm: [Dual; 3], direction: [Dual; 3]) -> ChannelSegment {
+    pub fn point(&self, body: &str, arm: [Dual; 3], direction: [Dual; 3]) -> Stretch {
         self.read(body, |coordinate, axis| match coordinate.motion {
             Motion::Translation => dot(axis, direction),
             Motion::Rotation => dot(cross(axis, arm), direction),
@@ -59,14 +59,14 @@ impl Machine {
     }
 
     /// Rotation of a body about a direction, per unit of the body's coordinates.
-    pub fn rotation(&self, body: &str, direction: [Dual; 3]) -> ChannelSegment {
+    pub fn rotation(&self, body: &str, direction: [Dual; 3]) -> Stretch {
         self.read(body, |coordinate, axis| match coordinate.motion {
             Motion::Rotation => dot(axis, direction),
             Motion::Translation | Motion::Arc => Dual::ZERO,
         })
     }
 
-    fn read(&self, body: &str, reading: impl Fn(&Coordinate, [Dual; 3]) -> Dual) -> ChannelSegment {
+    fn read(&self, body: &str, reading: impl Fn(&Coordinate, [Dual; 3]) -> Dual) -> Stretch {
         let all = self.coordinates.iter().enumerate();
         all.filter(|(_, coordinate)| coordinate.body == body)
             .map(|(index, coordinate)| {
@@ -113,8 +113,8 @@ impl Machine {
         let n = self.coordinates.len();
         let mut total = real_matrix(n, n, |_, _| 0.0);
         for spring in &self.springs {
-            for &(i, a) in &spring.segment {
-                for &(j, b) in &spring.segment {
+            for &(i, a) in &spring.stretch {
+                for &(j, b) in &spring.stretch {
                     total[(i, j)] += part(spring.stiffness, a, b);
                 }
             }
@@ -124,7 +124,7 @@ impl Machine {
 
     fn spring(&self, spring: &MachineSpring) -> Spring {
         let mut row = vec![0.0; self.coordinates.len()];
-        for (i, part) in &spring.segment {
+        for (i, part) in &spring.stretch {
             row[*i] += part.value;
         }
         Spring {
@@ -135,8 +135,8 @@ impl Machine {
     }
 }
 
-/// The first segment minus the second.
-pub(super) fn minus(first: ChannelSegment, second: ChannelSegment) -> ChannelSegment {
+/// The first stretch minus the second.
+pub(super) fn minus(first: Stretch, second: Stretch) -> Stretch {
     let turned = second.into_iter().map(|(index, part)| (index, -part));
     first.into_iter().chain(turned).collect()
 }

@@ -13,8 +13,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::linalg::sort_descending_by;
-use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
+use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors, sort_descending_by};
 
 use super::{FreeParameter, UpdateError};
 

@@ -2,8 +2,7 @@
 //! shape.
 
 use crate::correlate::{PairOptions, assign, highest_rigid_hz, pair};
-use crate::linalg::RealMatrix;
-use crate::linalg::sort_ascending_by;
+use crate::linalg::{RealMatrix, sort_ascending_by};
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
 

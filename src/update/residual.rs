@@ -12,8 +12,7 @@
 //! With equal deviations `sigma` of all `d` components, whose root mean square is 1, its square is
 //! `d (1 - MAC)/sigma^2` (for a repeated root with the MAC of the subspace).
 
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors};
+use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors, sort_ascending_by};
 use crate::theory::{ModeDerivatives, TheoryModes};
 
 use super::projection::{Projection, dot};

@@ -1,8 +1,7 @@
 //! The result of an update holds the multi-start solution, identifiability, and parameters kept
 //! where the data do not determine them.
 
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{RealMatrix, real_matrix};
+use crate::linalg::{RealMatrix, real_matrix, sort_ascending_by};
 use crate::theory::ParameterStatus;
 
 use super::evaluate::max_chi_square;

@@ -35,11 +35,11 @@ use rayon::prelude::*;
 
 use population::Member;
 
-/// Number of draws of a long test: all, or the first of as many parts as the environment variable
-/// `POPULATION_PARTS` says. The limits are the same.
+/// Number of draws of a long test: all, divided by the environment variable `POPULATION_PARTS`.
+/// Limits that are absolute numbers hold for all draws, and are weaker for fewer.
 fn draws(all: u64) -> u64 {
     let parts = std::env::var("POPULATION_PARTS").map_or(1, |parts| parts.parse().unwrap());
-    all / parts
+    all.div_ceil(parts)
 }
 
 /// Every member, kind by kind.

@@ -150,7 +150,7 @@ fn an_exponential_window_with_the_pretrigger_cut_leaves_the_damping_as_it_is() {
         response_window,
         cut_pretrigger,
         estimate: EstimateOptions {
-            offset: Offset::RemoveIfQuiet,
+            offset: Offset::RemoveIfPretrigger,
             ..EstimateOptions::default()
         },
         ..HammerOptions::default()

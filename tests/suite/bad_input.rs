@@ -416,7 +416,8 @@ fn a_function_with_a_gap_in_the_band_is_left_out_where_the_good_part_will_do() {
 fn a_scene_without_a_test_has_no_recordings_to_convert() {
     let folder = tempfile::tempdir().unwrap();
     let model = root().join("measurements/free-free-beam/model.toml");
-    let scene = "schema = \"modalign-scene/1\"\n[model]\nfile = \"model.toml\"\n";
+    let scene =
+        "schema = \"modalign-scene/1\"\ntitle = \"A model\"\n[model]\nfile = \"model.toml\"\n";
     let model = std::fs::read_to_string(model).unwrap();
     write(
         folder.path(),

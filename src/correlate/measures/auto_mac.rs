@@ -112,7 +112,7 @@ fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -
             }
         }
     }
-    sort_descending_by(&mut found, |found| found.mac);
+    sort_descending_by(&mut found, |entry| entry.mac);
     found
 }
 

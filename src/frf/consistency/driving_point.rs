@@ -26,7 +26,9 @@ const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
     let functions = data.functions().iter().enumerate();
     functions
-        .filter(|(_, f)| f.response.site() == f.reference.site())
+        .filter(|(_, f)| {
+            f.response.without_sign_and_repeat() == f.reference.without_sign_and_repeat()
+        })
         .filter_map(|(i, _)| sign_finding(data, i))
         .collect()
 }

@@ -116,7 +116,10 @@ impl<'a> Mobilities<'a> {
     pub fn functions_by_dofs(&self) -> std::collections::BTreeMap<(Dof, Dof), Vec<usize>> {
         let mut pairs = std::collections::BTreeMap::<_, Vec<usize>>::new();
         for (i, function) in self.functions().iter().enumerate() {
-            let pair = (function.response.site(), function.reference.site());
+            let pair = (
+                function.response.without_sign_and_repeat(),
+                function.reference.without_sign_and_repeat(),
+            );
             pairs.entry(pair).or_default().push(i);
         }
         pairs

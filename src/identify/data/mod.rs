@@ -2,7 +2,8 @@
 //!
 //! This room holds the input of every method: receptances on the lines of the band and its guard
 //! lines, the FRF matrix with outputs and inputs, poles with participation factors and residues,
-//! the basis of the out-of-band terms. [`band_frfs::BandFrfs`] is made of the FRFs first. It knows no noise model, no method and no mode.
+//! the basis of the out-of-band terms. A method begins with
+//! [`band_frfs::BandFrfs`]. This room knows no noise model, no method and no mode.
 //!
 //! Terms: *outputs × inputs*, the FRF matrix with the smaller side as input; *out-of-band terms*,
 //! the contribution of modes outside the band; *line shape*, `1/(iω − λ)` or its mean under a

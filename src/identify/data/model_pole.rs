@@ -63,7 +63,8 @@ pub(in crate::identify) struct PoleQuality {
     pub combinations: Vec<Vec<Complex64>>,
     /// The largest term of one output.
     pub largest: f64,
-    /// Factor by which line correlation and force noise raise both where there is no mode.
+    /// Factor by which line correlation and force noise raise `strengths` and the square of
+    /// `largest` where there is no mode.
     pub amplitude_noise_factor: f64,
 }
 

@@ -30,14 +30,14 @@ const MIN_LINES_PER_POLE: usize = 3;
 pub(in crate::identify) enum OutOfBandTerms {
     /// Unconstrained: they may lie anywhere.
     Anywhere,
-    /// Their contribution has these frequency profiles; none where the data show no such modes.
-    Profiles(Vec<OutOfBandTerm>),
+    /// Their contribution has these basis functions; none where the data show no such modes.
+    BasisFunctions(Vec<OutOfBandTerm>),
 }
 
 /// Out-of-band term: a rank-one contribution of modes outside the lines, common to all FRFs.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct OutOfBandTerm {
-    /// Frequency profile: one value per line.
+    /// Basis function: one value per line.
     pub values: Vec<Complex64>,
     /// Amplitude in each FRF, over its noise: a vector of length 1.
     pub shares: Vec<Complex64>,
@@ -47,8 +47,8 @@ pub(in crate::identify) struct OutOfBandTerm {
 #[derive(Clone, Debug)]
 pub(in crate::identify) struct OutOfBandBasis<'a> {
     poles: Vec<Complex64>,
-    /// Frequency profiles on the lines of the range.
-    profiles: Vec<&'a [Complex64]>,
+    /// Basis functions on the lines of the range.
+    functions: Vec<&'a [Complex64]>,
 }
 
 impl<'a> OutOfBandBasis<'a> {
@@ -59,13 +59,13 @@ impl<'a> OutOfBandBasis<'a> {
         match outside {
             OutOfBandTerms::Anywhere => Self {
                 poles: clustered(omega, lines, below, above),
-                profiles: Vec::new(),
+                functions: Vec::new(),
             },
-            OutOfBandTerms::Profiles(profiles) => {
-                let terms = profiles.iter().filter(|_| below || above);
+            OutOfBandTerms::BasisFunctions(functions) => {
+                let terms = functions.iter().filter(|_| below || above);
                 Self {
                     poles: Vec::new(),
-                    profiles: terms.map(|term| &term.values[lines.clone()]).collect(),
+                    functions: terms.map(|term| &term.values[lines.clone()]).collect(),
                 }
             }
         }
@@ -73,7 +73,7 @@ impl<'a> OutOfBandBasis<'a> {
 
     /// Number of columns.
     pub fn columns(&self) -> usize {
-        MIN_OUT_OF_BAND_COLUMNS + self.poles.len() + self.profiles.len()
+        MIN_OUT_OF_BAND_COLUMNS + self.poles.len() + self.functions.len()
     }
 
     /// Value of a column at a line of the range.
@@ -84,7 +84,7 @@ impl<'a> OutOfBandBasis<'a> {
             1 => Complex64::from((2.0 * omega[k] - first - last) / (last - first)),
             _ => match self.poles.get(column - MIN_OUT_OF_BAND_COLUMNS) {
                 Some(pole) => pole.re.abs() / (Complex64::new(0.0, omega[k]) - pole),
-                None => self.profiles[column - MIN_OUT_OF_BAND_COLUMNS - self.poles.len()][k],
+                None => self.functions[column - MIN_OUT_OF_BAND_COLUMNS - self.poles.len()][k],
             },
         }
     }

@@ -163,8 +163,8 @@ impl OutOfBandFit {
     }
 
     /// Out-of-band terms of the residual of the poles beyond constant and slope, the strongest
-    /// first: as many as reduce the residual to noise, of which `line_ratio` lines have the
-    /// information of one, and at most `max_terms`.
+    /// first: as many as reduce the residual to noise, of which `lines_per_effective_line` lines
+    /// have the information of one, and at most `max_terms`.
     ///
     /// The coordinates over the noise, a matrix of columns × FRFs, are noise of unit variance plus
     /// one rank-one term per mode; after r terms (columns − r)(FRFs − r) numbers remain (reduced
@@ -172,7 +172,7 @@ impl OutOfBandFit {
     pub fn strongest(
         &self,
         roots: &[ModelPole],
-        line_ratio: f64,
+        lines_per_effective_line: f64,
         max_terms: usize,
     ) -> Vec<OutOfBandTerm> {
         let beyond = self.whitened_coordinates(roots);
@@ -182,7 +182,7 @@ impl OutOfBandFit {
         let remaining = |rank: usize| svd.values[rank..].iter().map(|s| s * s).sum::<f64>();
         let noise = |rank: usize| {
             let numbers = ((beyond.nrows() - rank) * (beyond.ncols() - rank)) as f64;
-            line_ratio * (numbers + numbers.sqrt())
+            lines_per_effective_line * (numbers + numbers.sqrt())
         };
         let all = svd.values.len();
         let needed = (0..all).find(|rank| remaining(*rank) <= noise(*rank));

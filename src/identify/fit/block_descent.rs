@@ -13,7 +13,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, sort_ascending_by};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
@@ -22,7 +22,6 @@ use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
-use crate::linalg::sort_ascending_by;
 
 /// Half length of the lines of a block, half-power bandwidths.
 const FIT_BAND_BANDWIDTHS: f64 = 20.0;

@@ -52,7 +52,7 @@ pub(in crate::identify) struct CompressedBand {
     /// Expansion point λ_0 of each line shape.
     expansion_points: Vec<Complex64>,
     /// Maximum |ε|.
-    max_offset: f64,
+    max_expansion_distance: f64,
     /// Coordinates of out-of-band terms and powers: an upper triangle.
     triangle: ComplexMatrix,
     /// Weights that yield the coordinates of values: lines × coordinates.
@@ -60,7 +60,7 @@ pub(in crate::identify) struct CompressedBand {
     /// Coordinates of the measured values, coordinates × FRFs.
     values: ComplexMatrix,
     /// Coordinates of the out-of-band columns of all lines.
-    out_of_band_columns: ComplexMatrix,
+    out_of_band_column_coordinates: ComplexMatrix,
     /// Version of the data that they were computed from.
     version: u64,
 }
@@ -91,28 +91,28 @@ impl CompressedBand {
         let background = OutOfBandBasis::new(&data.frfs.omega, lines, data.out_of_band_terms());
         let first = background.columns();
         let columns = first + POWERS * expansion_points.len();
-        let powers = power_columns(data.frfs.line_shape, omega, &expansion_points);
+        let powers = line_shape_powers(data.frfs.line_shape, omega, &expansion_points);
         let value = |k: usize, column: usize| {
             let value = match column.checked_sub(first) {
                 None => background.value(column, omega, k),
                 Some(index) => powers[(k, index)],
             };
-            value / profile.line_factor[k]
+            value / profile.noise_profile[k]
         };
         let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
-        let weights = divide_by_profile(&qr.q, &profile.line_factor);
+        let weights = divide_by_profile(&qr.q, &profile.noise_profile);
         let rows = |matrix: &ComplexMatrix| {
             let measured = matrix.subrows(lines.start, lines.len());
             linalg::adjoint_product(&weights, measured)
         };
         Self {
             values: rows(data.frfs.values.matrix()),
-            out_of_band_columns: rows(data.out_of_band_fit().columns()),
+            out_of_band_column_coordinates: rows(data.out_of_band_fit().columns()),
             lines: lines.clone(),
             background: first,
             triangle: qr.r,
             version: data.version(),
-            max_offset: max_expansion_distance(&data.frfs, lines, &profile),
+            max_expansion_distance: max_expansion_distance(&data.frfs, lines, &profile),
             expansion_points,
             weights,
             profile,
@@ -155,7 +155,7 @@ impl CompressedBand {
 
     /// Adds expansion points for the poles that are out of range of the present ones; compresses
     /// the lines anew where the number of coordinates would grow too much.
-    pub fn extend_to(&mut self, data: &FitData, poles: Vec<Complex64>) {
+    pub fn add_missing_expansion_points(&mut self, data: &FitData, poles: Vec<Complex64>) {
         let uncovered = poles
             .iter()
             .filter(|lambda| self.expansion_of(**lambda).is_none());
@@ -170,8 +170,8 @@ impl CompressedBand {
     }
 
     fn add_expansion_points(&mut self, data: &FitData, more: Vec<Complex64>) {
-        let noise_profile = &self.profile.line_factor;
-        let columns = power_columns(
+        let noise_profile = &self.profile.noise_profile;
+        let columns = line_shape_powers(
             data.frfs.line_shape,
             &data.frfs.omega[self.lines.clone()],
             &more,
@@ -189,8 +189,8 @@ impl CompressedBand {
             linalg::adjoint_product(&weights, range)
         };
         self.values = stack(&self.values, &rows(data.frfs.values.matrix()));
-        self.out_of_band_columns = stack(
-            &self.out_of_band_columns,
+        self.out_of_band_column_coordinates = stack(
+            &self.out_of_band_column_coordinates,
             &rows(data.out_of_band_fit().columns()),
         );
         let (high, wide) = (self.triangle.nrows(), self.triangle.ncols());
@@ -216,7 +216,7 @@ impl CompressedBand {
 
     /// Coordinates of columns, and their components outside the present basis.
     fn split_off(&self, columns: &ComplexMatrix) -> (ComplexMatrix, ThinQr) {
-        let noise_profile = &self.profile.line_factor;
+        let noise_profile = &self.profile.noise_profile;
         let raw = linalg::complex_matrix(columns.nrows(), columns.ncols(), |k, c| {
             columns[(k, c)] * noise_profile[k]
         });
@@ -236,15 +236,15 @@ impl CompressedBand {
         };
         let offsets = self.expansion_points.iter().map(offset).enumerate();
         let nearest = offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))?;
-        (nearest.1.norm() <= self.max_offset).then_some(nearest)
+        (nearest.1.norm() <= self.max_expansion_distance).then_some(nearest)
     }
 
     /// Coordinates of the values minus the known response.
-    pub fn values_minus(&self, known: &KnownResponse) -> CompressedValues {
+    pub fn without_known_response(&self, known: &KnownResponse) -> CompressedValues {
         let pole_coordinates = linalg::adjoint_product(&self.weights, known.line_shapes.as_ref());
         let mut values = &self.values - pole_coordinates * known.residues;
         if let Some(coordinates) = known.out_of_band {
-            values -= &self.out_of_band_columns * coordinates;
+            values -= &self.out_of_band_column_coordinates * coordinates;
         }
         let energy = |f: usize| {
             let energy: f64 = values.col(f).iter().map(Complex64::norm_sqr).sum();
@@ -276,7 +276,7 @@ impl CompressedBand {
             let values = data.frfs.values[*f][self.lines.clone()].iter();
             let terms = values
                 .zip(subtracted.col(index).iter())
-                .zip(&self.profile.line_factor);
+                .zip(&self.profile.noise_profile);
             let terms =
                 terms.map(|((h, known), profile)| (h - known).norm_sqr() / (profile * profile));
             let inside = near.values.col(*f).iter().map(Complex64::norm_sqr);
@@ -333,13 +333,13 @@ impl CompressedBand {
         };
         let explained: f64 = (0..z.ncols()).map(energy).sum();
         let rows = qr.q.ncols() - first;
-        let mut profiles = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
+        let mut line_shapes = linalg::complex_matrix(rows, 2 * count, |_, _| Complex64::ZERO);
         for i in 0..rows {
             for j in 0..count {
-                profiles[(i, j)] = qr.r[(first + i, first + j)];
+                line_shapes[(i, j)] = qr.r[(first + i, first + j)];
             }
             for (index, &j) in moving.iter().enumerate() {
-                profiles[(i, count + j)] = qr.r[(first + i, first + count + index)];
+                line_shapes[(i, count + j)] = qr.r[(first + i, first + count + index)];
             }
         }
         let below = |matrix: &ComplexMatrix, columns: usize, before: usize| {
@@ -348,8 +348,8 @@ impl CompressedBand {
         let compressed = Compressed {
             z: below(&z, z.ncols(), 0),
             g: below(&qr.r, count, first),
-            squares: profiles.adjoint() * &profiles,
-            profiles,
+            squares: line_shapes.adjoint() * &line_shapes,
+            line_shapes,
         };
         (compressed, explained)
     }
@@ -360,7 +360,7 @@ fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandP
     let strongest = |f: usize| {
         let values = frfs.values[f][lines.clone()]
             .iter()
-            .zip(&profile.line_factor);
+            .zip(&profile.noise_profile);
         let powers = values.map(|(h, factor)| h.norm_sqr() / (factor * factor));
         powers.fold(0.0, f64::max) / profile.level[f].powi(2)
     };
@@ -372,7 +372,7 @@ fn max_expansion_distance(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandP
 }
 
 /// Powers of the line shape of each pole: lines × powers of all.
-fn power_columns(
+fn line_shape_powers(
     line_shape: LineShape,
     omega: &[f64],
     expansion_points: &[Complex64],

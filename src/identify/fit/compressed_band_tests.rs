@@ -66,14 +66,14 @@ fn all(window: &CompressedBand, data: &FitData) -> (CompressedValues, f64) {
         residues: &residues,
         out_of_band: None,
     };
-    let near = window.values_minus(&known);
+    let near = window.without_known_response(&known);
     let energy = window.energy(data, &known, &near);
     (near, energy)
 }
 
 /// Energy of the values that out-of-band terms and powers of the line shapes explain, computed from
 /// the lines themselves; and the energy of the values.
-fn values_line_by_line(
+fn energies_from_lines(
     data: &FitData,
     window: &CompressedBand,
     poles: &[Complex64],
@@ -92,10 +92,10 @@ fn values_line_by_line(
                 line_shape.powu((index % powers) as u32 + 1)
             }
         };
-        value / profile.line_factor[k]
+        value / profile.noise_profile[k]
     });
     let values = linalg::complex_matrix(omega.len(), SENSORS, |k, f| {
-        data.frfs.values[f][lines.start + k] / (profile.line_factor[k] * profile.level[f])
+        data.frfs.values[f][lines.start + k] / (profile.noise_profile[k] * profile.level[f])
     });
     let coordinates = linalg::thin_qr(&columns).unwrap().q.adjoint() * &values;
     (coordinates.squared_norm_l2(), values.squared_norm_l2())
@@ -111,7 +111,7 @@ fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_pol
         let moved = |j: usize| truth[j] + offsets[j] * truth[j].re.abs() * Complex64::new(0.6, 0.8);
         let poles = [0, 1].map(moved);
         if !window.serves(&poles) {
-            window.extend_to(&data, poles.to_vec());
+            window.add_missing_expansion_points(&data, poles.to_vec());
         }
         assert!(window.serves(&poles));
         let (near, energy) = all(&window, &data);
@@ -119,7 +119,7 @@ fn coordinates_explain_the_same_energy_as_the_lines_for_near_and_for_shifted_pol
         let mut whole = 0.0;
         for (moving, powers) in [(&[0, 1][..], 2), (&[], 1)] {
             let (_, explained) = window.compressed(&near, &members(&poles), moving);
-            let (expected, all) = values_line_by_line(&data, &window, &poles, powers);
+            let (expected, all) = energies_from_lines(&data, &window, &poles, powers);
             // Ten digits of the whole: the residual is 1e-5 of it.
             let difference = (explained - expected).abs();
             assert!(difference < 1e-10 * all, "{explained} {expected}");
@@ -155,7 +155,7 @@ fn truncation_error_of_poles_within_range_is_far_below_the_noise() {
     let window = window(range);
     let (near, _) = all(&window, &data);
     let (_, explained) = window.compressed(&near, &members(&truth), &[]);
-    let (expected, _) = values_line_by_line(&data, &window, &truth, 1);
+    let (expected, _) = energies_from_lines(&data, &window, &truth, 1);
     // A thousandth of the noise, added to noise, in each of the FRFs.
     let difference = (explained - expected).abs();
     assert!(difference < 2e-3 * SENSORS as f64, "{explained} {expected}");
@@ -176,7 +176,7 @@ fn a_compressed_band_is_valid_for_its_noise_and_its_lines_only() {
         !edge.covers(&(1..341), data.frfs.lines()) && edge.covers(&(0..340), data.frfs.lines())
     );
     data.set_out_of_band_terms(
-        crate::identify::data::out_of_band_basis::OutOfBandTerms::Profiles(Vec::new()),
+        crate::identify::data::out_of_band_basis::OutOfBandTerms::BasisFunctions(Vec::new()),
     );
     assert!(!window.is_of(&data));
 }

@@ -90,9 +90,11 @@ impl FitData {
 
     /// Fit of given out-of-band terms to all lines.
     pub fn fit_of_terms(&self, terms: &OutOfBandTerms) -> OutOfBandFit {
-        let BandProfile { level, line_factor } =
-            BandProfile::new(&self.noise, 0..self.frfs.lines());
-        OutOfBandFit::new(&self.frfs, terms, level, &line_factor)
+        let BandProfile {
+            level,
+            noise_profile,
+        } = BandProfile::new(&self.noise, 0..self.frfs.lines());
+        OutOfBandFit::new(&self.frfs, terms, level, &noise_profile)
     }
 
     /// Prediction of the lines by poles and out-of-band terms.

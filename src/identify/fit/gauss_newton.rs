@@ -213,7 +213,7 @@ impl<'a> BandProblem<'a> {
         let window = match window.take() {
             Some(mut band) => {
                 if !band.serves(&poles) {
-                    band.extend_to(around.data, poles);
+                    band.add_missing_expansion_points(around.data, poles);
                 }
                 band
             }
@@ -221,7 +221,7 @@ impl<'a> BandProblem<'a> {
         };
         let known = other_line_shapes(&around.data.frfs, around.poles, block);
         let response = around.known_response(&known);
-        let near = window.values_minus(&response);
+        let near = window.without_known_response(&response);
         Self {
             energy: window.energy(around.data, &response, &near),
             near,
@@ -268,10 +268,11 @@ impl<'a> BandProblem<'a> {
     fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
         let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
         if !self.window.serves(&poles) {
-            self.window.extend_to(self.around.data, poles);
+            self.window
+                .add_missing_expansion_points(self.around.data, poles);
             self.near = self
                 .window
-                .values_minus(&self.around.known_response(&self.known));
+                .without_known_response(&self.around.known_response(&self.known));
         }
         let moving: Vec<usize> = unknowns
             .iter()

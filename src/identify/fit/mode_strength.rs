@@ -9,8 +9,7 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, sort_ascending_by};
 
 /// Shapes of the modes of a pole, by outputs of one covariance.
 pub(in crate::identify) struct Strength {
@@ -113,7 +112,7 @@ impl Strength {
                 )
             })
             .collect();
-        sort_ascending_by(&mut order, |index| index.0);
+        sort_ascending_by(&mut order, |entry| entry.0);
         let (values, combinations) = order.into_iter().unzip();
         Some(Strengths {
             values,

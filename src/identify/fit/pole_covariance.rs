@@ -92,7 +92,7 @@ fn power_along(data: &FitData, rest: &Residual, root: &ModelPole) -> f64 {
     }
     // Independent complex values, and the degrees of freedom that the fit leaves; a standard
     // deviation from few of these is that of a Student variable.
-    let values = lines.len() as f64 / data.noise.line_correlation.line_ratio();
+    let values = lines.len() as f64 / data.noise.line_correlation.lines_per_effective_line();
     let freedom = (2.0 * (values - FITTED_VALUES)).max(MIN_FREEDOM);
     let ratio = along / independent * (2.0 * values / freedom) * (freedom / (freedom - 2.0));
     if ratio.is_finite() { ratio } else { 0.0 }
@@ -110,7 +110,7 @@ fn variance_inflation(
     let profile = BandProfile::new(&data.noise, lines.clone());
     let fit = FitLines {
         background: OutOfBandBasis::new(&data.frfs.omega, &lines, data.out_of_band_terms()),
-        line_factor: &profile.line_factor,
+        noise_profile: &profile.noise_profile,
         lines: lines.clone(),
     };
     let sensitivity = orthogonal_derivative(&data.frfs, roots, root, &fit)?;
@@ -147,7 +147,7 @@ fn variance_inflation(
             shared.push(along);
         }
     }
-    let weighted = |k: usize| sensitivity[k].conj() / profile.line_factor[k];
+    let weighted = |k: usize| sensitivity[k].conj() / profile.noise_profile[k];
     let each = |values: &dyn Fn(usize) -> Complex64| -> Vec<Complex64> {
         (0..lines.len()).map(|k| weighted(k) * values(k)).collect()
     };
@@ -179,7 +179,7 @@ fn variance_inflation(
 pub(in crate::identify) struct FitLines<'a> {
     pub lines: Range<usize>,
     /// Profile of the noise over these lines.
-    pub line_factor: &'a [f64],
+    pub noise_profile: &'a [f64],
     /// Out-of-band terms of these lines.
     pub background: OutOfBandBasis<'a>,
 }
@@ -194,7 +194,7 @@ pub(in crate::identify) fn orthogonal_derivative(
 ) -> Option<Vec<Complex64>> {
     let FitLines {
         lines,
-        line_factor,
+        noise_profile,
         background,
     } = fit;
     let omega = &frfs.omega[lines.clone()];
@@ -216,9 +216,10 @@ pub(in crate::identify) fn orthogonal_derivative(
             Some(index) => power(k, near[index], 1),
             None => background.value(column, omega, k),
         };
-        value / line_factor[k]
+        value / noise_profile[k]
     });
-    let second = linalg::complex_matrix(lines.len(), 1, |k, _| power(k, root, 2) / line_factor[k]);
+    let second =
+        linalg::complex_matrix(lines.len(), 1, |k, _| power(k, root, 2) / noise_profile[k]);
     let basis: ComplexMatrix = linalg::thin_qr(&others).ok()?.q;
     let component = &second - &basis * (basis.adjoint() * &second);
     let is_independent = component.norm_l2() > MIN_INDEPENDENT_FRACTION * second.norm_l2();

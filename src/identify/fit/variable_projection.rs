@@ -29,7 +29,7 @@ pub(in crate::identify) struct Compressed {
     /// Columns × members.
     pub g: ComplexMatrix,
     /// The same followed by their derivatives, columns × twice the members; 0 for fixed poles.
-    pub profiles: ComplexMatrix,
+    pub line_shapes: ComplexMatrix,
     /// Products of these columns with each other.
     pub squares: ComplexMatrix,
 }
@@ -41,8 +41,8 @@ struct Term {
     number: usize,
     /// Column of the shapes.
     column: usize,
-    /// Column of the profiles.
-    profile: usize,
+    /// Column of the line shapes and their derivatives.
+    line_shape: usize,
     /// One for each input of the pattern, over its noise.
     factors: Vec<Complex64>,
 }
@@ -239,7 +239,7 @@ impl Problem<'_> {
         let mut terms = Vec::new();
         for (number, unknown) in self.unknowns.iter().enumerate() {
             for (column, &(j, part)) in self.columns.iter().enumerate() {
-                let (profile, factors): (usize, Vec<Complex64>) = match *unknown {
+                let (line_shape, factors): (usize, Vec<Complex64>) = match *unknown {
                     Unknown::Pole(member) if member == j => {
                         let factor = |(index, input): (usize, &usize)| {
                             scaled(index, self.members[j].parts[part][*input])
@@ -260,7 +260,7 @@ impl Problem<'_> {
                 terms.push(Term {
                     number,
                     column,
-                    profile,
+                    line_shape,
                     factors,
                 });
             }
@@ -289,18 +289,18 @@ impl Problem<'_> {
         let mut products = zero(terms.len(), outputs);
         for index in 0..inputs {
             let start = rows * index;
-            let of_q = q.subrows(start, rows).adjoint() * &self.data.profiles;
-            let of_residual = self.data.profiles.adjoint() * residual.subrows(start, rows);
+            let of_q = q.subrows(start, rows).adjoint() * &self.data.line_shapes;
+            let of_residual = self.data.line_shapes.adjoint() * residual.subrows(start, rows);
             for (t, term) in terms.iter().enumerate() {
                 let factor = term.factors[index];
                 if factor == Complex64::ZERO {
                     continue;
                 }
                 for c in 0..q.ncols() {
-                    within[(c, t)] += factor * of_q[(c, term.profile)];
+                    within[(c, t)] += factor * of_q[(c, term.line_shape)];
                 }
                 for o in 0..outputs {
-                    products[(t, o)] += factor.conj() * of_residual[(term.profile, o)];
+                    products[(t, o)] += factor.conj() * of_residual[(term.line_shape, o)];
                 }
             }
         }
@@ -315,7 +315,7 @@ impl Problem<'_> {
                     shapes[(term.column, o)].conj() * products[(a, o)];
             }
             for (b, other) in terms.iter().enumerate() {
-                let whole = all[(a, b)] * self.data.squares[(term.profile, other.profile)];
+                let whole = all[(a, b)] * self.data.squares[(term.line_shape, other.line_shape)];
                 let mut inner = whole - explained[(a, b)];
                 if a == b {
                     inner.re = inner.re.max(ROUND_OFF_ENERGY * whole.re);

@@ -34,14 +34,13 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix, LinalgError};
+use crate::linalg::{self, ComplexMatrix, LinalgError, sort_ascending_by};
 
 use crate::identify::error::IdentifyError;
 use crate::identify::mdof::normal_equations::{CHUNK_OUTPUTS, Output, Transforms};
 use crate::identify::mdof::pole_tracks::{GlobalPole, OrderPoles};
 use crate::identify::mdof::stabilization::rising_orders;
 use crate::identify::mdof::z_plane::ZPlane;
-use crate::linalg::sort_ascending_by;
 
 /// Minimum and maximum ridge on the diagonals, relative to their mean, so that data without noise
 /// have a solution: the round-off of the sums, and the precision that normal equations lose.

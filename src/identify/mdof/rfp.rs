@@ -32,7 +32,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, sort_ascending_by};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
@@ -43,7 +43,6 @@ use crate::identify::fit::fit_data::FitData;
 use crate::identify::mdof::pole_tracks::{GlobalPole, MIN_TRACK_ORDERS, OrderPoles};
 use crate::identify::mdof::stabilization::{BandSegment, MultiModeMethod};
 use crate::identify::noise::band_profile::BandProfile;
-use crate::linalg::sort_ascending_by;
 
 /// Lines on either side of a peak: half-power bandwidths, and minimum number.
 const HALF_WINDOW_BANDWIDTHS: f64 = 20.0;
@@ -192,7 +191,7 @@ impl Window {
         let weight = self
             .denominator_weight
             .iter()
-            .zip(&self.profile.line_factor);
+            .zip(&self.profile.noise_profile);
         let weight: Vec<f64> = weight
             .map(|(denominator, noise)| denominator / noise)
             .collect();
@@ -207,7 +206,7 @@ impl Window {
         let mut triangle = linalg::complex_matrix(0, size, |_, _| Complex64::ZERO);
         for (values, level) in data.values.iter().zip(&self.profile.level) {
             let values = &values[self.lines.clone()];
-            let scaled = |k: usize| values[k] / (level * self.profile.line_factor[k]);
+            let scaled = |k: usize| values[k] / (level * self.profile.noise_profile[k]);
             let mut columns = linalg::complex_matrix(self.x.len(), size, |k, j| {
                 scaled(k) * of_noise.columns[j][k]
             });

@@ -71,7 +71,7 @@ pub(in crate::identify) fn close_pair_candidates(
         Some((energy, j, ModelPole::single(lambda, &parts[0], functions)))
     };
     let mut found: Vec<_> = (0..poles.len()).filter_map(second).collect();
-    sort_descending_by(&mut found, |found| found.0);
+    sort_descending_by(&mut found, |entry| entry.0);
     found.into_iter().map(|(_, j, pole)| (j, pole)).collect()
 }
 
@@ -93,7 +93,7 @@ fn second_terms(
     if lines.len() < near.len() + 3 {
         return None;
     }
-    let profile = BandProfile::new(&data.noise, lines.clone()).line_factor;
+    let profile = BandProfile::new(&data.noise, lines.clone()).noise_profile;
     let power = |k: usize, pole: &ModelPole, n: usize| {
         let omega = data.frfs.omega[lines.start + k];
         data.frfs

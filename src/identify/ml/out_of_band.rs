@@ -61,7 +61,7 @@ impl PoleModel {
         for _ in 0..MAX_ROUNDS {
             let before: Vec<Complex64> = self.poles.iter().map(|pole| pole.lambda).collect();
             self.data
-                .set_out_of_band_terms(OutOfBandTerms::Profiles(terms));
+                .set_out_of_band_terms(OutOfBandTerms::BasisFunctions(terms));
             mark_unconverged(&mut self.poles);
             self.refine(Convergence::Judging);
             let moved = |(pole, before): (&ModelPole, &Complex64)| {
@@ -81,7 +81,7 @@ impl PoleModel {
         let fit = self.data.fit_of_terms(&OutOfBandTerms::Anywhere);
         fit.strongest(
             &self.poles,
-            self.data.noise.line_correlation.line_ratio(),
+            self.data.noise.line_correlation.lines_per_effective_line(),
             most,
         )
     }
@@ -110,7 +110,7 @@ impl PoleModel {
     /// and by the dropped terms. Above the limit that noise exceeds with probability 0.05 the bias
     /// is `√(|δ|² − E|δ|²)` along `δ`, else none.
     pub fn add_out_of_band_uncertainty(&mut self) {
-        let OutOfBandTerms::Profiles(terms) = self.data.out_of_band_terms().clone() else {
+        let OutOfBandTerms::BasisFunctions(terms) = self.data.out_of_band_terms().clone() else {
             return;
         };
         let free = self.with_free_poles();
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn the_reported_bias_is_that_of_a_dropped_out_of_band_mode() {
-        let mut fit = fitted(70.0, 1, OutOfBandTerms::Profiles(Vec::new()));
+        let mut fit = fitted(70.0, 1, OutOfBandTerms::BasisFunctions(Vec::new()));
         fit.add_out_of_band_uncertainty();
         for (pole, truth) in fit.poles.iter().zip(truth()) {
             let made = truth - pole.lambda;
@@ -270,7 +270,7 @@ mod tests {
         let mut fit = fitted(50.0, 3, OutOfBandTerms::Anywhere);
         let free: Vec<f64> = fit.poles.iter().map(|r| r.quality.pole_bound).collect();
         fit.reduce_out_of_band_terms();
-        let OutOfBandTerms::Profiles(terms) = fit.data.out_of_band_terms() else {
+        let OutOfBandTerms::BasisFunctions(terms) = fit.data.out_of_band_terms() else {
             panic!("free poles are kept");
         };
         assert!((1..=2).contains(&terms.len()), "{}", terms.len());

@@ -54,7 +54,7 @@ pub(in crate::identify) fn residual_peak_poles(
         &power,
         functions,
         false_alarm_probability,
-        data.noise.line_correlation.line_ratio(),
+        data.noise.line_correlation.lines_per_effective_line(),
     );
     let peak = ResidualPeak {
         data,
@@ -130,13 +130,13 @@ impl ResidualPeak<'_> {
             lines.clone().map(matched).sum()
         };
         let amplitudes: Vec<Complex64> = (0..self.data.frfs.functions()).map(amplitude).collect();
-        let line_factor = self
+        let noise_factor = self
             .data
             .noise
             .line_correlation
             .amplitude_noise_factor(-lambda.re, self.data.frfs.step);
-        let limit =
-            line_factor.sqrt() * noise_norm_quantile(self.frf_matrix, self.false_alarm_probability);
+        let limit = noise_factor.sqrt()
+            * noise_norm_quantile(self.frf_matrix, self.false_alarm_probability);
         let strengths = linalg::singular_values(&self.frf_matrix.matrix(|f| amplitudes[f]));
         let strengths = strengths.unwrap_or_default();
         let limit = limit.max(MIN_RELATIVE_STRENGTH * strengths.first().copied().unwrap_or(0.0));
@@ -201,7 +201,7 @@ fn segments(
         }
         width *= 2;
     }
-    sort_descending_by(&mut found, |found| found.excess);
+    sort_descending_by(&mut found, |entry| entry.excess);
     let mut chosen: Vec<Segment> = Vec::new();
     for segment in found {
         let clear = |other: &Segment| {

@@ -54,10 +54,11 @@ impl PoleModel {
                 return false;
             }
             let relative_std = |pole: &ModelPole| pole.quality.pole_std / pole.decay();
-            let mut uncertain: Vec<f64> = self.poles.iter().map(relative_std).collect();
-            uncertain.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
-            uncertain.sort_by(f64::total_cmp);
-            let Some(limit) = uncertain.get(uncertain.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
+            let mut undetermined: Vec<f64> = self.poles.iter().map(relative_std).collect();
+            undetermined.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
+            undetermined.sort_by(f64::total_cmp);
+            let Some(limit) =
+                undetermined.get(undetermined.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
             else {
                 return true;
             };

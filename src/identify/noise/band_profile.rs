@@ -9,13 +9,13 @@ use crate::identify::noise::model::NoiseModel;
 /// Lines whose sums fit into the nearest cache.
 const CACHE_LINES: usize = 1024;
 
-/// Variance of FRF f at line k of the range: `level_f² line_factor_k²`.
+/// Variance of FRF f at line k of the range: `level_f² noise_profile_k²`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct BandProfile {
     /// Root of the mean variance of each FRF, m/N.
     pub level: Vec<f64>,
     /// Relative profile over the lines of the range; its square has the mean 1.
-    pub line_factor: Vec<f64>,
+    pub noise_profile: Vec<f64>,
 }
 
 impl BandProfile {
@@ -26,8 +26,8 @@ impl BandProfile {
             .into_par_iter()
             .map(|f| noise.mean_variance(f, lines.clone()))
             .collect();
-        let mut line_factor = vec![0.0; lines.len()];
-        let pieces = line_factor.par_chunks_mut(CACHE_LINES).enumerate();
+        let mut noise_profile = vec![0.0; lines.len()];
+        let pieces = noise_profile.par_chunks_mut(CACHE_LINES).enumerate();
         pieces.for_each(|(number, sums)| {
             let first = lines.start + number * CACHE_LINES;
             for (variance, mean) in noise.variance.iter().zip(&mean) {
@@ -40,6 +40,9 @@ impl BandProfile {
             sums.iter_mut().for_each(|sum| *sum = sum.sqrt());
         });
         let level = mean.into_iter().map(f64::sqrt).collect();
-        Self { level, line_factor }
+        Self {
+            level,
+            noise_profile,
+        }
     }
 }

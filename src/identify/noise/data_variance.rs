@@ -25,7 +25,7 @@ const EVALUATIONS_PER_HALF_WIDTH: usize = 2;
 /// Half width for the level of correlated noise, as a fraction of all lines.
 const LEVEL_HALF_WIDTHS_PER_BAND: usize = 16;
 /// Lines of white noise whose second differences have the information of one: 1 + 2 (4² + 1²)/6².
-const DIFFERENCE_LINE_RATIO: f64 = 35.0 / 18.0;
+const DIFFERENCES_PER_EFFECTIVE_LINE: f64 = 35.0 / 18.0;
 /// Minimum of a variance over the mean square, so that data without noise can be divided by it.
 const MIN_VARIANCE_OVER_POWER: f64 = 1e-24;
 
@@ -104,7 +104,7 @@ fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<VarianceSamp
         variance,
         power: values.iter().map(Complex64::norm_sqr).collect(),
         degrees_of_freedom: variance_dof.or(by_averages),
-        line_ratio: 1.0,
+        lines_per_effective_line: 1.0,
         response_noise: None,
     })
 }
@@ -115,7 +115,7 @@ pub(in crate::identify) struct NoiseSquares {
     half_width: usize,
     /// Lines of white noise whose second differences have the information of one; `None` for the
     /// squares of a level.
-    pub difference_line_ratio: Option<f64>,
+    pub differences_per_effective_line: Option<f64>,
 }
 
 impl NoiseSquares {
@@ -132,7 +132,7 @@ impl NoiseSquares {
         Self {
             values: squares.collect(),
             half_width: MEDIAN_HALF_WIDTH_LINES,
-            difference_line_ratio: Some(DIFFERENCE_LINE_RATIO),
+            differences_per_effective_line: Some(DIFFERENCES_PER_EFFECTIVE_LINE),
         }
     }
 
@@ -142,7 +142,7 @@ impl NoiseSquares {
         Self {
             values: scaled.collect(),
             half_width: MEDIAN_HALF_WIDTH_LINES.max(squares.len() / LEVEL_HALF_WIDTHS_PER_BAND),
-            difference_line_ratio: None,
+            differences_per_effective_line: None,
         }
     }
 

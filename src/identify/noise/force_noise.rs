@@ -135,9 +135,11 @@ impl ForceNoise {
             .iter()
             .map(|group| per_segment(&rest.lines, |lines| response.lines(group, lines)))
             .collect();
-        let line_ratio = response_correlation.line_ratio();
+        let lines_per_effective_line = response_correlation.lines_per_effective_line();
         let common_fraction: Vec<f64> = (groups.iter().zip(&self.fraction_from_variances))
-            .map(|(lines, minimum)| common_fraction_of_lines(lines, line_ratio).max(*minimum))
+            .map(|(lines, minimum)| {
+                common_fraction_of_lines(lines, lines_per_effective_line).max(*minimum)
+            })
             .collect();
         let variance_ratio = groups
             .iter()
@@ -168,7 +170,10 @@ impl ForceNoise {
         let estimate = LineCorrelation::from_phases(&phases.collect::<Vec<_>>());
         let stated = (self.window != LineCorrelation::WHITE).then(|| self.window.clone());
         let candidates = stated.into_iter().chain(estimate);
-        let strongest = candidates.max_by(|a, b| a.line_ratio().total_cmp(&b.line_ratio()));
+        let strongest = candidates.max_by(|a, b| {
+            a.lines_per_effective_line()
+                .total_cmp(&b.lines_per_effective_line())
+        });
         Self {
             line_correlation: strongest.unwrap_or_else(|| response_correlation.clone()),
             variance_ratio,
@@ -323,9 +328,10 @@ struct ResponseLine {
 }
 
 /// Fraction c of the force noise that the FRFs have in common: `1 + c (g − 1)` of maximum
-/// likelihood for exponential variables, of which `line_ratio` have the information of one; 0
-/// where the score is not significant. Sensors that were moved share it with some others only.
-fn common_fraction_of_lines(lines: &[ResponseLine], line_ratio: f64) -> f64 {
+/// likelihood for exponential variables, of which `lines_per_effective_line` have the information
+/// of one; 0 where the score is not significant. Sensors that were moved share it with some others
+/// only.
+fn common_fraction_of_lines(lines: &[ResponseLine], lines_per_effective_line: f64) -> f64 {
     let score = |fraction: f64| {
         let (mut score, mut information) = (0.0, 0.0);
         for line in lines.iter().filter(|line| line.noise) {
@@ -337,7 +343,7 @@ fn common_fraction_of_lines(lines: &[ResponseLine], line_ratio: f64) -> f64 {
         (score, information)
     };
     let (first, information) = score(0.0);
-    if first <= MIN_SCORE_STDS * (line_ratio * information).sqrt() {
+    if first <= MIN_SCORE_STDS * (lines_per_effective_line * information).sqrt() {
         return 0.0;
     }
     let (mut low, mut high) = (0.0, 1.0);

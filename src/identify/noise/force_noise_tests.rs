@@ -49,7 +49,7 @@ fn variances_of_the_same_impacts_scatter_together() {
                     power: vec![(1 + f) as f64; variance.len()],
                     variance,
                     degrees_of_freedom: Some(FREEDOM),
-                    line_ratio: 1.0,
+                    lines_per_effective_line: 1.0,
                     response_noise: None,
                 })
                 .collect();

@@ -194,7 +194,7 @@ impl LineCorrelation {
 
     /// Number of values with the information of one independent value, where powers are summed: `Σ
     /// |ρ|²` over all lags.
-    pub fn line_ratio(&self) -> f64 {
+    pub fn lines_per_effective_line(&self) -> f64 {
         1.0 + 2.0 * self.lags.iter().map(Complex64::norm_sqr).sum::<f64>()
     }
 

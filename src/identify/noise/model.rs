@@ -244,7 +244,7 @@ impl NoiseModel {
             &measured,
             &residual,
             source,
-            self.line_correlation.line_ratio(),
+            self.line_correlation.lines_per_effective_line(),
         )
     }
 

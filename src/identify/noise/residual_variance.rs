@@ -51,13 +51,13 @@ pub(in crate::identify) enum ResponseVariance {
 }
 
 impl ResidualVariance {
-    /// Residual of H with its source of response noise; `line_ratio` lines have the information of
-    /// one.
+    /// Residual of H with its source of response noise; `lines_per_effective_line` lines have the
+    /// information of one.
     pub fn new(
         values: &[Complex64],
         residual: &[Complex64],
         source: ResponseVariance,
-        line_ratio: f64,
+        lines_per_effective_line: f64,
     ) -> Self {
         let power = values.iter().map(Complex64::norm_sqr).collect();
         let fit = values.iter().zip(residual);
@@ -80,7 +80,7 @@ impl ResidualVariance {
                 variance: energy,
                 power,
                 degrees_of_freedom: Some(2.0),
-                line_ratio,
+                lines_per_effective_line,
                 response_noise: None,
             },
             squares,
@@ -101,14 +101,15 @@ impl ResidualVariance {
             variance: lines.iter().map(mean).collect(),
             power: lines.iter().map(power).collect(),
             degrees_of_freedom: Some(2.0),
-            line_ratio: self.samples.line_ratio * squares.difference_line_ratio?,
+            lines_per_effective_line: self.samples.lines_per_effective_line
+                * squares.differences_per_effective_line?,
             response_noise: None,
         })
     }
 
     fn difference_squares(&self) -> Option<&NoiseSquares> {
         let squares = self.squares.as_ref();
-        squares.filter(|squares| squares.difference_line_ratio.is_some())
+        squares.filter(|squares| squares.differences_per_effective_line.is_some())
     }
 
     /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.

@@ -54,7 +54,7 @@ pub(in crate::identify) struct VarianceSamples {
     /// ν, where it is specified.
     pub degrees_of_freedom: Option<f64>,
     /// Number of lines with the information of one.
-    pub line_ratio: f64,
+    pub lines_per_effective_line: f64,
     /// `a` at every line, where it is estimated elsewhere; an outlier is then not noise.
     pub response_noise: Option<Vec<f64>>,
 }
@@ -284,7 +284,7 @@ impl VarianceSamples {
                 Some(noise) => deviance(noise, variance, power, *b, max_ratio),
                 None => deviance(&constant(*b), variance, power, *b, max_ratio),
             };
-            -0.5 * self.freedom() / self.line_ratio * sum
+            -0.5 * self.freedom() / self.lines_per_effective_line * sum
         };
         tried.iter().map(of).collect()
     }
@@ -422,7 +422,7 @@ mod tests {
             variance: variance.to_vec(),
             power: values.iter().map(Complex64::norm_sqr).collect(),
             degrees_of_freedom,
-            line_ratio: 1.0,
+            lines_per_effective_line: 1.0,
             response_noise: None,
         };
         smooth(&[&samples]).remove(0)

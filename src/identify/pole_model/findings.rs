@@ -230,7 +230,7 @@ impl FindingContext<'_> {
             let finding = Finding::new(Severity::Info, code, self.location(lambda));
             reported.push((lambda, finding.value(value, unit).limit(limit)));
         }
-        sort_ascending_by(&mut reported, |pole| pole.0.im);
+        sort_ascending_by(&mut reported, |entry| entry.0.im);
         reported.into_iter().map(|(_, finding)| finding).collect()
     }
 

@@ -255,7 +255,7 @@ impl PoleModel {
             let worth = |(pole, _): &(&ModelPole, &PoleMetrics)| pole.quality.significance();
             sort_descending_by(&mut kept, worth);
             kept.truncate(most);
-            sort_ascending_by(&mut kept, |kept| kept.0.lambda.im);
+            sort_ascending_by(&mut kept, |entry| entry.0.lambda.im);
         }
         let evidence = FindingContext {
             set,

@@ -126,7 +126,7 @@ struct PoleFit<'a> {
     pole: &'a ModelPole,
     lines: Range<usize>,
     /// Profile of the noise over these lines.
-    line_factor: Vec<f64>,
+    noise_profile: Vec<f64>,
     /// `Σ_f conj(a_f) r_fk / l_f` of each line.
     projected: Vec<Complex64>,
     /// `Σ_f |a_f/l_f|²`.
@@ -144,14 +144,17 @@ impl<'a> PoleFit<'a> {
     fn new(model: &'a NarrowerBands<'a>, pole: &'a ModelPole) -> Self {
         let data = model.data;
         let lines = window(&data.frfs, std::iter::once(pole));
-        let BandProfile { level, line_factor } = BandProfile::new(&data.noise, lines.clone());
+        let BandProfile {
+            level,
+            noise_profile,
+        } = BandProfile::new(&data.noise, lines.clone());
         let mut projected = vec![Complex64::ZERO; lines.len()];
         for (f, (a, level)) in pole.residues.iter().zip(&level).enumerate() {
             let residual = model.residual.of(f, lines.clone());
             let variance = &data.noise.variance[f][lines.clone()];
-            let values = residual.iter().zip(variance).zip(&line_factor);
-            for (sum, ((r, variance), line_factor)) in projected.iter_mut().zip(values) {
-                *sum += a.conj() / level * r * (variance.sqrt() / (level * line_factor));
+            let values = residual.iter().zip(variance).zip(&noise_profile);
+            for (sum, ((r, variance), noise_profile)) in projected.iter_mut().zip(values) {
+                *sum += a.conj() / level * r * (variance.sqrt() / (level * noise_profile));
             }
         }
         let weights = pole.residues.iter().zip(&level);
@@ -159,7 +162,7 @@ impl<'a> PoleFit<'a> {
             model,
             pole,
             lines,
-            line_factor,
+            noise_profile,
             projected,
             weight: weights.map(|(a, level)| (a / level).norm_sqr()).sum(),
         }
@@ -179,7 +182,7 @@ impl<'a> PoleFit<'a> {
         let NarrowerBands { data, poles, .. } = self.model;
         let fit = FitLines {
             lines,
-            line_factor: &self.line_factor[at.clone()],
+            noise_profile: &self.noise_profile[at.clone()],
             background,
         };
         let derivative = orthogonal_derivative(&data.frfs, poles, self.pole, &fit)?;

@@ -75,7 +75,7 @@ impl<'a> Resonance<'a> {
             return None;
         }
         let profile = BandProfile::new(&data.noise, lines.clone());
-        let over = |k: usize, f: usize| profile.line_factor[k] * profile.level[f];
+        let over = |k: usize, f: usize| profile.noise_profile[k] * profile.level[f];
         let explained = pole_columns(data.frfs.line_shape, &omega, &farther)
             * residues(&farther, data.frfs.functions());
         let aligned = linalg::complex_matrix(omega.len(), data.frfs.functions(), |k, f| {
@@ -124,7 +124,7 @@ impl<'a> Resonance<'a> {
                 Some(lambda) => self.data.frfs.line_shape.pole(self.omega[k], *lambda) * lambda.re,
                 None => self.background[(k, column - near.len())],
             };
-            value / self.profile.line_factor[k]
+            value / self.profile.noise_profile[k]
         });
         ThinQr::or_not_a_number(&columns).q
     }

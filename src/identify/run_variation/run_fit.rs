@@ -3,10 +3,9 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix, ThinQr};
+use crate::linalg::{self, ComplexMatrix, ThinQr, sort_ascending_by};
 
 use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
-use crate::linalg::sort_ascending_by;
 
 /// Maximum change of a decay rate over that of its frequency.
 const MAX_SLOPE: f64 = 0.5;
@@ -166,7 +165,7 @@ impl<'a> Run<'a> {
             ..
         } = self.resonance;
         linalg::complex_matrix(omega.len(), poles.len(), |k, j| {
-            data.frfs.line_shape.power(1.0, omega[k], poles[j], power) / profile.line_factor[k]
+            data.frfs.line_shape.power(1.0, omega[k], poles[j], power) / profile.noise_profile[k]
         })
     }
 

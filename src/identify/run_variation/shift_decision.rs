@@ -346,10 +346,13 @@ impl Resonance<'_> {
             .collect();
         let explained = pole_columns(self.data.frfs.line_shape, &self.omega, &group_poles)
             * residues(&group_poles, self.data.frfs.functions());
-        let BandProfile { line_factor, level } = &self.profile;
+        let BandProfile {
+            noise_profile,
+            level,
+        } = &self.profile;
         let (lines, functions) = (self.omega.len(), self.data.frfs.functions());
         let residual = linalg::complex_matrix(lines, functions, |k, f| {
-            self.aligned[(k, f)] - explained[(k, f)] / (line_factor[k] * level[f])
+            self.aligned[(k, f)] - explained[(k, f)] / (noise_profile[k] * level[f])
         });
         without(&self.basis(&self.others), &residual).squared_norm_l2()
     }

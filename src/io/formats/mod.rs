@@ -3,8 +3,9 @@
 //! A format implements [`Format`] and stands in [`FORMATS`]. Universal files (`uff`) and text
 //! tables (`text`) hold records and FRFs entry by entry. HDF5, MATLAB and NumPy files hold named
 //! arrays: each lists and reads them as an `arrays::store`, and [`arrays::schema`] gives them their
-//! meaning. A text of lines is a file of `text`, as `signalcalc` is. A matrix file and a pole selection are no measurements: `matrices` and `selection_json`
-//! read them directly and are not in [`FORMATS`].
+//! meaning. A new text format is a
+//! file of `text`, such as `signalcalc`. A matrix file and a pole selection are no measurements:
+//! `matrices` and `selection_json` read them directly and are not in [`FORMATS`].
 //!
 //! A format reads and writes the stream that it is given. It may use the catalogue, sources in
 //! memory, scene-described columns and `convert`, never a scene or a path.

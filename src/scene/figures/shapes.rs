@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::correlate::Pairing;
 use crate::dof::Dof;
 use crate::geometry::{Geometry, Sensor, Target, unit};
-use crate::linalg::sort_ascending_by;
-use crate::linalg::{Vector3, complex_matrix, least_squares};
+use crate::linalg::{Vector3, complex_matrix, least_squares, sort_ascending_by};
 use crate::modal::ModeShape;
 
 use super::super::model::Theory;

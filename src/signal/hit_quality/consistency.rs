@@ -18,7 +18,7 @@ const MIN_HITS_FOR_CONSISTENCY: usize = 4;
 pub fn assess_levels(peaks_n: &[f64], limits: &HitQualityLimits) -> Vec<Check> {
     let sizes: Vec<f64> = peaks_n.iter().map(|p| p.abs()).collect();
     let middle = median(&sizes);
-    let judge = |size: &f64| {
+    let assess = |size: &f64| {
         let value = size / middle;
         let factor = value.max(1.0 / value);
         // A comparison with NaN (all peaks 0) is false: not decidable.
@@ -38,7 +38,7 @@ pub fn assess_levels(peaks_n: &[f64], limits: &HitQualityLimits) -> Vec<Check> {
             check
         }
     };
-    sizes.iter().map(judge).collect()
+    sizes.iter().map(assess).collect()
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -77,24 +77,25 @@ pub fn inconsistent_hits(
     limits: &HitQualityLimits,
 ) -> Vec<Check> {
     let n = force.len().min(response.len());
-    let judge = |hit: usize| {
+    let assess = |hit: usize| {
         let Some(residual) = Residual::of(hit, &force[..n], &response[..n]) else {
             return Check::new(Rule::InconsistentHit, Outcome::NotDecidable);
         };
         let others = (n - 2) as f64;
-        let limit = others * ((limits.odd_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
+        let limit =
+            others * ((limits.inconsistency_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
         let outcome = if n < MIN_HITS_FOR_CONSISTENCY {
             Outcome::NotDecidable
         } else if residual.ratio <= limit {
             Outcome::Passed
-        } else if residual.difference > limits.odd_difference {
+        } else if residual.difference > limits.inconsistent_difference {
             Outcome::Rejected
         } else {
             Outcome::Noted
         };
         Check::new(Rule::InconsistentHit, outcome).value(residual.ratio, limit, "")
     };
-    (0..n).map(judge).collect()
+    (0..n).map(assess).collect()
 }
 
 struct Residual {

@@ -6,7 +6,7 @@ use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 use super::pretrigger::{MAX_VARIANCE_RATIO_STDS, rms_about};
 
-/// The last part of the record by which its end is judged, and the first and last by which its
+/// The last part of the record by which its end is assessed, and the first and last by which its
 /// drift is: an eighth.
 const RECORD_END_DIVISOR: usize = 8;
 /// Standard deviations of a drift that count: one in 10^6 by chance.

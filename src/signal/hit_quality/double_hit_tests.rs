@@ -60,7 +60,7 @@ fn hit(width: f64, snr_db: f64, second: Option<(f64, f64)>, random: &mut ChaCha8
     }
 }
 
-fn judge(force_n: &[f64]) -> Check {
+fn assess(force_n: &[f64]) -> Check {
     let pulse = Pulse::locate(force_n, ONSET_FRACTION).expect("a pulse");
     double_hit::double_hit(force_n, STEP_S, &pulse, &HitQualityLimits::default())
 }
@@ -78,7 +78,7 @@ fn clean_hits_raise_no_alarm() {
         for snr_db in [30.0, 45.0, 60.0, 80.0] {
             for _ in 0..8 {
                 let hit = hit(width, snr_db, None, &mut random);
-                let check = judge(&hit.force_n);
+                let check = assess(&hit.force_n);
                 assert!(!found(&check), "{width} {snr_db} {check:?}");
                 let decidable = 0.1 * hit.unit_detectability;
                 if !(6.5..9.5).contains(&decidable) {
@@ -103,7 +103,7 @@ fn second_contacts_are_found_where_they_stand_out() {
             for ratio in [0.03, 0.3, 0.9] {
                 let delay = 1.6 * width + 20.0 + random.random_range(0.0..2000.0);
                 let hit = hit(width, snr_db, Some((ratio, delay)), &mut random);
-                let check = judge(&hit.force_n);
+                let check = assess(&hit.force_n);
                 if ratio * hit.unit_detectability < 10.0 {
                     continue;
                 }
@@ -135,7 +135,7 @@ fn an_earlier_and_smaller_contact_is_found_too() {
     for (k, sample) in force_n.iter_mut().enumerate() {
         *sample += 0.2 * contact(12.0, 310.4, k);
     }
-    let check = judge(&force_n);
+    let check = assess(&force_n);
     assert_eq!(check.outcome, Outcome::Rejected);
     assert!(
         (check.at.expect("a second contact has a time") / STEP_S + 90.0).abs() < 3.0,
@@ -148,7 +148,7 @@ fn overlapping_contacts_are_detected_by_the_rise_between_them() {
     let mut random = ChaCha8Rng::seed_from_u64(14);
     for delay in [1.0, 1.2, 1.5] {
         let hit = hit(40.0, 60.0, Some((0.5, 40.0 * delay)), &mut random);
-        let check = judge(&hit.force_n);
+        let check = assess(&hit.force_n);
         assert_eq!(check.outcome, Outcome::Rejected, "{delay} {check:?}");
     }
 }
@@ -174,7 +174,7 @@ fn droop_hum_and_negative_pulses_raise_no_alarm() {
             .enumerate()
             .map(|(k, f)| disturbed(k, *f))
             .collect();
-        let check = judge(&force_n);
+        let check = assess(&force_n);
         assert!(!found(&check), "{width} {check:?}");
     }
 }

@@ -13,7 +13,7 @@ pub struct HitQualityLimits {
     pub least_detectability: f64,
     /// False alarms of the search for a second contact, per hit in white noise.
     pub double_hit_false_alarms: f64,
-    /// Clipped samples that make an overload.
+    /// Minimum number of clipped samples of an overload.
     pub overload_samples: usize,
     /// Peak over median of the series, or its inverse, from which a hit is noted.
     pub level_noted: f64,
@@ -32,9 +32,9 @@ pub struct HitQualityLimits {
     /// Largest excursion of offset and drift over the peak.
     pub drift: f64,
     /// False alarms of the test for an inconsistent hit, per series.
-    pub odd_false_alarms: f64,
-    /// Least relative difference of an FRF that is rejected as odd.
-    pub odd_difference: f64,
+    pub inconsistency_false_alarms: f64,
+    /// Least relative difference of an FRF that is rejected as inconsistent.
+    pub inconsistent_difference: f64,
 }
 
 impl Default for HitQualityLimits {
@@ -53,8 +53,8 @@ impl Default for HitQualityLimits {
             decay: 0.01, // truncation leaks 1 % of the amplitude: the usual rule for an exponential window
             roll_off_db: 20.0, // below it noise counts ten times as much as at the maximum
             drift: 0.01, // what a rectangle of 1 % adds to the lowest lines
-            odd_false_alarms: 1e-4, // one good hit in 10,000 series
-            odd_difference: 0.2, // 14 dB below the FRF; another point or direction differs by about its whole
+            inconsistency_false_alarms: 1e-4, // one good hit in 10,000 series
+            inconsistent_difference: 0.2, // 14 dB below the FRF; another point or direction differs by about its whole
         }
     }
 }
@@ -63,9 +63,9 @@ impl HitQualityLimits {
     /// Checks the limits.
     ///
     /// # Errors
-    /// [`SignalError::JudgeLimit`] for a limit that is not positive and finite, a probability of 1
-    /// or more, a factor of a level that is not above 1, and a limit of rejection below that of a
-    /// note.
+    /// [`SignalError::HitQualityLimit`] for a limit that is not positive and finite, a probability
+    /// of 1 or more, a factor of a level that is not above 1, and a limit of rejection below that
+    /// of a note.
     pub fn validate(&self) -> Result<(), SignalError> {
         let positive = |got: f64| got > 0.0 && got.is_finite();
         let probability = |got: f64| positive(got) && got < 1.0;
@@ -96,12 +96,20 @@ impl HitQualityLimits {
             row("decay", self.decay, positive),
             row("roll_off_db", self.roll_off_db, positive),
             row("drift", self.drift, positive),
-            row("odd_false_alarms", self.odd_false_alarms, probability),
-            row("odd_difference", self.odd_difference, positive),
+            row(
+                "inconsistency_false_alarms",
+                self.inconsistency_false_alarms,
+                probability,
+            ),
+            row(
+                "inconsistent_difference",
+                self.inconsistent_difference,
+                positive,
+            ),
         ];
         let bad = rows.into_iter().find(|(_, _, inside)| !inside);
         bad.map_or(Ok(()), |(parameter, got, _)| {
-            Err(SignalError::JudgeLimit { parameter, got })
+            Err(SignalError::HitQualityLimit { parameter, got })
         })
     }
 }

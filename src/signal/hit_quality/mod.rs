@@ -60,7 +60,7 @@ const RESPONSE_RULES: [Rule; 5] = [
     Rule::Drift,
 ];
 
-/// The checks of a record that does not hold the pulse it is judged with.
+/// The checks of a record that does not hold the pulse it is assessed with.
 fn undecided(rules: &[Rule], dof: Option<&Dof>) -> Vec<Check> {
     let check = |rule: &Rule| Check {
         dof: dof.cloned(),
@@ -69,7 +69,7 @@ fn undecided(rules: &[Rule], dof: Option<&Dof>) -> Vec<Check> {
     rules.iter().map(check).collect()
 }
 
-/// Judges the force of one hit: double hit, overload, pre-trigger, roll-off, dead channel, sign,
+/// Assesses the force of one hit: double hit, overload, pre-trigger, roll-off, dead channel, sign,
 /// drift.
 ///
 /// `force_n` are the samples before any window, `step_s` their spacing, `pulse` as
@@ -111,8 +111,8 @@ pub struct ResponseRecord<'a> {
     pub full_scale: Option<f64>,
 }
 
-/// Judges one response of a hit: overload, pre-trigger, decay, dead channel, drift. `pulse` is that
-/// of the force.
+/// Assesses one response of a hit: overload, pre-trigger, decay, dead channel, drift. `pulse` is
+/// that of the force.
 ///
 /// A response that ends before the pulse does has all of them not decidable.
 pub fn assess_response(

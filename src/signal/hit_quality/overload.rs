@@ -1,11 +1,12 @@
-//! Overload: clipped samples, the jitter of the last bits of the converter included.
+//! Overload: clipped samples; samples within the jitter of the converter's last bits count.
 //!
-//! The clipping level is the full scale, where that is known. Otherwise it is the extreme of the record, of either
-//! sign, if the samples pile up on it. Under a smooth top the depth below the extreme grows with
-//! the square of the distance, so that of the samples less than Kδ deep a share of `1/√K` is less
-//! than δ deep; noise and quantised tops have a smaller share, whereas a clipped signal leaves the
-//! clipping level at its full slope. The count is compared with the binomial distribution of that share, for
-//! K from 5 on doubled up to half the height.
+//! The clipping level is the full scale, where the channel states it: an amplifier that saturates
+//! below it is then not detected. Otherwise it is the extreme of the record, of either sign, if the
+//! samples pile up on it. Under a smooth top the depth below the extreme grows with the square of
+//! the distance, so that of the samples less than Kδ deep a fraction of `1/√K` is less than δ deep;
+//! noise and quantised tops have a smaller fraction, whereas a clipped signal leaves the clipping
+//! level at its full slope. The count is compared with the binomial distribution of that fraction,
+//! for K from 5 on doubled up to half the height.
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -14,10 +15,11 @@ use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule};
 use super::pretrigger::converter_step;
 
-/// Depth below the clipping level, in steps, at which a sample counts as clipped: a jitter of ±2 codes spreads over 4, and half a step for rounding.
+/// Depth below the clipping level, in steps, at which a sample counts as clipped: a jitter of ±2
+/// codes spreads over 4, and half a step for rounding.
 const CLIP_DEPTH_STEPS: f64 = 4.5;
-/// Minimum of this depth, relative to the range: samples that went through single precision
-/// are on no clean raster.
+/// Minimum of this depth, relative to the range: samples that went through single precision are on
+/// no clean raster.
 const MIN_CLIP_DEPTH_OVER_RANGE: f64 = 1e-6;
 /// Samples from the start of the record that show the step of the converter, together with as many
 /// of the upper half of each side.
@@ -37,12 +39,12 @@ const FALSE_ALARM_PROBABILITY: f64 = 2e-3;
 /// Samples that are passed over together when none of them is in the upper half.
 const SAMPLES_PER_BLOCK: usize = 64;
 
-/// Part of the range below its end in which a clipped record has its samples: the jitter of a
+/// Fraction of the range below an extreme that contains the clipped samples: the jitter of a
 /// converter of 12 bits.
 const CLIP_SEARCH_OVER_RANGE: f64 = 2.5e-3;
 
 /// The rule; the value is the number of clipped samples. A record with too few samples near its
-/// ends has passed at a glance. `extent` is that of the samples.
+/// extremes has passed at a glance. `extent` is that of the samples.
 pub(super) fn overload(
     samples: &[f64],
     extent: &Extent,
@@ -73,16 +75,17 @@ fn count_at_full_scale(samples: &[f64], extent: &Extent, clip_level: f64, fewest
     if extent.hi.max(-extent.lo) < near || extent.count_beyond(samples, -near, near) < fewest {
         return 0;
     }
-    let clip_level = clip_level - clip_depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
-    extent.count_beyond(samples, -clip_level, clip_level)
+    let depth = clip_depth(&samples[..samples.len().min(STEP_SAMPLES)], extent);
+    let lowest = clip_level - depth;
+    extent.count_beyond(samples, -lowest, lowest)
 }
 
 fn count_at_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     let depth_of_search = CLIP_SEARCH_OVER_RANGE * extent.range();
     let few_within =
         |depth: f64| extent.count_beyond(samples, extent.lo + depth, extent.hi - depth) < fewest;
-    // Most records have few samples even where clipping is looked for, and counting them is faster than
-    // the depth.
+    // Most records have few samples even where clipping is looked for, and counting them is faster
+    // than the depth.
     if extent.range() <= 0.0
         || few_within(depth_of_search)
         || few_within(max_clip_depth(samples, extent).min(depth_of_search))
@@ -110,8 +113,8 @@ fn count_at_extremes(samples: &[f64], extent: &Extent, fewest: usize) -> usize {
     counts.max().unwrap_or(0)
 }
 
-/// An upper bound of [`clip_depth`], by which most records pass at a glance; infinite
-/// where the first samples know none.
+/// An upper bound of [`clip_depth`], by which most records pass at a glance; infinite where the
+/// first samples give none.
 ///
 /// Two samples a step or more apart bound the step. Others may lie between them in steps that count
 /// as rounding, in all less than [`MIN_STEP_OVER_RANGE`].

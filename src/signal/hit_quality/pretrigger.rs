@@ -12,7 +12,7 @@ use super::check::{Check, Outcome, Rule, compare_with_limit};
 /// it.
 const MAX_LAG_SAMPLES: usize = 50;
 /// Linear-phase filters answer a pulse before it comes; so many samples before the onset are not
-/// judged.
+/// assessed.
 const PRECURSOR_SAMPLES: usize = 32;
 /// Probability with which white noise passes for ringing: one in 10,000 channels.
 const RINGING_FALSE_ALARM_PROBABILITY: f64 = 1e-4;
@@ -84,8 +84,8 @@ pub(super) fn response_pre_trigger(
     pulse: &Pulse,
     limits: &HitQualityLimits,
 ) -> Check {
-    let pretrigger = pulse.pretrigger().end;
-    let pretrigger = &response[..pretrigger - PRECURSOR_SAMPLES.min(pretrigger / 4)];
+    let end = pulse.pretrigger().end;
+    let pretrigger = &response[..end - PRECURSOR_SAMPLES.min(end / 4)];
     let after = &response[pulse.onset..(pulse.onset + pretrigger.len()).min(response.len())];
     if pretrigger.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
         return Check::new(Rule::PreTrigger, Outcome::NotDecidable);

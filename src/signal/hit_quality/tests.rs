@@ -72,7 +72,7 @@ fn of(samples: &[f64], rule: Rule) -> Check {
     checks
         .into_iter()
         .find(|c| c.rule == rule)
-        .expect("every rule is judged")
+        .expect("every rule is assessed")
 }
 
 fn of_force(samples: &[f64], band_end_hz: f64, rule: Rule) -> Check {
@@ -88,7 +88,7 @@ fn of_force(samples: &[f64], band_end_hz: f64, rule: Rule) -> Check {
     checks
         .into_iter()
         .find(|c| c.rule == rule)
-        .expect("every rule is judged")
+        .expect("every rule is assessed")
 }
 
 fn quantised(samples: &[f64], step: f64) -> Vec<f64> {
@@ -136,7 +136,7 @@ fn a_coarsely_quantised_signal_with_a_flat_top_is_no_overload() {
 }
 
 #[test]
-fn a_known_full_scale_is_the_rail() {
+fn a_known_full_scale_is_the_clipping_level() {
     let record = quantised(&force(12.0, 1e-4, 1), 1.0 / 4096.0);
     let limits = HitQualityLimits::default();
     let outcome = |full_scale| {
@@ -162,8 +162,8 @@ fn ringing_of_the_previous_hit_is_rejected_by_its_effect_on_the_frf() {
     assert_eq!(with(0.05).outcome, Outcome::Noted);
     let check = with(0.3);
     assert_eq!(check.outcome, Outcome::Rejected);
-    // Both decay alike over like stretches, so that the ratio is that of the amplitudes at the
-    // start of either.
+    // Both decay alike over intervals of one length, so that the ratio is that of the amplitudes at
+    // the start of either.
     assert!(
         (check.value.expect("the check has a value") - 0.3).abs() < 0.06,
         "{check:?}"
@@ -330,10 +330,10 @@ fn limits_out_of_range_are_errors_with_their_name() {
         ),
         (
             HitQualityLimits {
-                odd_false_alarms: 1.0,
+                inconsistency_false_alarms: 1.0,
                 ..default()
             },
-            "odd_false_alarms",
+            "inconsistency_false_alarms",
         ),
         (
             HitQualityLimits {

@@ -6,7 +6,7 @@
 //! | `plan` | [`BreakdownTable`]: `[breakdown]` of `study.toml` as typed; [`Plan`]: the checked plan |
 //! | `factor` | [`Factor`]: quantity that a slice varies; [`Axis`]: its values |
 //! | `case` | [`Case`]: three modes on a line of sensors |
-//! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::hammer()`], from the seed of a cell's coordinates |
+//! | `draw` | FRFs with white noise, or a hammer test through [`crate::frf::evaluate_hammer_test`], from the seed of a cell's coordinates |
 //! | `failure_mode` | [`StatedError`], and the [`FailureMode`] of a draw that does not meet it |
 //! | `wilson` | [`wilson_interval`]: the interval of a counted share |
 //! | `grid` | [`Grid`]: cells halved near a contour |

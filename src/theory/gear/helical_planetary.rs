@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 
 use crate::theory::dual::{Dual, Values};
 use crate::theory::rigid::RigidBodies;
-use crate::theory::spring_assembly::{ChannelSegment, Machine, minus};
+use crate::theory::spring_assembly::{Machine, Stretch, minus};
 use crate::theory::{Coordinate, Motion, ParameterSpec};
 
 use super::helical_parameters::{PLANETS, SET_NAMES, parameters};
@@ -109,17 +109,14 @@ impl HelicalPlanetary {
                 let pins = rolled("carrier", radius_of_pins(values) * cos);
                 [
                     minus(sum(of_sun, of_planet.clone()), pins.clone()),
-                    minus(ChannelSegment::new(), sum(pins, of_planet)),
+                    minus(Stretch::new(), sum(pins, of_planet)),
                 ]
             } else {
                 let from_sun = minus(
                     all.point("sun", CENTRE, along(1.0)),
                     all.point(&planet_name, CENTRE, along(1.0)),
                 );
-                let to_ring = minus(
-                    ChannelSegment::new(),
-                    all.point(&planet_name, CENTRE, along(-1.0)),
-                );
+                let to_ring = minus(Stretch::new(), all.point(&planet_name, CENTRE, along(-1.0)));
                 [
                     sum(from_sun, sum(of_sun, of_planet.clone())),
                     minus(to_ring, of_planet),
@@ -134,8 +131,8 @@ impl HelicalPlanetary {
     fn add_bearings(&self, values: &Values<'_>, all: &mut Machine) {
         for axis in [X, Y].map(|axis| axis.map(Dual::constant)) {
             for (name, body) in [("k_c", "carrier"), ("k_s", "sun")] {
-                let segment = all.point(body, CENTRE, axis);
-                all.add(name, values.get(name), segment);
+                let stretch = all.point(body, CENTRE, axis);
+                all.add(name, values.get(name), stretch);
             }
         }
         let pins = radius_of_pins(values);
@@ -144,8 +141,8 @@ impl HelicalPlanetary {
             let [radial, _] = directions(planet);
             for direction in directions(planet) {
                 let pin = all.point("carrier", radial.map(|part| pins * part), direction);
-                let segment = minus(all.point(&planet_name, CENTRE, direction), pin);
-                all.add("k_p", values.get("k_p"), segment);
+                let stretch = minus(all.point(&planet_name, CENTRE, direction), pin);
+                all.add("k_p", values.get("k_p"), stretch);
             }
         }
     }
@@ -167,12 +164,12 @@ fn square(number: Dual) -> Dual {
     number * number
 }
 
-fn scaled(segment: ChannelSegment, factor: Dual) -> ChannelSegment {
-    let all = segment.into_iter();
+fn scaled(stretch: Stretch, factor: Dual) -> Stretch {
+    let all = stretch.into_iter();
     all.map(|(index, part)| (index, part * factor)).collect()
 }
 
-fn sum(first: ChannelSegment, second: ChannelSegment) -> ChannelSegment {
+fn sum(first: Stretch, second: Stretch) -> Stretch {
     first.into_iter().chain(second).collect()
 }
 

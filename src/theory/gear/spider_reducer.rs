@@ -23,7 +23,7 @@ use std::f64::consts::{PI, TAU};
 use crate::theory::dual::{Dual, Values};
 use crate::theory::parameter::nominal_values;
 use crate::theory::rigid::RigidBodies;
-use crate::theory::spring_assembly::{ChannelSegment, Machine, minus};
+use crate::theory::spring_assembly::{Machine, Stretch, minus};
 use crate::theory::{Coordinate, Motion, ParameterSpec};
 
 use super::spider_reducer_parameters::parameters;
@@ -162,8 +162,8 @@ impl SpiderReducer {
             }
         }
         for i in [1, 2] {
-            let segment = self.mesh_stretch(values, i, &all);
-            all.add("k_m", values.get("k_m"), segment);
+            let stretch = self.mesh_stretch(values, i, &all);
+            all.add("k_m", values.get("k_m"), stretch);
         }
         all
     }
@@ -188,7 +188,7 @@ impl SpiderReducer {
 
     /// Compression of the mesh of one phase. The line of action touches the base circles at their
     /// radius times `(sin psi, -cos psi)` from the centres.
-    fn mesh_stretch(&self, values: &Values<'_>, i: usize, machine: &Machine) -> ChannelSegment {
+    fn mesh_stretch(&self, values: &Values<'_>, i: usize, machine: &Machine) -> Stretch {
         let quarter = Dual::constant(0.5 * PI);
         let psi = quarter - values.get("pressure_angle") + crank_angle(values, i);
         let (sin, cos) = psi.sin_cos();

@@ -22,7 +22,8 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// The damage as an error where there is no good row; rows begin at this line.
+    /// The damage as an error where there is no good row; `first_line` is the
+    /// line of the first row.
     ///
     /// # Errors
     /// [`IoError::Text`].

@@ -19,7 +19,7 @@ pub(super) fn new_source(format: &'static str, path: &str) -> MemorySource {
     source
 }
 
-/// The source with the damage of its rows, where there is one: a row may hold any function.
+/// The source with the damage of its rows, if any: a damaged row concerns every function.
 pub(super) fn with_damage(mut source: MemorySource, damage: Option<IoError>) -> MemorySource {
     if let Some(error) = damage {
         source.catalog.note_damage(error, FilePart::Function);

@@ -13,8 +13,7 @@ use num_complex::Complex64;
 
 use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, text_of};
-use super::entries::new_source;
-use super::entries::{axis_of, report_uneven_axis};
+use super::entries::{axis_of, new_source, report_uneven_axis};
 use super::fields::{Notation, RowShape};
 use super::header_syntax::{Abscissa, unit_of};
 use crate::axis::{FrequencyAxis, TimeAxis};

@@ -110,7 +110,7 @@ pub(in crate::io) fn open_with_schema(
     for (error, part) in errors {
         catalog.note_damage(error, part);
     }
-    sort_ascending_by(&mut found, |found| found.0);
+    sort_ascending_by(&mut found, |entry| entry.0);
     let (entries, places) = found
         .into_iter()
         .map(|(_, entry, place)| (entry, place))
