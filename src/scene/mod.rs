@@ -36,6 +36,7 @@ mod synth_truth;
 mod test_plan;
 mod test_result;
 mod toml_text;
+mod toml_value;
 mod trigger;
 mod typed;
 mod update;

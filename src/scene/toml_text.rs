@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use crate::io::IoError;
 
 use super::error::{SceneError, value_error};
+use super::toml_value::from_text;
 
 /// Reads a file as UTF-8 text.
 ///
@@ -100,12 +101,12 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             others: open[1..].iter().map(|header| header.line).collect(),
         });
     }
-    toml::from_str(text).map_err(|error| {
-        let offset = error.span().map_or(0, |span| span.start);
+    from_text(text).map_err(|error| {
+        let offset = error.span.map_or(0, |span| span.start);
         let before = text.get(..offset).unwrap_or(text);
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        let message = error.message().replace('\n', " ");
+        let message = error.message.replace('\n', " ");
         let hint = nearest_key(&message)
             .map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
         SceneError::Toml {
