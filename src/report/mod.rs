@@ -30,6 +30,7 @@ mod sweep;
 mod table;
 mod terminal;
 mod test_title;
+mod text_table;
 mod texts;
 mod translation;
 mod update;

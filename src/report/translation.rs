@@ -1,7 +1,7 @@
 //! Translation of captions, column heads, row labels and verdicts. Definitions and reasons under
 //! the tables remain English.
 
-use super::texts::{Group, TEXTS, translate};
+use super::texts::{Group, TEXTS, labels_of, translate};
 use super::{Block, Cell, Language, Table};
 
 impl Language {
@@ -9,7 +9,7 @@ impl Language {
     pub(super) fn translated_text(self, text: String) -> String {
         match self {
             Language::English => text,
-            Language::Chinese => best_match(&TEXTS.paragraphs, &text),
+            Language::Chinese => best_match(TEXTS.paragraphs, &text),
         }
     }
 
@@ -56,23 +56,21 @@ fn label(head: &str, text: &str) -> String {
     let kind = head.lines().last().unwrap_or_default();
     let mut heads = TEXTS.headings.iter();
     let column = heads.find(|(_, head)| head.english == kind);
-    let labels = column.and_then(|(key, _)| TEXTS.labels.get(key));
-    labels
-        .map_or(text, |labels| translate(labels, Language::Chinese, text))
-        .to_owned()
+    let labels = column.map_or(&[][..], |(key, _)| labels_of(key));
+    translate(labels, Language::Chinese, text).to_owned()
 }
 
 fn heading(text: &str) -> String {
-    best_match(&TEXTS.headings, text)
+    best_match(TEXTS.headings, text)
 }
 
 /// The translation of a text. Of several matching texts of the group, the one with the most letters
 /// outside `{}` applies.
 fn best_match(group: &Group, text: &str) -> String {
     let letter_count = |text: &str| text.replace("{}", "").chars().count();
-    let matches = group.values().filter_map(|found| {
-        let names = names(&found.english, text)?;
-        Some((letter_count(&found.english), found, names))
+    let matches = group.iter().filter_map(|(_, found)| {
+        let names = names(found.english, text)?;
+        Some((letter_count(found.english), found, names))
     });
     let best = matches.max_by_key(|(letters, ..)| *letters);
     best.map_or_else(

@@ -277,7 +277,7 @@ fn point_data(position: &UserModePosition, result: &SliceResult, language: Langu
 
 /// Name, unit or axis of a factor in a language.
 pub(super) fn factor_text(english: &str, language: Language) -> &str {
-    translate(&TEXTS.factors, language, english)
+    translate(TEXTS.factors, language, english)
 }
 
 /// `0.3 decades of damping`.

@@ -113,10 +113,10 @@ pub fn report_page(
 
 /// Translations of the texts of the script by their English text; none for an English page.
 fn script_words(language: Language) -> BTreeMap<&'static str, &'static str> {
-    let texts = TEXTS.script.values();
+    let texts = TEXTS.script.iter();
     texts
         .filter(|_| language != Language::English)
-        .map(|text| (text.english.as_str(), text.in_language(language)))
+        .map(|(_, text)| (text.english, text.in_language(language)))
         .collect()
 }
 

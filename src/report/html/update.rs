@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::super::texts::{TEXTS, Text, translate};
+use super::super::texts::{TEXTS, Text, labels_of, translate};
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
 use super::numbers::{four_digits, two_digits};
@@ -56,7 +56,7 @@ pub(super) fn verdict_line(updated: &Value, language: Language) -> Option<String
         line += &text.filled(language, &errors.map(number));
     }
     if let Some(reason) = stop_reason(updated) {
-        let reason = translate(&TEXTS.stop_reasons, language, reason.sentence());
+        let reason = translate(TEXTS.stop_reasons, language, reason.sentence());
         line += &TEXTS.page.further_sentence.filled(language, &[reason]);
     }
     let starts = &updated["starts"];
@@ -196,7 +196,7 @@ fn change_row(candidate: &Value, language: Language) -> Vec<Cell> {
 /// Translated verdict on a parameter; a text that is none stays as it is.
 fn verdict_cell(verdict: &Value, language: Language) -> Cell {
     let text = verdict.as_str();
-    let translated = text.map(|text| translate(&TEXTS.labels["verdict"], language, text));
+    let translated = text.map(|text| translate(labels_of("verdict"), language, text));
     translated.map_or(Cell::Missing, Cell::text)
 }
 

@@ -1,0 +1,612 @@
+//! The texts of the report: key, English, Chinese; `{}` stands for a name or a number.
+
+/// A text in both languages; `{}` stands for a name or a number.
+pub(super) struct Text {
+    pub english: &'static str,
+    pub chinese: &'static str,
+}
+
+/// Texts by key.
+pub(super) type Group = [(&'static str, Text)];
+
+/// The texts of the report.
+pub(super) struct Texts {
+    /// Captions and column heads of tables, found by their English text.
+    pub headings: &'static Group,
+    /// Paragraphs between tables, found by their English text.
+    pub paragraphs: &'static Group,
+    /// Labels in the cells of a column, found by their English text; the column by the key of its
+    /// head.
+    pub labels: &'static [(&'static str, &'static Group)],
+    /// Texts of the page.
+    pub page: Page,
+    /// Why an update stopped, found by the English text.
+    pub stop_reasons: &'static Group,
+    /// Names, units and axes of the factors of maps, found by the English text.
+    pub factors: &'static Group,
+    /// Texts that the script of the page writes, found by their English text.
+    pub script: &'static Group,
+}
+
+/// A group of texts.
+macro_rules! group {
+    ($($key:ident: $english:literal, $chinese:literal;)*) => {
+        &[$((stringify!($key), Text { english: $english, chinese: $chinese })),*]
+    };
+}
+
+/// Declares the texts of the page with a field for each.
+macro_rules! page {
+    ($($key:ident: $english:literal, $chinese:literal;)*) => {
+        /// Texts of the page.
+        pub(super) struct Page { $(pub $key: Text),* }
+
+        #[cfg(test)]
+        impl Page {
+            /// Every text of the page.
+            pub fn texts(&self) -> Vec<&Text> {
+                vec![$(&self.$key),*]
+            }
+        }
+
+        const PAGE: Page = Page { $($key: Text { english: $english, chinese: $chinese }),* };
+    };
+}
+
+/// Every text of the report.
+pub(super) static TEXTS: Texts = Texts {
+    headings: group! {
+        comparison: "Theory and test compared", "理论与试验对比";
+        summary: "Summary", "汇总";
+        parameters_of_the_model: "Parameters of the model", "模型参数";
+        limits: "Limits", "限值";
+        mode: "mode", "阶次";
+        theory_hz: "theory (Hz)", "理论 (Hz)";
+        test_hz: "test (Hz)", "试验 (Hz)";
+        std_hz: "std (Hz)", "标准差 (Hz)";
+        error_of_theory_percent: "(test−theory)/theory (%)", "(试验−理论)/理论 (%)";
+        error_of_test_percent: "(theory−test)/test (%)", "(理论−试验)/试验 (%)";
+        normalised_deviation: "normalised deviation", "(试验−理论)/标准差";
+        damping_percent: "damping (%)", "阻尼比 (%)";
+        verdict: "verdict", "结论";
+        hz_in_test: "{}\n(Hz)", "{}\n(Hz)";
+        error_hz_in_test: "{}\nerror (Hz)", "{}\n误差 (Hz)";
+        error_percent_in_test: "{}\nerror (%)", "{}\n误差 (%)";
+        verdict_in_test: "{}\nverdict", "{}\n结论";
+        chance_level: "chance level", "随机水平";
+        basis: "basis", "依据";
+        basis_in_test: "{}\nbasis", "{}\n依据";
+        test: "test", "试验";
+        paired: "paired", "已配对";
+        by_shape: "by shape", "按振型";
+        by_frequency_alone: "by frequency alone", "仅按频率";
+        missed: "missed", "漏检";
+        not_observable: "not observable", "不可观测";
+        unmatched_test_modes: "unmatched test modes", "多余";
+        ambiguous: "ambiguous", "不明确";
+        max_error_percent: "max |error| (%)", "最大 |误差| (%)";
+        mean_error_percent: "mean |error| (%)", "平均 |误差| (%)";
+        rms_error_percent: "rms error (%)", "均方根误差 (%)";
+        min_mac: "min MAC", "最小 MAC";
+        dofs_used: "DOFs used", "自由度数";
+        name: "name", "名称";
+        value: "value", "数值";
+        unit: "unit", "单位";
+        status: "status", "来源";
+        mac: "MAC of {} and theory", "{} 与理论的 MAC";
+        auto_mac: "AutoMAC of {}", "{} 的自 MAC";
+        auto_mac_of_theory: "AutoMAC of the theory at the sensors of {}", "理论在 {} 测点处的自 MAC";
+        similar_modes: "Similar modes of {}", "{} 中相似的模态";
+        fmac: "MAC over both frequencies (FMAC) of {} and theory", "{} 与理论的频率 MAC (FMAC)";
+        modal_scale_factors: "Modal scale factors from theory to {}", "由理论到 {} 的模态比例因子";
+        comac: "Correlation by degree of freedom of {} and theory (COMAC)", "{} 与理论的坐标模态置信准则 (COMAC)";
+        subspaces: "Close modes of {} and theory as subspaces", "{} 与理论的密集模态子空间";
+        cross_orthogonality: "Cross-orthogonality of {} and theory", "{} 与理论的互正交性";
+        self_orthogonality: "Self-orthogonality of {}", "{} 的自正交性";
+        sign_reversed_sensors: "Sign-reversed sensors", "与理论反向的传感器";
+        alignment: "The test's points in the theory's frame", "试验测点在理论坐标系中的位置";
+        frequency_hz: "f (Hz)", "频率 (Hz)";
+        test_mode: "test mode", "试验阶次";
+        theory_mode: "theory mode", "理论阶次";
+        error_percent: "error (%)", "误差 (%)";
+        phase_deg: "phase (deg)", "相位 (°)";
+        dof: "DOF", "自由度";
+        dofs: "DOFs", "自由度数";
+        direction: "direction", "方向";
+        pairs: "pairs", "配对数";
+        theory_modes: "theory modes", "理论阶次";
+        test_modes: "test modes", "试验阶次";
+        from_hz: "from (Hz)", "起始 (Hz)";
+        to_hz: "to (Hz)", "终止 (Hz)";
+        angles_deg: "angles (deg)", "主角 (°)";
+        at_random: "at random", "随机值";
+        outside_percent: "outside (%)", "降阶模态外 (%)";
+        response: "response", "响应";
+        reference: "reference", "参考";
+        level_db: "level (dB)", "幅值比 (dB)";
+        lines: "lines", "谱线数";
+        shape_mean: "shape, mean", "形状，平均";
+        shape_least: "shape, least", "形状，最小";
+        amplitude_mean: "amplitude, mean", "幅值，平均";
+        amplitude_least: "amplitude, least", "幅值，最小";
+        frf_correlation: "FRFs of {} and {}", "{} 与 {} 的频响函数";
+        frf_correlation_by_line: "FRFs of {} and {} over frequency", "{} 与 {} 的频响函数随频率";
+        supported_modes: "{}: number of modes that the data support", "{}：数据支持的模态数";
+        lowest_orders: "{}: lowest order of every method", "{}：各方法的最低阶数";
+        single_mode_methods: "{}: where one mode at a time is enough", "{}：单模态方法足够之处";
+        modes: "modes", "模态数";
+        last_mode_added: "last mode added", "最后加入的模态";
+        frfs_that_need_it: "FRFs that need it", "需要它的频响函数数";
+        held_out_lines: "held-out lines", "留出谱线";
+        reduced_chi_square: "reduced chi-square", "约化卡方";
+        lowest: "lowest", "最低";
+        automatic: "automatic", "自选";
+        tried: "tried", "已试";
+        enough: "enough", "足够";
+        pareto_front: "{}: Pareto front of time and error", "{}：时间与误差的帕累托前沿";
+        on: "on", "对象";
+        frfs: "FRFs", "频响函数";
+        method: "method", "方法";
+        cpu_time_ms: "CPU time (ms)", "处理器时间 (ms)";
+        spread_ms: "± spread (ms)", "± 离散 (ms)";
+        memory_mib: "memory (MiB)", "内存 (MiB)";
+        frequency_percent: "frequency (%)", "频率 (%)";
+        shape_percent: "shape (%)", "振型 (%)";
+        found: "found", "找到";
+        of: "of", "共";
+        spurious: "spurious", "虚假";
+        failure_boundaries: "Where methods fail: {}", "方法的失效边界：{}";
+        share_of_the_slice: "share of the slice", "图内有效占比";
+        failure_mode_beyond: "failure mode beyond", "失效时的表现";
+        numerical_stability: "Numerical stability: digits lost by order, and the highest order with all poles to a tenth of their half-power width", "数值稳定性：随阶数丢失的位数，以及全部极点误差小于十分之一半功率带宽的最高阶数";
+        digits_order_10: "digits, order 10", "位数，10 阶";
+        order_f64: "order, f64", "阶数，f64";
+        data_in_f32: "data in f32", "数据为 f32";
+        data_and_equations_in_f32: "data and equations in f32", "数据与方程为 f32";
+        times_of_draws: "Draws per second", "每秒抽样数";
+        draws: "draws", "抽样数";
+        processor_time_s: "processor time (s)", "处理器时间 (s)";
+        draws_per_second: "draws per second", "每秒抽样数";
+        identified_modes: "Identified modes: {}", "识别的模态：{}";
+        std_frequency_hz: "std f (Hz)", "频率标准差 (Hz)";
+        std_damping_percent: "std damping (%)", "阻尼比标准差 (%)";
+        frequency_bias_hz: "f error by out-of-band modes (Hz)", "带外模态引起的频率误差 (Hz)";
+        damping_bias_percent: "damping error by out-of-band modes (%)", "带外模态引起的阻尼比误差 (%)";
+        mean_phase_deg: "mean phase (°)", "平均相位 (°)";
+        overlap: "overlap", "模态重叠";
+        lines_in_half_power_band: "lines in −3 dB band", "−3 dB 带宽内谱线数";
+        remark: "remark", "备注";
+        hits: "Hits", "锤击";
+        hits_of: "Hits: {}", "锤击：{}";
+        hit: "hit", "锤击";
+        at: "at", "锤击点";
+        peak_n: "peak (N)", "力峰值 (N)";
+        why: "why", "原因";
+        what: "what", "项目";
+        limit: "limit", "限值";
+        published_frequencies: "Published natural frequencies and the model", "文献固有频率与模型";
+        root: "root", "根";
+        multiplicity: "M", "重数";
+        model_hz: "model (Hz)", "模型 (Hz)";
+        model_rad_s: "model (rad/s)", "模型 (rad/s)";
+        printed_multiplicity: "M printed", "文献重数";
+        printed_hz: "printed (Hz)", "文献 (Hz)";
+        printed_rad_s: "printed (rad/s)", "文献 (rad/s)";
+        model_class: "class of the model", "模型类别";
+        printed_class: "class as printed", "文献类别";
+        kinetic_energy: "kinetic energy", "动能";
+        published_comparison: "The published comparison, recomputed", "文献对比表的重算";
+        label: "label", "标号";
+        root_hz: "root/2π (Hz)", "根/2π (Hz)";
+        test_hz_of: "{}: test (Hz)", "{}：试验 (Hz)";
+        error_hz_of: "{}: error (Hz)", "{}：误差 (Hz)";
+        error_of_theory_percent_of: "{}: (test−theory)/theory (%)", "{}:(试验−理论)/理论 (%)";
+        error_of_test_percent_of: "{}: (theory−test)/test (%)", "{}:(理论−试验)/试验 (%)";
+        published_statements: "Statements of the publication, recomputed from its tables and the model", "文献的论述：由其表格与模型重算";
+        claim: "claim", "论述";
+        printed: "printed", "文献值";
+        recomputed: "recomputed", "重算值";
+        further_quantities: "Further quantities of the theory of {}", "{} 的理论给出的其他量";
+        quantity: "quantity", "量";
+        meaning: "meaning", "含义";
+        recommended_points: "Recommended excitation points and sensors: {}", "建议的激励点与测点：{}";
+        step: "step", "步";
+        sensor: "sensor", "测点";
+        additionally_observable: "additionally observable", "新增可观测";
+        observable_modes_by_point: "Observable modes by point: {}", "各点可观测的模态：{}";
+        observable: "observable", "已可观测";
+        planned: "planned", "计划后可观测";
+        peak_over_noise_db: "peak over noise (dB)", "峰值高于噪声 (dB)";
+        excitation_point_ranking: "Ranking of excitation points: {}", "激励点排序：{}";
+        observable_modes: "observable modes", "可观测模态数";
+        driving_point_residue: "driving-point residue", "原点留数";
+        independence: "independence", "独立性";
+        updated_parameters: "Updated parameters", "修正后的参数";
+        parameter: "parameter", "参数";
+        initial: "initial", "初值";
+        updated: "updated", "修正值";
+        change_percent: "change (%)", "变化 (%)";
+        std: "std", "标准差";
+        prior_std: "prior std", "先验标准差";
+        std_over_prior: "std/prior", "标准差/先验";
+        identifiable_combinations: "Identifiable combinations of the parameters, in prior standard deviations", "可识别的参数组合 (以先验标准差为单位)";
+        singular_value: "singular value", "奇异值";
+        combination: "combination", "组合";
+        update_modes: "Modes used in the update", "参与修正的模态";
+        before_hz: "before (Hz)", "修正前 (Hz)";
+        after_hz: "after (Hz)", "修正后 (Hz)";
+    },
+    paragraphs: group! {
+        pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";
+        pairs_with_ambiguous: "{} paired: {} by shape, {} by frequency alone; {} ambiguous", "{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
+        pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
+        pairs_of_test_with_ambiguous: "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
+    },
+    labels: &[
+        (
+            "last_mode_added",
+            group! {
+                out_of_band_terms_alone: "out-of-band terms alone", "仅带外项";
+                identified: "identified", "已识别";
+                stable_pole: "stable pole", "稳定极点";
+            },
+        ),
+        (
+            "enough",
+            group! {
+                none_alone: "none alone", "单独均不足";
+            },
+        ),
+        (
+            "verdict",
+            group! {
+                paired: "paired", "已配对";
+                ambiguous: "ambiguous", "不明确";
+                expected_miss: "unmatched, near a paired mode", "漏检(预期)";
+                unexpected_miss: "unmatched model mode, should have been seen", "漏检(非预期)";
+                miss_of_unknown_observability: "unmatched, observability unknown", "漏检(未判定)";
+                not_observable: "not-observable", "不可观测";
+                outside_band: "outside-band", "频带外";
+                unmatched_test_mode: "unmatched test mode", "多余";
+                used: "used", "采用";
+                used_stated: "used (stated)", "采用(指定)";
+                rejected: "rejected", "剔除";
+                rejected_stated: "rejected (stated)", "剔除(指定)";
+                met: "met", "满足";
+                missed: "MISSED", "未满足";
+                reproduced: "reproduced", "已复现";
+                not_reproduced: "NOT reproduced", "未复现";
+                not_checkable: "not checkable", "无法核对";
+                identified: "identified", "可识别";
+                at_bound: "at bound", "位于边界";
+                not_supported: "not supported by the data", "数据不支持";
+                not_supported_and_held: "not supported by the data; held", "数据不支持；保持不变";
+            },
+        ),
+        (
+            "basis",
+            group! {
+                shape: "shape", "振型";
+                frequency: "frequency", "频率";
+            },
+        ),
+        (
+            "status",
+            group! {
+                printed: "printed", "原文给出";
+                inferred: "inferred", "推断";
+                assumed: "assumed", "假定";
+            },
+        ),
+        (
+            "mode",
+            group! {
+                max_error: "max |error|", "最大 |误差|";
+                mean_error: "mean |error|", "平均 |误差|";
+                rms_error: "rms error", "均方根误差";
+            },
+        ),
+    ],
+    page: PAGE,
+    stop_reasons: group! {
+        no_decrease: "Converged: no step lowers the objective", "已收敛：没有步能降低目标函数";
+        small_step: "Converged: the steps have become as small as rounding", "已收敛：步长已小到舍入误差";
+        nothing_seen: "Nothing changed: the test sees none of the free parameters", "未改变：试验看不到任何自由参数";
+        iteration_limit: "Not converged: the stated number of iterations is reached", "未收敛：已达到规定的迭代次数";
+    },
+    factors: group! {
+        damping: "damping", "阻尼比";
+        order: "order", "阶数";
+        noise: "noise", "噪声";
+        separation: "separation", "间距";
+        record_length: "record_length", "记录长度";
+        hits: "hits", "锤击";
+        references: "references", "参考点";
+        node_distance: "node_distance", "与节点的距离";
+        mass_loading: "mass_loading", "附加质量";
+        second_contacts: "second_contacts", "二次接触";
+        quantisation: "quantisation", "量化";
+        force_noise: "force_noise", "力的噪声";
+        exponential_window: "exponential_window", "指数窗";
+        decades: "decades", "个数量级";
+        half_power_widths: "half-power widths", "半功率带宽";
+        time_constants: "time constants", "时间常数";
+        bits: "bits", "位";
+        orders: "orders", "阶";
+        noise_of_responses_db: "Signal-to-noise ratio of the responses (dB)", "响应的信噪比 (dB)";
+        noise_of_frfs_db: "Signal-to-noise ratio of the FRFs (dB)", "频响函数的信噪比 (dB)";
+        separation_of_pair: "Separation of the pair (half-power widths)", "两阶的间距 (半功率带宽)";
+        damping_ratio: "Damping ratio (-)", "阻尼比 (-)";
+        record_length_in_time_constants: "Record length (time constants)", "记录长度 (时间常数)";
+        number_of_hits: "Hits averaged", "平均的锤击次数";
+        number_of_references: "References (hit points)", "参考点 (锤击点)";
+        distance_from_node: "Distance of the hit from a node (share of the largest component)", "锤击点与节点的距离 (占最大分量的比例)";
+        drift_over_positions: "Drift over roving positions (half-power widths)", "移动测点间的频率漂移 (半功率带宽)";
+        share_of_second_contacts: "Share of hits with a second contact", "有二次接触的锤击比例";
+        converter_bits: "Converter (bits)", "转换器 (位)";
+        noise_of_force_db: "Signal-to-noise ratio of the force (dB)", "力的信噪比 (dB)";
+        window_at_end: "Exponential window at the record's end (1: none)", "记录末端的指数窗 (1：无)";
+        highest_model_order: "Highest model order", "最高模型阶数";
+    },
+    script: group! {
+        test_choice: "Test", "试验";
+        frf_response_excitation: "FRF (response/excitation)", "频响函数 (响应/激励)";
+        mode: "Mode", "模态";
+        frequency: "frequency", "频率";
+        frequency_hz: "Frequency (Hz)", "频率 (Hz)";
+        magnitude: "Magnitude", "幅值";
+        phase_deg: "Phase (°)", "相位 (°)";
+        coherence: "Coherence", "相干";
+        real_part: "Real part", "实部";
+        imaginary_part: "Imaginary part", "虚部";
+        data: "data", "数据";
+        fit: "fit", "拟合";
+        fit_with_residual_terms: "fit: identified modes and two residual terms", "拟合：识别模态与两个剩余项";
+        logarithmic_frequency: "logarithmic frequency", "对数频率";
+        bode: "Bode", "伯德图";
+        nyquist: "Nyquist", "奈奎斯特图";
+        reset: "Reset", "还原";
+        zoom_in: "Zoom in", "放大";
+        zoom_out: "Zoom out", "缩小";
+        how_to_zoom: "drag to zoom, double-click to reset; with the keyboard + − 0 and the arrows", "拖动放大，双击还原；键盘：+ − 0 与方向键";
+        lines_shown: "lines of each curve are shown: the extremes of each segment", "条谱线显示在每条曲线上：各段的极值";
+        frfs_shown: "FRFs are shown; the file has all", "个频响函数已显示；文件中有全部";
+        of: "of", "/";
+        stabilization_diagram: "Stabilization diagram", "稳定图";
+        order: "order", "阶数";
+        model_order: "Model order", "模型阶数";
+        damping: "damping", "阻尼比";
+        cmif: "CMIF (m/(N s))", "CMIF (m/(N·s))";
+        unstable: "unstable", "不稳定";
+        stable: "stable", "稳定";
+        selected: "selected", "已选";
+        picked_by_hand: "picked by hand", "手选";
+        how_to_pick_poles: "Click a pole to pick it or to drop it. With the keyboard: arrows move, Enter picks.", "单击极点可选中或取消。键盘：方向键移动，回车选择。";
+        save_selection: "Save selection.json", "保存 selection.json";
+        drop_all: "Drop all", "全部取消";
+        pick_the_selected_poles: "Pick the selected poles", "选取已选极点";
+        poles_picked: "poles picked", "个极点已选";
+        then: "then", "然后";
+        poles_of: "Poles of", "极点来自";
+        modes_without_orders: "The modes of the run, dotted, come from a method without model orders.", "点线为本次运行的模态，来自没有模型阶数的方法。";
+        frfs: "FRFs", "频响函数";
+        theory_hz: "Theory (Hz)", "理论 (Hz)";
+        theory: "theory", "理论";
+        test: "test", "试验";
+        pair: "pair", "配对";
+        degrees_of_freedom: "degrees of freedom", "自由度";
+        still_modes_not_shown: "modes of the theory without motion at the sensors are not shown", "阶在测点处静止的理论模态未列出";
+        play: "Play", "播放";
+        pause: "Pause", "暂停";
+        speed: "Speed", "速度";
+        amplitude: "Amplitude", "幅度";
+        over_each_other: "over each other", "叠加";
+        side_by_side: "side by side", "并列";
+        bodies: "bodies", "物体";
+        front: "Front", "正视";
+        side: "Side", "侧视";
+        top: "Top", "俯视";
+        oblique: "Oblique", "斜视";
+        without_a_partner: "without a partner", "无配对";
+        theory_alone: "theory alone", "仅理论";
+        undeformed: "undeformed", "未变形";
+        error: "error", "误差";
+        how_to_rotate: "drag to rotate, wheel to zoom; with the keyboard the arrows and + −", "拖动旋转，滚轮缩放；键盘：方向键与 + −";
+        points_in_a_row: "No point has coordinates: the points are drawn in a row.", "没有测点坐标：测点排成一行。";
+        dofs_not_drawn: "degrees of freedom without position or direction are not drawn", "个自由度没有位置或方向，未绘出";
+        radius_of_gyration: "Discs have the radius of gyration of their body.", "圆盘半径为该物体的回转半径。";
+        circle: "circle", "圆";
+        resonance: "resonance", "共振点";
+        damping_surface: "Damping surface: damping ratio of each pair of lines", "阻尼曲面：每对谱线的阻尼比";
+        below: "below", "低于共振的谱线";
+        above: "above", "高于共振的谱线";
+        median: "median", "中位数";
+        range: "range", "范围";
+        of_which_the_window: "of which the window", "其中窗函数";
+        single_mode_receptance: "receptance with the other modes subtracted", "去除其他模态的位移导纳";
+        kinetic_energy: "Kinetic energy", "动能";
+        strain_energy: "Strain energy", "应变能";
+        rigid_body_mode: "rigid-body mode", "刚体模态";
+        other: "other", "其他";
+        error_percent: "Error (%)", "误差 (%)";
+        frequency_error_by_mode: "Frequency error by mode", "各阶频率误差";
+        unmatched_model_mode: "unmatched model mode", "漏检";
+        error_of_theory_with_std: "(test−theory)/theory (%), line ±1 std", "(试验−理论)/理论 (%)，线段 ±1 标准差";
+        error_of_test_with_std: "(theory−test)/test (%), line ±1 std", "(理论−试验)/试验 (%)，线段 ±1 标准差";
+        mac_of_repeated_root: "a box of a repeated root has the MAC of one of its vectors; the comparison has that of their subspace", "重根的方框为其中一个向量的 MAC；子空间的 MAC 见对比表";
+        pair_with_repeated_root: "pair with a repeated root: MAC of one of its vectors, not of their subspace", "与重根配对：为其中一个向量的 MAC，而非子空间的";
+        no_mac: "crossed out: no MAC, because no common degree of freedom moves", "划线格：无 MAC，共有自由度均不动";
+        discs_of_unknown_radius: "The radii of discs that turn by an arc are not known: their rims move by the arc.", "以弧长转动的圆盘半径未知：其边缘按弧长移动。";
+        synthetic_test: "Synthetic test: computed from a model, not measured.", "合成试验：由模型计算，并非实测。";
+        iteration: "Iteration", "迭代";
+        objective: "Objective", "目标函数";
+        before: "before", "修正前";
+        after: "after", "修正后";
+        objective_by_iteration: "Objective of the update by iteration", "修正的目标函数";
+        initial_chi_square: "χ² of the initial model", "现有模型的 χ²";
+        rejected_step: "rejected step", "被拒绝的步";
+        fold: "-fold", "重根";
+        data_choice: "Data", "数据";
+        error_of: "Error of", "误差";
+        cost: "Cost", "代价";
+        errors_of_measured_frfs: "measured FRFs, against the refined solution", "实测频响函数，相对精化解";
+        errors_of_twin: "synthetic twin, against its truth", "合成孪生，相对真值";
+        shape: "shape", "振型";
+        cpu_time: "CPU time", "处理器时间";
+        peak_memory: "Peak memory", "峰值内存";
+        marks_of_speed: "A dot in a mark: all observable modes found, no spurious mode. A ring: on the Pareto front of the results with the fewest missed and spurious modes. CPU time of one machine, all threads.", "标记中有点：可观测的模态全部找到且无虚假模态。圆环：位于错误最少者的前沿。处理器时间为一台机器上全部线程之和。";
+        error_over_bound: "Error of the twin over its Cramér-Rao bound", "孪生误差与 Cramér-Rao 下界之比";
+        marks_of_bound: "Shaded: within 20 % of the bound. A dot in a mark: no missed and no spurious mode in any draw.", "阴影：在下界的 20 % 以内。标记中有点：所有抽样均无漏检与虚假模态。";
+        white_noise: "white noise", "白噪声";
+        modes_outside_the_band: "modes outside the band", "频带外有模态";
+        record_ends_early: "record ends early", "记录过早结束";
+        nothing_was_measured: "Nothing was measured.", "未测量。";
+        pareto_front: "Pareto front", "帕累托前沿";
+        cramer_rao_bound: "Cramér-Rao bound", "Cramér-Rao 下界";
+        refined_std: "standard deviation of the refined solution", "精化解给出的标准差";
+        one_transform: "one transform", "一次变换";
+        one_pass_over_the_data: "one pass over the data", "遍历一次数据";
+        peak_memory_mib: "Peak memory (MiB)", "峰值内存 (MiB)";
+        cpu_time_ms: "CPU time (ms)", "处理器时间 (ms)";
+        frequency_error_rms_percent: "Frequency error, rms (%)", "频率误差均方根 (%)";
+        damping_error_rms_percent: "Damping error, rms (%)", "阻尼比误差均方根 (%)";
+        shape_error_rms_percent: "Shape error √(1−MAC), rms (%)", "振型误差 √(1−MAC) 均方根 (%)";
+        twin_noise: "The twin in white noise of {} dB.", "孪生，白噪声 {} dB。";
+        frfs_and_lines: "FRFs: {}, lines {} Hz apart", "频响函数：{}，谱线间隔 {} Hz";
+        modes_found: "{} of {} modes found, {} spurious", "找到 {} / {} 阶，虚假 {} 阶";
+        signal_to_noise_ratio_db: "Signal-to-noise ratio (dB)", "信噪比 (dB)";
+        frequency_error_over_bound: "Frequency error / bound", "频率误差 / 下界";
+        damping_error_over_bound: "Damping error / bound", "阻尼比误差 / 下界";
+        times_the_bound: "{} times the bound", "下界的 {} 倍";
+        method: "Method", "方法";
+        all_methods: "all methods", "全部方法";
+        map: "Map", "图";
+        modes_of_this_run: "modes of this run", "本次模态";
+        draws_and_contour: "{} draws for each cell; the contour is where 95 % of them meet the stated error.", "每格 {} 次抽样；等值线处 95 % 的抽样满足规定误差。";
+        everywhere_here: "everywhere here", "图内处处有效";
+        nowhere_here: "nowhere here", "图内处处失效";
+        no_method_fails: "no method fails", "无方法失效";
+        every_method_fails: "every method fails", "全部方法失效";
+        no_draw_fails: "no draw fails", "无抽样失效";
+        every_draw_fails: "every draw fails", "全部抽样失效";
+        mode_with_frequency: "mode {} ({} Hz)", "第 {} 阶 ({} Hz)";
+        distance_from_boundary: "{} is {} from the failure boundary of {}", "{}：再变 {},{} 即失效";
+        holds_on_both_axes: "{}: {} holds along both axes", "{}:{} 沿两轴均有效";
+        distance_inside_failure_region: "{} lies in the failure region of {}, {} from its boundary", "{}:{} 在此失效，距有效处 {}";
+        inside_failure_region: "{} lies in the failure region of {}", "{}:{} 在此失效";
+        holds: "holds", "有效";
+        fails: "fails", "失效";
+        meaning_of_distance: "the distance is that to the contour of the method", "距离为到其等值线的距离";
+        modes_not_listed: "{} further modes are not listed.", "另有 {} 阶未列出。";
+        modes_outside_map: "{} further modes lie outside this map.", "另有 {} 阶在此图之外。";
+        digits_lost_by_order: "Digits lost by order", "随阶数丢失的有效数字";
+        digits_lost: "digits lost", "丢失位数";
+        digits_lost_of_condition: "Digits lost (log₁₀ of the condition)", "丢失位数 (条件数的 log₁₀)";
+        error_of_poles: "Error of poles (half-power widths)", "极点误差 (半功率带宽)";
+        all_in_f64: "all in f64", "全部为 f64";
+        data_in_f32: "data in f32", "数据为 f32";
+        data_and_equations_in_f32: "data and equations in f32", "数据与方程为 f32";
+        dashes_of_precision: "Solid: all in f64; dashed: data in f32; dotted: data and equations in f32.", "实线：全部为 f64；虚线：数据为 f32；点线：数据与方程为 f32。";
+    },
+};
+
+page! {
+    skip_to_content: "Skip to content", "跳到正文";
+    light_or_dark: "Light or dark", "浅色或深色";
+    notes: "Notes", "说明";
+    made_by: "Made by {}", "由 {} 生成";
+    figures_need_a_script: "Figures need a script; tables do not.", "图形需要脚本；表格不需要。";
+    summary: "Summary", "摘要";
+    comparison: "Comparison", "对比";
+    mode_shapes: "Mode shapes", "振型";
+    mac: "MAC", "MAC";
+    frfs: "FRFs", "频响函数";
+    stabilization_diagram: "Stabilization diagram", "稳定图";
+    circle_fits: "Circle fits", "圆拟合";
+    modes: "Modes", "模态";
+    energies: "Energies", "能量";
+    update: "Update", "模型修正";
+    published_results: "Published results", "文献结果";
+    hits: "Hits", "锤击";
+    findings: "Findings", "提示";
+    provenance: "Provenance", "来源";
+    modes_with_a_partner: "{} of {} modes of the model in the band have a partner", "频带内 {} / {} 阶模型模态已配对";
+    rms_frequency_error: "rms frequency error", "频率误差均方根";
+    largest: "largest", "最大";
+    smallest_mac: "smallest MAC", "最小 MAC";
+    unmatched_model: "unmatched (model)", "漏检";
+    not_observable: "not observable", "不可观测";
+    unmatched_test: "unmatched (test)", "多余";
+    ambiguous: "ambiguous", "不明确";
+    unmatched_modes: "Unmatched modes", "漏检的模态";
+    no_unmatched_modes: "No unmatched modes in the band.", "频带内无漏检。";
+    recommended_changes: "Recommended changes", "建议的修改";
+    update_result: "Update result", "修正的结果";
+    synthetic: "synthetic", "合成";
+    unmatched_not_excited: "{}: model mode {} at {} Hz is unmatched, not excited or not sensed: {}", "{}：模型第 {} 阶({} Hz)无配对，符合预期：{}";
+    unmatched_observability_unknown: "{}: model mode {} at {} Hz is unmatched, observability unknown: {}", "{}：模型第 {} 阶({} Hz)无配对；试验能否观测到它未知：{}";
+    unmatched_but_observable: "{}: model mode {} at {} Hz is unmatched, but the test should observe it: {}", "{}：模型第 {} 阶({} Hz)无配对，而试验本应观测到它：{}";
+    unmatched_test_mode: "{}: test mode at {} Hz is unmatched", "{}：试验模态({} Hz)在模型中无配对";
+    unobservable_model_modes: "model modes that these sensors and excitation points cannot observe: {}", "用这些测点和锤击点无法观测的模型模态：{} 阶";
+    model_too_stiff: "All paired frequencies of the test lie below the model's: the model is too stiff or too light. One factor {} on all stiffnesses would bring the mean to the test.", "试验的配对频率均低于模型：模型过刚或过轻。若所有刚度乘以 {}，平均频率与试验一致。";
+    model_too_soft: "All paired frequencies of the test lie above the model's: the model is too soft or too heavy. One factor {} on all stiffnesses would bring the mean to the test.", "试验的配对频率均高于模型：模型过软或过重。若所有刚度乘以 {}，平均频率与试验一致。";
+    errors_without_common_sign: "The frequency errors have no common sign, so no single stiffness factor explains them; the largest is {} at {}.", "误差没有明显偏向一侧，单一系数无法解释；最大为 {}({})。";
+    update_estimates_parameters: "`modalign update` estimates the parameters that the test can identify.", "`modalign update` 可给出试验能识别的参数。";
+    parameter_change: "{}: {} → {} ± {} {}", "{}：{} → {} ± {} {}";
+    limit_missed: "Limit missed: {}", "超出限值：{}";
+    limits_met: "All {} stated limits are met.", "{} 项限值全部满足。";
+    number_of_warnings: "Warnings among the findings: {}.", "“提示”中的警告：{} 条。";
+    test_only: "Test only, no model.", "本次运行没有试验与模型的对比。";
+    no_findings: "No findings.", "没有需要说明的事项。";
+    whole_run: "whole run", "整体";
+    more_of_this_code: "more of this code", "条同类提示";
+    program: "Program", "程序";
+    model: "Model", "模型";
+    seed_of: "Seed of {}", "{} 的随机种子";
+    run_files: "Files that state the run", "运行设置文件";
+    data: "Data", "数据";
+    identification: "Identification", "识别";
+    test: "test", "试验";
+    file: "file", "文件";
+    method: "method", "方法";
+    band_hz: "band (Hz)", "频带 (Hz)";
+    updated_parameters: "Parameters of the model, updated", "修正后的模型参数";
+    parameter: "parameter", "参数";
+    unit: "unit", "单位";
+    before: "before", "修正前";
+    after: "after", "修正后";
+    std: "std", "标准差";
+    change_percent: "change (%)", "变化 (%)";
+    verdict: "verdict", "结论";
+    frequencies_before_and_after: "Frequencies before and after", "修正前后的频率";
+    mode: "mode", "阶次";
+    test_hz: "test (Hz)", "试验 (Hz)";
+    model_hz: "model (Hz)", "模型 (Hz)";
+    error_before_percent: "error before (%)", "修正前误差 (%)";
+    error_after_percent: "error after (%)", "修正后误差 (%)";
+    update_explains: "The update explains the test: χ²/ν = {}, and noise alone reaches {}.", "修正能解释试验：χ²/ν = {}，仅噪声可达 {}。";
+    update_does_not_explain: "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.", "修正不能解释试验：χ²/ν = {}，仅噪声可达 {}。";
+    further_sentence: " {}.", "{}。";
+    rms_before_and_after: " Rms frequency error {} % before, {} % after.", "频率误差均方根：修正前 {} %，修正后 {} %。";
+    further_parameters: "{} further parameters with smaller changes in standard deviations: tab Update.", "另有 {} 个参数的变化(以标准差计)较小：见“模型修正”页。";
+    starts_at_this_optimum: " {} of {} starts ended at this optimum.", "{} / {} 个起点到达此最优点。";
+    identifiable_combinations: "Identifiability: parameter combinations, best determined first", "可辨识性：参数组合，最确定的在前";
+    combination: "combination", "组合";
+    single_changes: "One parameter changed at a time", "每次改变一个参数";
+    rms_error_percent: "rms error (%)", "误差均方根 (%)";
+    largest_error_percent: "largest error (%)", "最大误差 (%)";
+    no_change: "no change", "不变";
+    smallest_explaining_set: "Proposed: {}, the smallest set that brings the residual to its uncertainty.", "建议：{}，使残差降到其不确定度的最小集合。";
+    no_explaining_set: "No set brings the residual to its uncertainty; {} has the smallest BIC.", "没有集合能使残差降到其不确定度；{} 的 BIC 最小。";
+    model_before_update: "This shows the model before the update.", "此处为修正前的模型。";
+    tabs_before_update: "Comparison, MAC and mode shapes show the model before this update.", "对比、MAC 与振型显示的是修正前的模型。";
+    update_of_another_run: "The update in this folder is of other test frequencies or of another model than this run, and is left out; run `modalign update` again.", "此文件夹中的修正来自其他试验频率或其他模型，未列出；请重新运行 `modalign update`。";
+    methods: "Methods", "方法";
+    speed_study: "Speed against accuracy", "速度与精度";
+    breakdown_study: "Where methods fail", "方法的失效边界";
+    order_study: "Required and unnecessary elements of this scene", "本场景需要什么，不需要什么";
+    order_of_another_run: "The study in order.json is of another scene or of other data than this run, and is left out; run `modalign study order` again.", "order.json 中的研究来自其他场景或其他数据，未列出；请重新运行 `modalign study order`。";
+    map_text: "Each map is computed from random synthetic structures. Inside its contour a method finds their modes to the stated error in 95 % of the draws; outside, it does not. Points are the modes of this run.", "反复抽取小型结构。在等值线之内，方法在 95 % 的抽样中以规定误差找到其模态；在其外则不能。点为本次运行的模态。";
+    speed_of_another_run: "The study in speed-accuracy.json is of another scene or of other data than this run, and is left out; run `modalign study speed-accuracy` again.", "speed-accuracy.json 中的研究来自其他场景或其他数据，未列出；请重新运行 `modalign study speed-accuracy`。";
+    breakdown_of_another_run: "The study in breakdown.json shows the modes of another scene, or other modes than this run, and is left out; run `modalign study breakdown` again: finished slices are kept.", "breakdown.json 中的模态来自其他场景或与本次运行不同，未列出；请重新运行 `modalign study breakdown`：已完成的切片会保留。";
+}
