@@ -137,7 +137,8 @@
 //! | [`error::Error`] | the error of callers that run several stages; every stage has an error type | `error` |
 //!
 //! Matrix decompositions and transforms are in `linalg` and `fourier`, the only places that name a
-//! crate for them; the command line is `cli`, behind the feature of that name.
+//! crate for them; the two form the package `modalign-numerics`, so that these generic crates are
+//! compiled once. The command line is `cli`, behind the feature of that name.
 //!
 //! # Who may use whom
 //!
@@ -192,12 +193,10 @@ pub mod correlate;
 pub mod dof;
 pub mod error;
 pub mod finding;
-pub mod fourier;
 pub mod frf;
 pub mod geometry;
 pub mod identify;
 pub mod io;
-pub mod linalg;
 pub mod modal;
 pub mod quantity;
 pub mod record;
@@ -216,3 +215,5 @@ pub use dof::Dof;
 pub use finding::Finding;
 pub use frf::FrfSet;
 pub use modal::ModalModel;
+#[doc(inline)]
+pub use modalign_numerics::{fourier, linalg};

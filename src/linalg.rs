@@ -3,7 +3,8 @@
 
 mod compensated;
 mod error;
-#[cfg(test)]
+#[cfg(debug_assertions)]
+#[doc(hidden)]
 pub mod faults;
 mod general;
 mod lanczos;
@@ -61,7 +62,7 @@ pub use vectorised::vectorised;
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
 pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("least squares")?;
     let x = a.qr().solve_lstsq(b);
     verify::least_squares(a.as_ref(), b.as_ref(), x.as_ref())?;
@@ -73,7 +74,7 @@ pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatr
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
 pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("least squares")?;
     let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
     let x = a.qr().solve_lstsq(&rhs);
@@ -90,7 +91,7 @@ pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgE
 /// # Reference
 /// Higham (2002), Accuracy and Stability of Numerical Algorithms, 2nd ed., theorem 12.3.
 pub fn solve_square(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("solution of linear equations")?;
     let lu = a.partial_piv_lu();
     let first = lu.solve(b);
@@ -104,7 +105,7 @@ pub fn solve_square(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatri
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("solution by Cholesky")?;
     let factor = a.llt(Side::Lower);
     let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
@@ -119,7 +120,7 @@ pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, Lina
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn cholesky(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("Cholesky factor")?;
     let n = a.nrows();
     let real_diagonal = complex_matrix(n, n, |i, j| match i == j {
@@ -195,7 +196,7 @@ pub struct ThinQr {
 /// # Errors
 /// [`LinalgError::Inaccurate`].
 pub fn thin_qr(a: &ComplexMatrix) -> Result<ThinQr, LinalgError> {
-    #[cfg(test)]
+    #[cfg(debug_assertions)]
     faults::call("QR decomposition")?;
     let qr = a.qr();
     let (q, r) = (qr.compute_thin_Q(), qr.thin_R().to_owned());

@@ -1,5 +1,5 @@
 //! Decompositions that fail on purpose in tests of their callers, by the order of the calls on one
-//! thread.
+//! thread; only in builds with debug assertions.
 
 use std::cell::Cell;
 use std::ops::Range;

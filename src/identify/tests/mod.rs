@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod beam;
+#[cfg(debug_assertions)]
 mod failed_decompositions;
 mod high_snr;
 mod hump;
