@@ -100,7 +100,7 @@ impl Decay {
             let mut value = self.start * (self.pole * t).exp();
             for sample in chunk {
                 *sample += value.re;
-                value *= step;
+                value = value * step;
             }
         }
     }

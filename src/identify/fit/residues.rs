@@ -161,9 +161,9 @@ pub(in crate::identify) fn remainder(
             let s = Complex64::new(0.0, frfs.omega[line]);
             let (term, mirrored) = ((s - lambda).inv(), (s - lambda.conj()).inv());
             for (values, residue) in remaining.iter_mut().zip(mode_residues) {
-                values[i] -= residue.conj() * mirrored;
+                values[i] = values[i] - residue.conj() * mirrored;
                 if !keep {
-                    values[i] -= residue * term;
+                    values[i] = values[i] - residue * term;
                 }
             }
         }

@@ -141,7 +141,7 @@ impl LineCorrelation {
             let (mut sum, mut pairs) = (Complex64::ZERO, 0.0);
             for phases in series {
                 for (a, b) in phases.iter().zip(&phases[lag..]) {
-                    sum += a * b.conj();
+                    sum = sum + a * b.conj();
                     pairs += a.norm_sqr() * b.norm_sqr();
                 }
             }

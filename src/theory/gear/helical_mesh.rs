@@ -77,9 +77,9 @@ impl MeshGeometry {
         let tan = angle.tan();
         let turn = v.atan2(u);
         if detail == Detail::ExactAngle {
-            let involute = |angle: f64| angle.tan() - angle;
+            let (involute, at_rest) = (tan - angle, rest_angle.tan() - rest_angle);
             return Approach {
-                compression: -base * (turn + side * (involute(angle) - involute(rest_angle))),
+                compression: -base * (turn + side * (involute - at_rest)),
                 by_u: -base * (side * tan * u - v) / square,
                 by_v: -base * (side * tan * v + u) / square,
                 angle,

@@ -224,7 +224,8 @@ impl Motion {
         let (sin_0, cos_0) = self.places[planet];
         let (sin, cos) = (sin * cos_0 + cos * sin_0, cos * cos_0 - sin * sin_0);
         let turned = |x: f64, y: f64| [x * cos + y * sin, y * cos - x * sin];
-        let [xi, eta, psi] = std::array::from_fn(|i| state[6 + 3 * planet + i]);
+        let at = 6 + 3 * planet;
+        let [xi, eta, psi] = [state[at], state[at + 1], state[at + 2]];
         let pin_motion = [self.pins + xi, eta];
         let carrier = turned(state[0], state[1]);
         // From the sun's centre, and from the ring's.
@@ -250,7 +251,7 @@ impl Motion {
 
     /// Derivatives of both compressions of a planet by xc, yc, psi_c, xs, ys, psi_s, xi, eta, psi.
     fn gradients(&self, place: &Placed) -> [[f64; 9]; 2] {
-        let [sun, ring] = [0, 1].map(|kind| {
+        let of_mesh = |kind: usize| {
             let mesh = &place.meshes[kind];
             let [along, across] = place.offsets[kind];
             let by_x = mesh.by_u * place.cos - mesh.by_v * place.sin;
@@ -258,9 +259,9 @@ impl Motion {
             // The frame turns with the carrier: du = v dtheta of the offset, dv = -u dtheta.
             let by_turn = mesh.by_u * across - mesh.by_v * along;
             ([by_x, by_y, by_turn], [mesh.by_u, mesh.by_v])
-        });
-        let ([sx, sy, st], [su, sv]) = sun;
-        let ([rx, ry, rt], [ru, rv]) = ring;
+        };
+        let ([sx, sy, st], [su, sv]) = of_mesh(0);
+        let ([rx, ry, rt], [ru, rv]) = of_mesh(1);
         let (r_s, r_p) = (self.radius_s, self.radius_p);
         [
             [sx, sy, st - r_s, -sx, -sy, r_s, su, sv, -r_p],
@@ -333,16 +334,17 @@ impl Equations for Motion {
             self.drive_nm(),
         ];
         let mut carried_inertia = 0.0;
-        for planet in 0..PLANETS {
-            let place = self.placed(&frame, state, planet);
+        let places: [Placed; PLANETS] =
+            std::array::from_fn(|planet| self.placed(&frame, state, planet));
+        for (planet, place) in places.iter().enumerate() {
             let at = 6 + 3 * planet;
             let mut pin_force = [
                 support(2, state[at], now[at]),
                 support(2, state[at + 1], now[at + 1]),
                 0.0,
             ];
-            for (kind, by) in self.gradients(&place).iter().enumerate() {
-                let mut closing = self.speed_rad_s * self.turn_of_frame(&place, kind);
+            for (kind, by) in self.gradients(place).iter().enumerate() {
+                let mut closing = self.speed_rad_s * self.turn_of_frame(place, kind);
                 for i in 0..6 {
                     closing += by[i] * now[i];
                 }
@@ -354,14 +356,13 @@ impl Equations for Motion {
                 (0..6).for_each(|i| force[i] -= pressed * by[i]);
                 (0..3).for_each(|i| pin_force[i] -= pressed * by[6 + i]);
             }
-            self.add_planet(&place, pin_force, &mut force, &mut carried_inertia);
+            self.add_planet(place, pin_force, &mut force, &mut carried_inertia);
             acceleration[at..at + 3].copy_from_slice(&pin_force);
         }
         self.central_accelerations(&force, carried_inertia, acceleration);
-        for planet in 0..PLANETS {
-            let place = self.placed(&frame, state, planet);
+        for (planet, place) in places.iter().enumerate() {
             let at = 6 + 3 * planet;
-            let pin_acceleration: [f64; 3] = std::array::from_fn(|i| acceleration[at + i]);
+            let pin_acceleration = [acceleration[at], acceleration[at + 1], acceleration[at + 2]];
             let [x, y, turn] = [acceleration[0], acceleration[1], acceleration[2]];
             let [u, v] = place.pin_motion;
             let (du, dv) = (now[at], now[at + 1]);
