@@ -325,6 +325,7 @@ mod tests {
         windows: Vec<Window>,
         place: (f64, f64),
         by_window: BTreeMap<Window, i64>,
+        by_dof: BTreeMap<Dof, f64>,
         stiffness: Vec<Stiffness>,
         dof: Option<Dof>,
     }
@@ -336,6 +337,7 @@ level = 2.5
 windows = ["force", "exponential"]
 place = [-1, 1e3]
 by_window.force = -7
+by_dof."2:+Y" = 3
 stiffness = [1, "k"]
 dof = "1:+X"
 "#;
@@ -436,6 +438,7 @@ dof = "1:+X"
                 "integer `3`, expected a map",
                 true,
             ),
+            ("\"2:+Y\"", "\"2:+Q\"", "\"2:+Q\"", "2:+Q", true),
             ("\"1:+X\"", "\"1:+Q\"", "\"1:+Q\"", "1:+Q", true),
             (
                 "[1, \"k\"]",
