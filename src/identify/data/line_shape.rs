@@ -32,7 +32,7 @@ const HANN: [f64; TERMS] = [0.5, -0.5, 0.0, 0.0, 0.0];
 const FLAT_TOP: [f64; TERMS] = [1.0, -1.933, 1.286, -0.388, 0.0322];
 /// Powers of a pole that a fit needs: itself and its first two derivatives by λ.
 const POWERS: usize = 3;
-/// Moments beyond them: those of `(1 − u)` need one more.
+/// Moments that they need: those of `(1 − u)` need one more.
 const MOMENTS: usize = POWERS + 1;
 /// Size of z up to which moments are summed as a power series; beyond it the recurrence loses no
 /// digit. At 3 the recurrence of the third moment loses one digit; at 6 the series does.
@@ -216,12 +216,12 @@ impl Smoothing {
         let order = n - 1;
         let term = |(k, (c, s)): (usize, &(f64, f64))| {
             let turn = Complex64::new(0.0, TAU * k as f64);
-            let above = moments(z + turn, end);
+            let above = moments(z + turn, end, n + 1);
             let fading = |moments: &[Complex64; MOMENTS]| moments[order] - moments[order + 1];
             if k == 0 {
                 return *c * fading(&above);
             }
-            let below = moments(z - turn, end);
+            let below = moments(z - turn, end, n + 1);
             let cosine = 0.5 * (fading(&above) + fading(&below));
             let sine = (above[order] - below[order]) / Complex64::new(0.0, 2.0);
             *c * cosine + *s * sine
@@ -258,22 +258,28 @@ fn autocorrelation(cosines: [f64; TERMS]) -> [(f64, f64); TERMS] {
     terms
 }
 
-/// `∫₀¹ uⁿ e^(zu) du` of n = 0, 1, ..., with `e^z`, which is that of `z ± 2πik` too.
-fn moments(z: Complex64, end: Complex64) -> [Complex64; MOMENTS] {
+/// `∫₀¹ uⁿ e^(zu) du` of n = 0, 1, ..., `count` − 1, the others 0, with `e^z`, which is that of
+/// `z ± 2πik` too.
+fn moments(z: Complex64, end: Complex64, count: usize) -> [Complex64; MOMENTS] {
     let mut moments = [Complex64::ZERO; MOMENTS];
-    if z.norm() > MAX_SERIES_ARGUMENT {
-        moments[0] = (end - 1.0) / z;
-        for n in 1..MOMENTS {
-            moments[n] = (end - n as f64 * moments[n - 1]) / z;
+    let used = &mut moments[..count];
+    if z.norm_sqr() > MAX_SERIES_ARGUMENT * MAX_SERIES_ARGUMENT {
+        let reciprocal = z.inv();
+        let mut last = (end - 1.0) * reciprocal;
+        for (n, moment) in used.iter_mut().enumerate() {
+            if n > 0 {
+                last = (end - n as f64 * last) * reciprocal;
+            }
+            *moment = last;
         }
         return moments;
     }
     let mut power = Complex64::ONE;
     for j in 0..SERIES_TERMS {
-        for (n, moment) in moments.iter_mut().enumerate() {
-            *moment += power / (n + j + 1) as f64;
+        for (n, moment) in used.iter_mut().enumerate() {
+            *moment = *moment + power / (n + j + 1) as f64;
         }
-        power *= z / (j + 1) as f64;
+        power = power * z / (j + 1) as f64;
     }
     moments
 }
