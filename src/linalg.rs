@@ -3,7 +3,7 @@
 
 mod compensated;
 mod error;
-#[cfg(debug_assertions)]
+#[cfg(feature = "faults")]
 #[doc(hidden)]
 pub mod faults;
 mod general;
@@ -62,7 +62,7 @@ pub use vectorised::vectorised;
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
 pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("least squares")?;
     let x = a.qr().solve_lstsq(b);
     verify::least_squares(a.as_ref(), b.as_ref(), x.as_ref())?;
@@ -74,7 +74,7 @@ pub fn least_squares(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatr
 /// # Errors
 /// [`LinalgError::Inaccurate`], also for columns that depend on each other to working precision.
 pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("least squares")?;
     let rhs = Mat::from_fn(b.len(), 1, |i, _| b[i]);
     let x = a.qr().solve_lstsq(&rhs);
@@ -91,7 +91,7 @@ pub fn least_squares_real(a: &RealMatrix, b: &[f64]) -> Result<Vec<f64>, LinalgE
 /// # Reference
 /// Higham (2002), Accuracy and Stability of Numerical Algorithms, 2nd ed., theorem 12.3.
 pub fn solve_square(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("solution of linear equations")?;
     let lu = a.partial_piv_lu();
     let first = lu.solve(b);
@@ -105,7 +105,7 @@ pub fn solve_square(a: &ComplexMatrix, b: &ComplexMatrix) -> Result<ComplexMatri
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("solution by Cholesky")?;
     let factor = a.llt(Side::Lower);
     let factor = factor.map_err(|_| LinalgError::NotPositiveDefinite { size: a.nrows() })?;
@@ -120,7 +120,7 @@ pub fn solve_definite(a: &RealMatrix, b: &RealMatrix) -> Result<RealMatrix, Lina
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`]; [`LinalgError::Inaccurate`].
 pub fn cholesky(a: &ComplexMatrix) -> Result<ComplexMatrix, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("Cholesky factor")?;
     let n = a.nrows();
     let real_diagonal = complex_matrix(n, n, |i, j| match i == j {
@@ -196,7 +196,7 @@ pub struct ThinQr {
 /// # Errors
 /// [`LinalgError::Inaccurate`].
 pub fn thin_qr(a: &ComplexMatrix) -> Result<ThinQr, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     faults::call("QR decomposition")?;
     let qr = a.qr();
     let (q, r) = (qr.compute_thin_Q(), qr.thin_R().to_owned());

@@ -1,5 +1,5 @@
 //! Decompositions that fail on purpose in tests of their callers, by the order of the calls on one
-//! thread; only in builds with debug assertions.
+//! thread; only with the feature `faults`.
 
 use std::cell::Cell;
 use std::ops::Range;

@@ -29,7 +29,7 @@ pub struct GeneralModes {
 /// # Errors
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("eigenvalues of a general matrix")?;
     let factor = power_of_two(a.as_ref());
     let scaled = Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor);
@@ -47,7 +47,7 @@ pub fn complex_eigenvalues(a: &ComplexMatrix) -> Result<Vec<Complex64>, LinalgEr
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., algorithm 7.5.2 (QR iteration with two
 /// implicit shifts).
 pub fn general_modes(a: &RealMatrix) -> Result<GeneralModes, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("eigenvalues of a general matrix")?;
     let factor = power_of_two(a.as_ref());
     let scaled = Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * factor);

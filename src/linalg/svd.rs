@@ -21,7 +21,7 @@ use super::{ComplexMatrix, LinalgError, RealMatrix, verify};
 /// # Errors
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 pub fn singular_values(a: &ComplexMatrix) -> Result<Vec<f64>, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("singular values")?;
     Ok(singular_vectors(a)?.values)
 }
@@ -56,7 +56,7 @@ impl SingularVectors {
 /// # Reference
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., section 8.6.
 pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("singular values")?;
     let Svd { u, values, v } = checked_svd(a)?;
     Ok(SingularVectors {
@@ -71,7 +71,7 @@ pub fn singular_vectors(a: &ComplexMatrix) -> Result<SingularVectors, LinalgErro
 /// # Errors
 /// [`LinalgError::NotConverged`]; [`LinalgError::Inaccurate`].
 pub fn right_singular_vectors(a: &RealMatrix) -> Result<(Vec<f64>, RealMatrix), LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("singular values")?;
     let Svd { values, v, .. } = checked_svd(a)?;
     Ok((values, v))

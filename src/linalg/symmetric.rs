@@ -32,7 +32,7 @@ use super::{LinalgError, RealMatrix, SparseMatrix, verify};
 /// # Reference
 /// Golub and Van Loan (2013), Matrix Computations, 4th ed., section 8.4 (divide and conquer).
 pub fn symmetric_eigen(a: &RealMatrix) -> Result<SymmetricEigen, LinalgError> {
-    #[cfg(debug_assertions)]
+    #[cfg(feature = "faults")]
     super::faults::call("symmetric eigenvalues")?;
     let checked = |eigen: SymmetricEigen| verify::symmetric_eigen(a, &eigen).map(|()| eigen);
     divide_and_conquer(a)

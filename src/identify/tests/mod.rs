@@ -2,7 +2,6 @@
 
 mod accuracy;
 mod beam;
-#[cfg(debug_assertions)]
 mod failed_decompositions;
 mod high_snr;
 mod hump;
