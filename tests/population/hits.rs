@@ -20,6 +20,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
+use crate::{draws, parts};
+
 const WIDTHS: [f64; 7] = [3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 const SNRS_DB: [f64; 6] = [30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 const SAMPLES: usize = 4096;
@@ -261,7 +263,7 @@ impl Judged {
 
 fn population() -> Vec<Judged> {
     let count = WIDTHS.len() * SNRS_DB.len() * (CLEAN + DOUBLE + OVERLOAD);
-    let hits = (0..count).into_par_iter();
+    let hits = (0..count).into_par_iter().step_by(parts() as usize);
     hits.map(|index| Draw::new(index).judge()).collect()
 }
 
@@ -323,7 +325,8 @@ fn print_second_contacts(hits: &[Judged]) {
 #[test]
 fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     let hits = population();
-    assert!(hits.len() >= 5000, "{} hits", hits.len());
+    let at_least = |there: usize, all: u64| there as u64 >= draws(all);
+    assert!(at_least(hits.len(), 5000), "{} hits", hits.len());
     let clean = |h: &Judged| h.kind == Kind::Clean;
     let visible = |h: &Judged| h.second.is_some_and(|(d, _)| d >= 8.0);
     let clips = |h: &Judged| h.kind == Kind::Overload && h.clipped >= 3;
@@ -365,13 +368,13 @@ fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     assert_eq!(lost, 0, "good hits lost at 30 dB");
     let (seen, there) = (count(&|h| visible(h) && h.second_found()), count(&visible));
     assert!(
-        there > 1000 && seen as f64 > 0.99 * there as f64,
+        at_least(there, 1000) && seen as f64 > 0.99 * there as f64,
         "{seen} of {there}"
     );
     let at_edge = |h: &Judged| h.second.is_some_and(|(d, _)| (8.0..14.0).contains(&d));
     let (seen, there) = (count(&|h| at_edge(h) && h.second_found()), count(&at_edge));
     assert!(
-        there > 200 && seen as f64 > 0.99 * there as f64,
+        at_least(there, 200) && seen as f64 > 0.99 * there as f64,
         "{seen} of {there} at 8 to 14"
     );
     let passed = count(&|h| {
@@ -381,7 +384,7 @@ fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     assert_eq!(passed, 0, "contacts that matter passed");
     let (seen, there) = (count(&|h| clips(h) && overloaded(h)), count(&clips));
     assert!(
-        there > 1000 && seen as f64 > 0.99 * there as f64,
+        at_least(there, 1000) && seen as f64 > 0.99 * there as f64,
         "overloads: {seen} of {there}"
     );
 }

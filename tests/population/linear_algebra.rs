@@ -1,14 +1,24 @@
-//! Every specimen of the zoo of matrices, up to 2,000 coordinates, against extended precision.
+//! Every specimen of the zoo of matrices against extended precision.
 
 use rayon::prelude::*;
 
+use crate::draws;
 use crate::extended_precision::compared;
 use crate::matrix_zoo::zoo;
 
+/// Largest number of coordinates, divided as draws are.
+const COORDINATES: u64 = 2000;
+/// Fewest specimens.
+const SPECIMENS: u64 = 60;
+
 #[test]
 fn lowest_frequencies_of_every_specimen_are_within_their_bounds() {
-    let specimens = zoo(2000);
-    assert!(specimens.len() >= 60, "{}", specimens.len());
+    let specimens = zoo(draws(COORDINATES) as usize);
+    assert!(
+        specimens.len() as u64 >= draws(SPECIMENS),
+        "{}",
+        specimens.len()
+    );
     let rows: Vec<_> = specimens
         .par_iter()
         .map(|specimen| compared(specimen).unwrap())

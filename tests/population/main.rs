@@ -36,16 +36,24 @@ use rayon::prelude::*;
 use population::Member;
 
 /// Number of draws of a long test: all, divided by the environment variable `POPULATION_PARTS`.
-/// Limits that are absolute numbers hold for all draws, and are weaker for fewer.
+/// Limits that are numbers of failures hold for all draws, and are weaker for fewer.
 fn draws(all: u64) -> u64 {
-    let parts = std::env::var("POPULATION_PARTS").map_or(1, |parts| parts.parse().unwrap());
-    all.div_ceil(parts)
+    all.div_ceil(parts())
+}
+
+fn parts() -> u64 {
+    std::env::var("POPULATION_PARTS").map_or(1, |parts| parts.parse().unwrap())
 }
 
 /// Every member, kind by kind.
 fn members() -> Vec<Member> {
+    first_members(|count| count)
+}
+
+/// The first members of each kind, of which `number` gives the number from that of all.
+fn first_members(number: impl Fn(usize) -> usize) -> Vec<Member> {
     let family = pipeline::family();
-    let counts = family.members.iter().map(|member| member.count);
+    let counts = family.members.iter().map(|member| number(member.count));
     let numbers: Vec<(usize, usize)> = counts
         .enumerate()
         .flat_map(|(kind, count)| (0..count).map(move |number| (kind, number)))

@@ -1,6 +1,7 @@
 //! Every command of the README and every example of `--help` runs, in a folder that holds the files
 //! that they name.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -166,6 +167,18 @@ fn prepared() -> tempfile::TempDir {
     folder
 }
 
+/// A study without its scene, of which all have the same files here, and without the folder of its
+/// results: a study takes seconds, and runs once.
+fn study(words: &[String]) -> Option<Vec<String>> {
+    let is_study = words.first().is_some_and(|word| word == "study");
+    let mut key = words.to_vec();
+    if let Some(option) = key.iter().position(|word| word == "-o") {
+        key.drain(option..option + 2);
+    }
+    key.retain(|word| !word.starts_with("measurements/"));
+    is_study.then_some(key)
+}
+
 #[test]
 fn every_command_of_the_readme_and_every_example_runs() {
     let folder = prepared();
@@ -199,6 +212,7 @@ fn every_command_of_the_readme_and_every_example_runs() {
     // Names that several commands write: each begins as it was prepared.
     let model = std::fs::read(folder.path().join("model.toml")).unwrap();
     let modes = std::fs::read(folder.path().join("modes.json")).unwrap();
+    let mut studies = BTreeSet::new();
     for line in lines {
         std::fs::write(folder.path().join("model.toml"), &model).unwrap();
         std::fs::write(folder.path().join("modes.json"), &modes).unwrap();
@@ -206,6 +220,9 @@ fn every_command_of_the_readme_and_every_example_runs() {
         if line.starts_with("cp ") {
             let [from, to] = [0, 1].map(|index| folder.path().join(&words[index]));
             std::fs::copy(from, to).unwrap();
+            continue;
+        }
+        if study(&words).is_some_and(|key| !studies.insert(key)) {
             continue;
         }
         let output = run(folder.path(), &words);

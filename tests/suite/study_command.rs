@@ -8,7 +8,7 @@ use crate::command::{fail, root, succeed, write};
 
 /// A short recording of the beam, studied at three levels of noise.
 const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators = [\"h2\"]\nrecord_shares = [0.5]\n\
-                    orders = []\nsnr_db = [30.0, 55.0, 80.0]\ndraws = 4\nrepeats = 1\n";
+                    orders = []\nsnr_db = [30.0, 55.0, 80.0]\ndraws = 2\nrepeats = 1\n";
 /// Modes of the beam in the band.
 const MODES: usize = 6;
 /// Largest required rms error of the refined method over the bound, and the largest distance of an
@@ -119,7 +119,7 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
         assert!(!ratios.is_empty(), "{data}, {method}");
         (ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / ratios.len() as f64).sqrt()
     };
-    let errors = (3 * 4 * MODES) as f64;
+    let errors = (3 * 2 * MODES) as f64;
     let most = MAX_ERROR_OVER_BOUND + SIGMAS / (2.0 * errors).sqrt();
     let refined = over("twin; white noise", "ml", None);
     assert!(refined < most, "{refined}");
@@ -143,7 +143,7 @@ fn an_invalid_study_is_refused_with_its_reason() {
     let spec = folder.path().join("other.toml");
     let command = ["study", "speed-accuracy", spec.to_str().unwrap()];
     let with = |text: &str| {
-        std::fs::write(&spec, SPEC.replace("draws = 4", text)).unwrap();
+        std::fs::write(&spec, SPEC.replace("draws = 2", text)).unwrap();
         fail(command)
     };
     assert!(with("drawn = 4").contains("did you mean `draws`?"));

@@ -9,6 +9,7 @@ use crate::frf::FrfSet;
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{IdentifyOptions, MethodOptions, PoleStatus};
 use crate::identify::synthetic::{Measurement, Structure, separated_modes};
+use crate::identify::tests::draws;
 use crate::identify::{ESTIMATORS, identification, identify};
 use crate::modal::{ModalModel, Pole};
 
@@ -92,7 +93,7 @@ fn pole_errors_match_their_standard_deviations_and_stay_near_the_bound() {
     // method may have twice that.
     for (snr_db, limit) in [(60.0, 3e-3), (40.0, 6e-3), (30.0, 2e-2)] {
         let mut squares = Vec::new();
-        for seed in 0..16 {
+        for seed in draws(16) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
                 snr_db: Some(snr_db),

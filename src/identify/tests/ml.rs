@@ -17,6 +17,7 @@ use crate::identify::identify;
 use crate::identify::synthetic::{
     Measurement, Pair, Structure, close_pair, separated_modes, white_noise, windowed_noise,
 };
+use crate::identify::tests::draws;
 
 fn ml(set: &FrfSet) -> ModalModel {
     let options = IdentifyOptions {
@@ -43,7 +44,7 @@ fn with_references(measurement: &mut Measurement, count: usize) {
 
 #[test]
 fn poles_without_noise_are_exact_to_eight_digits() {
-    for seed in 0..6 {
+    for seed in draws(6) {
         let (structure, mut how) = separated_modes(seed);
         with_references(&mut how, 1 + seed as usize % 2);
         let model = ml(&structure.measured(&how));
@@ -66,7 +67,7 @@ fn poles_without_noise_are_exact_to_eight_digits() {
 #[test]
 fn errors_with_noise_match_their_standard_deviations() {
     let (mut squares, mut count) = (0.0, 0.0);
-    for seed in 0..40 {
+    for seed in draws(40) {
         let (structure, mut how) = separated_modes(seed);
         how.snr_db = Some(50.0);
         let model = ml(&structure.measured(&how));
@@ -335,7 +336,7 @@ fn data_that_few_modes_cannot_describe_give_no_spurious_modes() {
         step_hz: 2.0,
         len: 1500,
     };
-    for seed in 1..=2 {
+    for seed in draws(2) {
         let mut how = Measurement::of_sensors(4, axis);
         how.kind = FrfKind::Receptance;
         (how.snr_db, how.seed) = (Some(80.0), seed);
@@ -414,7 +415,7 @@ fn with_force_noise(set: &FrfSet, force: ForceNoise, seed: u64) -> FrfSet {
 /// as true ones, and no finding of a misfit.
 fn errors_over_stated(force: ForceNoise) -> f64 {
     let (mut squares, mut count) = (0.0, 0.0);
-    for seed in 0..30 {
+    for seed in draws(30) {
         let (structure, mut how) = separated_modes(seed);
         // From 5.5 to 12 lines across the narrowest resonance to 1.4 to 3.
         how.axis.step_hz *= 4.0;
