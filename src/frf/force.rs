@@ -96,7 +96,7 @@ impl TransformRange {
             let info = &recording.hits()[hit];
             to_si(info, &info.force, &samples, &mut force)?;
             let pulse = locate_pulse(info, &force)?;
-            (starts[hit], ends[hit]) = (pulse.pretrigger().end, pulse.end);
+            (starts[hit], ends[hit]) = (pulse.pretrigger_samples().end, pulse.end);
             len = len.min(whole - starts[hit]);
         }
         len = fast_transform_length(len);

@@ -29,13 +29,13 @@ pub(super) struct LocalPole {
 }
 
 /// Lines, values and variances around a resonance.
-pub(super) struct Window<'a> {
+pub(super) struct ResonanceLines<'a> {
     pub omega: &'a [f64],
     pub values: &'a [Complex64],
     pub variance: &'a [f64],
 }
 
-impl<'a> Window<'a> {
+impl<'a> ResonanceLines<'a> {
     /// The part of whole functions in a range of lines.
     pub fn of(
         lines: Range<usize>,
@@ -186,7 +186,7 @@ mod tests {
     fn one_pole_with_its_surroundings_is_found_exactly() {
         let omega = axis();
         let values: Vec<Complex64> = omega.iter().map(|w| value(*w)).collect();
-        let window = Window {
+        let window = ResonanceLines {
             omega: &omega,
             values: &values,
             variance: &vec![0.0; 31],
@@ -213,7 +213,7 @@ mod tests {
                 value(*w) + noise
             };
             let values: Vec<Complex64> = omega.iter().map(&mut noisy).collect();
-            let window = Window {
+            let window = ResonanceLines {
                 omega: &omega,
                 values: &values,
                 variance: &variance,

@@ -111,7 +111,7 @@ fn the_pulses_of_the_plate_are_at_their_samples() {
             Some(pulse.peak as u64),
             expected["force_peak_index"][n].as_u64()
         );
-        assert!((50..=51).contains(&pulse.onset) && pulse.pretrigger().len() >= 30);
+        assert!((50..=51).contains(&pulse.onset) && pulse.pretrigger_samples().len() >= 30);
         let peak = expected["force_peak"][n].as_f64().unwrap();
         assert!((pulse.height_n + pulse.level_n - peak).abs() < 1e-9);
     }

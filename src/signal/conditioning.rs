@@ -10,7 +10,7 @@ use crate::record::{ChannelInfo, HitInfo, Samples};
 
 use super::pulse::MIN_PRETRIGGER_SAMPLES;
 use super::{
-    ExponentialWindow, Extent, ForceWindow, ONSET_FRACTION, PreTrigger, Pulse, SignalError,
+    ExponentialWindow, Extent, ForceWindow, ONSET_FRACTION, PretriggerNoise, Pulse, SignalError,
 };
 
 /// Treatment of the mean of a channel before the hit.
@@ -181,8 +181,8 @@ pub fn pretrigger_offset(
     record: &[f64],
     pulse: &Pulse,
     offset: Offset,
-) -> Result<(Option<PreTrigger>, f64), SignalError> {
-    let pretrigger = PreTrigger::of(&record[pulse.pretrigger()]);
+) -> Result<(Option<PretriggerNoise>, f64), SignalError> {
+    let pretrigger = PretriggerNoise::of(&record[pulse.pretrigger_samples()]);
     let taken = match (offset, &pretrigger) {
         (Offset::Keep, _) | (Offset::RemoveIfPretrigger, None) => 0.0,
         (_, Some(pretrigger)) => pretrigger.mean,
@@ -190,7 +190,7 @@ pub fn pretrigger_offset(
             return Err(SignalError::NoPreTrigger {
                 origin: hit.origin.clone(),
                 dof: channel.dof.clone(),
-                got: pulse.pretrigger().len(),
+                got: pulse.pretrigger_samples().len(),
                 expected: MIN_PRETRIGGER_SAMPLES,
             });
         }
@@ -200,7 +200,7 @@ pub fn pretrigger_offset(
 
 /// The fraction of the force that its window cuts off: `sqrt(Σ(1−w)²x² − σ²Σ(1−w)²)` over
 /// `sqrt(Σx²)`, after the mean before the hit is subtracted; 0 where noise explains it.
-pub fn cut_force_fraction(force_n: &[f64], window: &[f64], pretrigger: &PreTrigger) -> f64 {
+pub fn cut_force_fraction(force_n: &[f64], window: &[f64], pretrigger: &PretriggerNoise) -> f64 {
     let (mut cut, mut noise, mut all) = (0.0, 0.0, 0.0);
     for (x, w) in force_n.iter().zip(window) {
         let (x, lost) = (x - pretrigger.mean, (1.0 - w) * (1.0 - w));
@@ -273,7 +273,7 @@ mod tests {
     fn without_options_the_samples_are_the_si_samples() {
         let (info, force, response) = hit();
         let pulse = locate_pulse(&info, &si(&info, &info.force, force)).unwrap();
-        assert_eq!(pulse.pretrigger(), 0..12);
+        assert_eq!(pulse.pretrigger_samples(), 0..12);
         let response = si(&info, &info.responses[0], response);
         let frame = Frame::new(&info.axis, pulse, 0..24, &Conditioning::default());
         let mut out = response.clone();

@@ -22,6 +22,6 @@ pub use hit_quality::{
     assess_response, drift_of, inconsistent_hits, least_delay_samples, overloaded,
 };
 pub use impact_detection::{Segment, Segments, TriggerOptions, segments};
-pub use pulse::{ONSET_FRACTION, PreTrigger, Pulse};
+pub use pulse::{ONSET_FRACTION, PretriggerNoise, Pulse};
 pub use simd_sums::{Extent, lane_count, lane_moments, lane_sum, lane_sum_of_pairs};
 pub use window::{ExponentialWindow, ForceWindow};

@@ -67,7 +67,7 @@ impl Pulse {
 
     /// The pre-trigger samples: up to the onset less a guard of one rise
     /// time (onset to peak), at least two samples, because the pulse begins below the threshold.
-    pub fn pretrigger(&self) -> Range<usize> {
+    pub fn pretrigger_samples(&self) -> Range<usize> {
         0..self.onset.saturating_sub((self.peak - self.onset).max(2))
     }
 }
@@ -99,7 +99,7 @@ fn furthest_from(values: &[f64], level: f64) -> Option<usize> {
 
 /// Mean and variance of one channel before the hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PreTrigger {
+pub struct PretriggerNoise {
     /// Number of pre-trigger samples.
     pub samples: usize,
     /// Their mean, SI unit of the channel.
@@ -108,7 +108,7 @@ pub struct PreTrigger {
     pub variance: f64,
 }
 
-impl PreTrigger {
+impl PretriggerNoise {
     /// Of the pre-trigger samples of a channel; `None` for fewer than eight.
     ///
     /// Noise of a longer period than these samples shows in the mean, not in the variance.
@@ -145,7 +145,7 @@ mod tests {
         for (sign, offset) in [(1.0, 0.0), (-1.0, 0.0), (-1.0, 300.0), (1.0, -7.0)] {
             let pulse = Pulse::locate(&triangle(sign, offset), ONSET_FRACTION).unwrap();
             assert_eq!((pulse.onset, pulse.peak, pulse.end), (21, 23, 26));
-            assert_eq!(pulse.pretrigger(), 0..19);
+            assert_eq!(pulse.pretrigger_samples(), 0..19);
             assert!((pulse.level_n - offset).abs() < 1e-12);
             assert!((pulse.height_n - 100.0 * sign).abs() < 1e-12);
         }
@@ -155,7 +155,7 @@ mod tests {
     fn a_record_may_begin_or_end_inside_the_pulse() {
         let pulse = Pulse::locate(&[5.0, 2.0, 0.0, 0.0, 0.0], ONSET_FRACTION).unwrap();
         assert_eq!((pulse.onset, pulse.peak, pulse.end), (0, 0, 2));
-        assert_eq!(pulse.pretrigger(), 0..0);
+        assert_eq!(pulse.pretrigger_samples(), 0..0);
         let pulse = Pulse::locate(&[0.0, 0.0, 0.0, 0.0, 5.0], ONSET_FRACTION).unwrap();
         assert_eq!((pulse.onset, pulse.peak, pulse.end), (4, 4, 5));
     }
@@ -175,8 +175,8 @@ mod tests {
     #[test]
     fn mean_and_variance_of_the_pre_trigger_samples() {
         let pretrigger: Vec<f64> = (1..=8).map(f64::from).collect();
-        let noise = PreTrigger::of(&pretrigger).unwrap();
+        let noise = PretriggerNoise::of(&pretrigger).unwrap();
         assert!((noise.mean - 4.5).abs() < 1e-15 && (noise.variance - 6.0).abs() < 1e-14);
-        assert_eq!(PreTrigger::of(&pretrigger[1..]), None);
+        assert_eq!(PretriggerNoise::of(&pretrigger[1..]), None);
     }
 }

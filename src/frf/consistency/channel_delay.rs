@@ -11,7 +11,7 @@ use crate::finding::{Code, Finding, Location, Severity};
 
 use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::Mobilities;
-use crate::frf::local_pole::{LocalPole, Window};
+use crate::frf::local_pole::{LocalPole, ResonanceLines};
 use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Fewest lines between half-power points for the fit of one resonance.
@@ -117,7 +117,7 @@ fn residue_phases(data: &Mobilities, i: usize) -> Vec<ResiduePhase> {
     let peaks = clear_peaks(&power, &floor, MIN_LINES_PER_BANDWIDTH);
     let fit = |peak: &Peak| {
         let lines = fit_lines(peak, power.len())?;
-        Window::of(lines, &data.omega, &values, &variance).fit()
+        ResonanceLines::of(lines, &data.omega, &values, &variance).fit()
     };
     let phase = |pole: LocalPole| ResiduePhase {
         omega: pole.lambda.im,

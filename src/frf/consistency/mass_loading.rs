@@ -8,7 +8,7 @@ use crate::finding::{Code, Finding, Severity};
 use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, fit_lines};
 use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::Mobilities;
-use crate::frf::local_pole::{LocalPole, Window};
+use crate::frf::local_pole::{LocalPole, ResonanceLines};
 use crate::frf::measurement_runs::measurement_runs;
 use crate::frf::peaks::{Peak, clear_peaks};
 
@@ -147,7 +147,7 @@ impl<'a> SummedFrfs<'a> {
         let lines = fit_lines(peak, self.power.len())?;
         let fit = |i: &usize| {
             let (values, variance) = (&self.values[*i], &self.variance[*i]);
-            let pole = Window::of(lines.clone(), self.omega, values, variance).fit()?;
+            let pole = ResonanceLines::of(lines.clone(), self.omega, values, variance).fit()?;
             (pole.background < MAX_BACKGROUND_OVER_PEAK).then_some((*i, pole))
         };
         let run = |functions: &Vec<usize>| {

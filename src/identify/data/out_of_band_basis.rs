@@ -40,7 +40,7 @@ pub(in crate::identify) struct OutOfBandTerm {
     /// Basis function: one value per line.
     pub values: Vec<Complex64>,
     /// Amplitude in each FRF, over its noise: a vector of length 1.
-    pub shares: Vec<Complex64>,
+    pub frf_amplitudes: Vec<Complex64>,
 }
 
 /// Basis of the out-of-band terms on a range of lines.

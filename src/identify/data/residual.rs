@@ -193,10 +193,10 @@ impl OutOfBandFit {
                     .map(|c| self.columns[(k, MIN_OUT_OF_BAND_COLUMNS + c)] * svd.left[(c, rank)]);
                 terms.sum()
             };
-            let shares = (0..beyond.ncols()).map(|f| svd.right[(f, rank)].conj());
+            let frf_amplitudes = (0..beyond.ncols()).map(|f| svd.right[(f, rank)].conj());
             OutOfBandTerm {
                 values: (0..self.columns.nrows()).map(at).collect(),
-                shares: shares.collect(),
+                frf_amplitudes: frf_amplitudes.collect(),
             }
         };
         (0..count).map(term).collect()

@@ -56,7 +56,7 @@ pub(in crate::identify) enum Convergence {
     /// Sufficient to decide which poles are kept.
     Coarse,
     /// Sufficient to assess the residual.
-    Judging,
+    ResidualTest,
     /// Full convergence.
     Fine,
 }
@@ -200,7 +200,7 @@ fn update_poles(roots: &mut [ModelPole], block: &Block, fitted: &Fitted, stop: C
     let misfit_factor = fitted.misfit.max(1.0).sqrt();
     let max_step_stds = match stop {
         Convergence::Coarse | Convergence::Residues => COARSE_STEP_STDS * misfit_factor,
-        Convergence::Judging => CONVERGED_STEP_STDS * misfit_factor,
+        Convergence::ResidualTest => CONVERGED_STEP_STDS * misfit_factor,
         Convergence::Fine => CONVERGED_STEP_STDS,
     };
     let deviations = unknown_stds(fitted);

@@ -131,7 +131,7 @@ pub(in crate::identify) fn fit(
             continue;
         }
         let at_trial = problem.linearised(&trial, &unknowns);
-        if at_trial.cost <= here.cost + ROUND_OFF_COST * problem.near.energy {
+        if at_trial.cost <= here.cost + ROUND_OFF_COST * problem.values.energy {
             (members, here) = (trial, at_trial);
             taken += 1;
             damping = (0.1 * damping).max(MIN_DAMPING);
@@ -197,8 +197,9 @@ struct BandProblem<'a> {
     window: CompressedBand,
     /// Line shapes of all other poles and of all conjugates, lines × twice the number of poles.
     known: ComplexMatrix,
-    /// Coordinates of the values minus these, and the energy of the values minus these.
-    near: CompressedValues,
+    /// Coordinates of the measured values minus these.
+    values: CompressedValues,
+    /// Energy of the measured values minus these, over the noise.
     energy: f64,
     patterns: Vec<Pattern>,
 }
@@ -221,10 +222,10 @@ impl<'a> BandProblem<'a> {
         };
         let known = other_line_shapes(&around.data.frfs, around.poles, block);
         let response = around.known_response(&known);
-        let near = window.without_known_response(&response);
+        let values = window.without_known_response(&response);
         Self {
-            energy: window.energy(around.data, &response, &near),
-            near,
+            energy: window.energy(around.data, &response, &values),
+            values,
             patterns: patterns(around.frf_matrix, window.profile()),
             around,
             window,
@@ -270,7 +271,7 @@ impl<'a> BandProblem<'a> {
         if !self.window.serves(&poles) {
             self.window
                 .add_missing_expansion_points(self.around.data, poles);
-            self.near = self
+            self.values = self
                 .window
                 .without_known_response(&self.around.known_response(&self.known));
         }
@@ -281,7 +282,7 @@ impl<'a> BandProblem<'a> {
                 Unknown::Factor(..) => None,
             })
             .collect();
-        let (data, explained) = self.window.compressed(&self.near, members, &moving);
+        let (data, explained) = self.window.compressed(&self.values, members, &moving);
         let columns = columns(members);
         let linearise = |pattern: &Pattern| {
             let problem = Problem {

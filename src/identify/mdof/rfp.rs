@@ -94,7 +94,7 @@ impl MultiModeMethod for RationalFractions {
             let lines = around(&data.frfs, first);
             let inside = data.frfs.omega[lines.start]..data.frfs.omega[lines.end - 1];
             let peaks = tops.iter().filter(|top| inside.contains(top)).count();
-            let window = Window::new(data, lines, weight_poles);
+            let window = FitLines::new(data, lines, weight_poles);
             let highest = self
                 .max_order
                 .unwrap_or(ORDERS_PER_PEAK * peaks + ADDITIONAL_ORDERS);
@@ -122,7 +122,7 @@ fn around(data: &BandFrfs, lambda: Complex64) -> Range<usize> {
 }
 
 /// Some lines with their noise.
-struct Window {
+struct FitLines {
     lines: Range<usize>,
     center: f64,
     half: f64,
@@ -133,7 +133,7 @@ struct Window {
     denominator_weight: Vec<f64>,
 }
 
-impl Window {
+impl FitLines {
     fn new(data: &FitData, lines: Range<usize>, weight_poles: &[Complex64]) -> Self {
         let omega = &data.frfs.omega[lines.clone()];
         let (first, last) = (omega[0], omega[omega.len() - 1]);

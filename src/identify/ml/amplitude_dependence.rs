@@ -100,7 +100,7 @@ impl PoleModel {
         let (before, dropped) = (self.poles.clone(), self.dropped.len());
         self.poles.extend(tried);
         mark_unconverged(&mut self.poles);
-        self.refine_and_prune(Convergence::Judging);
+        self.refine_and_prune(Convergence::ResidualTest);
         self.mark_companions();
         // A pole that was not in the fit before and is no companion is a failed trial.
         let is_mode = |pole: &ModelPole| {
@@ -111,7 +111,7 @@ impl PoleModel {
         self.poles.retain(|pole| pole.is_companion || is_mode(pole));
         if self.poles.len() < all {
             mark_unconverged(&mut self.poles);
-            self.refine_and_prune(Convergence::Judging);
+            self.refine_and_prune(Convergence::ResidualTest);
             self.mark_companions();
         }
         let modes = |poles: &[ModelPole]| poles.iter().filter(|pole| !pole.is_companion).count();

@@ -273,7 +273,7 @@ impl PoleModel {
 
     pub fn reestimate_noise_and_prune(&mut self) -> bool {
         let changed = self.estimate_noise();
-        self.refine_and_prune(Convergence::Judging);
+        self.refine_and_prune(Convergence::ResidualTest);
         changed
     }
 

@@ -43,7 +43,7 @@ impl PoleModel {
         let (before, drops_before) = (self.poles.clone(), self.dropped.len());
         self.alternate_terms_and_poles(terms);
         if self.out_of_band_is_significant() && self.search().is_some() {
-            self.refine_and_prune(Convergence::Judging);
+            self.refine_and_prune(Convergence::ResidualTest);
         }
         let enough = !self.out_of_band_is_significant() && self.poles.len() >= before.len();
         if !enough {
@@ -63,7 +63,7 @@ impl PoleModel {
             self.data
                 .set_out_of_band_terms(OutOfBandTerms::BasisFunctions(terms));
             mark_unconverged(&mut self.poles);
-            self.refine(Convergence::Judging);
+            self.refine(Convergence::ResidualTest);
             let moved = |(pole, before): (&ModelPole, &Complex64)| {
                 (pole.lambda - before).norm() > CONVERGED_STEP_STDS * pole.quality.pole_std
             };
@@ -173,7 +173,11 @@ fn fraction_along_terms(data: &FitData, pole: &ModelPole, terms: &[OutOfBandTerm
     let residues: Vec<Complex64> = (0..data.frfs.functions()).map(over).collect();
     let all: f64 = residues.iter().map(Complex64::norm_sqr).sum();
     let along = |term: &OutOfBandTerm| {
-        let products = term.shares.iter().zip(&residues).map(|(v, a)| v.conj() * a);
+        let products = term
+            .frf_amplitudes
+            .iter()
+            .zip(&residues)
+            .map(|(v, a)| v.conj() * a);
         products.sum::<Complex64>().norm_sqr()
     };
     if all > 0.0 {

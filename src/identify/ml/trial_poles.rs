@@ -50,28 +50,27 @@ impl PoleModel {
                 self.data.set_noise(noise);
                 self.poles = poles;
                 self.dropped.truncate(drops_before);
-                self.refine_and_prune(Convergence::Judging);
+                self.refine_and_prune(Convergence::ResidualTest);
                 return false;
             }
             let relative_std = |pole: &ModelPole| pole.quality.pole_std / pole.decay();
-            let mut undetermined: Vec<f64> = self.poles.iter().map(relative_std).collect();
-            undetermined.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
-            undetermined.sort_by(f64::total_cmp);
-            let Some(limit) =
-                undetermined.get(undetermined.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
+            let mut undetermined_stds: Vec<f64> = self.poles.iter().map(relative_std).collect();
+            undetermined_stds.retain(|ratio| *ratio >= MAX_STD_WELL_DETERMINED);
+            undetermined_stds.sort_by(f64::total_cmp);
+            let Some(limit) = undetermined_stds
+                .get(undetermined_stds.len() * (REMOVE_ONE_IN - 1) / REMOVE_ONE_IN)
             else {
                 return true;
             };
-            let (determined, undetermined): (Vec<ModelPole>, Vec<ModelPole>) =
-                std::mem::take(&mut self.poles)
-                    .into_iter()
-                    .partition(|pole| relative_std(pole) < *limit);
-            self.dropped.extend(undetermined.iter().map(|pole| Dropped {
+            let (kept, removed): (Vec<ModelPole>, Vec<ModelPole>) = std::mem::take(&mut self.poles)
+                .into_iter()
+                .partition(|pole| relative_std(pole) < *limit);
+            self.dropped.extend(removed.iter().map(|pole| Dropped {
                 lambda: pole.lambda,
                 reason: DropReason::PoleUndetermined(pole.quality.pole_std / pole.decay()),
             }));
             // The other pole of a close pair is a single pole again.
-            self.poles = determined
+            self.poles = kept
                 .into_iter()
                 .map(|pole| ModelPole { pair: None, ..pole })
                 .collect();
@@ -208,7 +207,7 @@ impl PoleModel {
             pair,
             ..second
         });
-        self.refine_and_prune(Convergence::Judging);
+        self.refine_and_prune(Convergence::ResidualTest);
         let members: Vec<&ModelPole> = self.poles.iter().filter(|pole| pole.pair == pair).collect();
         let [a, b] = members[..] else { return None };
         let apart = (a.lambda - b.lambda).norm() / a.width().min(b.width());

@@ -1,7 +1,7 @@
 //! Amplitude of a response at the end of the record, and the offset and drift of a channel.
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
-use super::super::{PreTrigger, Pulse};
+use super::super::{PretriggerNoise, Pulse};
 use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 use super::pretrigger::{MAX_VARIANCE_RATIO_STDS, rms_about};
@@ -22,7 +22,7 @@ pub(super) fn decay(response: &[f64], pulse: &Pulse, limits: &HitQualityLimits) 
     let limit = limits.decay;
     let after = &response[pulse.onset..];
     let last = &after[after.len() - after.len() / RECORD_END_DIVISOR..];
-    let pretrigger = PreTrigger::of(&response[pulse.pretrigger()]);
+    let pretrigger = PretriggerNoise::of(&response[pulse.pretrigger_samples()]);
     let (Some(pretrigger), true) = (pretrigger, last.len() >= MIN_PRETRIGGER_SAMPLES) else {
         return Check::new(Rule::Decay, Outcome::NotDecidable);
     };
@@ -66,9 +66,9 @@ pub struct Drift {
 /// (t - t_onset)`. A response that still rings at the end leaves of its amplitude A about `A/(ω
 /// T/8)` in the mean.
 pub fn drift_of(samples: &[f64], step_s: f64, pulse: &Pulse) -> Option<Drift> {
-    let pretrigger = PreTrigger::of(samples.get(pulse.pretrigger())?)?;
+    let pretrigger = PretriggerNoise::of(samples.get(pulse.pretrigger_samples())?)?;
     let part = samples.len().saturating_sub(pulse.end) / RECORD_END_DIVISOR;
-    let last = PreTrigger::of(&samples[samples.len() - part..])?;
+    let last = PretriggerNoise::of(&samples[samples.len() - part..])?;
     let middle = |start: usize, count: usize| start as f64 + 0.5 * (count as f64 - 1.0);
     let from = middle(0, pretrigger.samples);
     let to = middle(samples.len() - part, part);
@@ -118,8 +118,8 @@ pub(super) fn response_drift(
     pulse: &Pulse,
     limits: &HitQualityLimits,
 ) -> Check {
-    let offset =
-        PreTrigger::of(&response[pulse.pretrigger()]).map_or(0.0, |pretrigger| pretrigger.mean);
+    let offset = PretriggerNoise::of(&response[pulse.pretrigger_samples()])
+        .map_or(0.0, |pretrigger| pretrigger.mean);
     let peak = response.iter().map(|x| (x - offset).abs());
     let peak = peak.fold(0.0, f64::max);
     assess_drift(response, step_s, pulse, peak, limits.drift)

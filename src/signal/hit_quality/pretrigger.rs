@@ -4,7 +4,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::super::pulse::MIN_PRETRIGGER_SAMPLES;
-use super::super::{PreTrigger, Pulse};
+use super::super::{PretriggerNoise, Pulse};
 use super::HitQualityLimits;
 use super::check::{Check, Outcome, Rule, compare_with_limit};
 
@@ -59,7 +59,7 @@ pub(super) fn force_pre_trigger(
     limits: &HitQualityLimits,
 ) -> Check {
     let limit = limits.force_pre_trigger;
-    match PreTrigger::of(&force_n[pulse.pretrigger()]) {
+    match PretriggerNoise::of(&force_n[pulse.pretrigger_samples()]) {
         Some(pretrigger) => {
             let value = pretrigger.variance.sqrt() / pulse.height_n.abs();
             let outcome = compare_with_limit(value, limit, Outcome::Noted);
@@ -84,7 +84,7 @@ pub(super) fn response_pre_trigger(
     pulse: &Pulse,
     limits: &HitQualityLimits,
 ) -> Check {
-    let end = pulse.pretrigger().end;
+    let end = pulse.pretrigger_samples().end;
     let pretrigger = &response[..end - PRECURSOR_SAMPLES.min(end / 4)];
     let after = &response[pulse.onset..(pulse.onset + pretrigger.len()).min(response.len())];
     if pretrigger.len() < 2 * MIN_PRETRIGGER_SAMPLES || after.is_empty() {
@@ -145,7 +145,7 @@ pub(super) fn rms_about(samples: &[f64], mean: f64) -> f64 {
 /// A force whose peak is no more than noise: `|height| / σ` against `sqrt(2 ln N) + 2`, two above
 /// what N samples reach.
 pub(super) fn dead_force(force_n: &[f64], pulse: &Pulse) -> Check {
-    let Some(pretrigger) = PreTrigger::of(&force_n[pulse.pretrigger()]) else {
+    let Some(pretrigger) = PretriggerNoise::of(&force_n[pulse.pretrigger_samples()]) else {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     };
     let limit = (2.0 * (force_n.len() as f64).ln()).sqrt() + 2.0;
@@ -171,7 +171,7 @@ pub(super) fn dead_response(response: &[f64], pulse: &Pulse) -> Check {
     if constant {
         return Check::new(Rule::Dead, Outcome::Rejected);
     }
-    let Some(pretrigger) = PreTrigger::of(&response[pulse.pretrigger()]) else {
+    let Some(pretrigger) = PretriggerNoise::of(&response[pulse.pretrigger_samples()]) else {
         return Check::new(Rule::Dead, Outcome::NotDecidable);
     };
     if pretrigger.variance <= 0.0 {

@@ -48,7 +48,7 @@ pub(super) struct Approach {
 pub(super) struct MeshGeometry {
     /// 1 for the sun, -1 for the ring.
     pub side: f64,
-    /// Sum or difference of the base radii: the same for both, as both have one centre distance.
+    /// Sum of the base radii of sun and planet, or difference of those of ring and planet.
     pub base: f64,
     pub rest_angle: f64,
     pub pins: f64,
@@ -77,9 +77,9 @@ impl MeshGeometry {
         let tan = angle.tan();
         let turn = v.atan2(u);
         if detail == Detail::ExactAngle {
-            let (involute, at_rest) = (tan - angle, rest_angle.tan() - rest_angle);
+            let (involute, involute_at_rest) = (tan - angle, rest_angle.tan() - rest_angle);
             return Approach {
-                compression: -base * (turn + side * (involute - at_rest)),
+                compression: -base * (turn + side * (involute - involute_at_rest)),
                 by_u: -base * (side * tan * u - v) / square,
                 by_v: -base * (side * tan * v + u) / square,
                 angle,
@@ -115,7 +115,7 @@ impl Wave {
     }
 }
 
-/// Compression, rate and stiffness of one mesh.
+/// Compression, stiffness and pressure angle of one mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MeshState {
     pub compression_m: f64,

@@ -199,7 +199,7 @@ impl Motion {
     /// The two meshes of a planet at a time.
     pub fn meshes(&self, time_s: f64, state: &[f64], planet: usize) -> [MeshState; 2] {
         let frame = self.frame(time_s, state);
-        let place = self.placed(&frame, state, planet);
+        let place = self.configuration(&frame, state, planet);
         [0, 1].map(|kind| MeshState {
             compression_m: place.meshes[kind].compression,
             stiffness_n_per_m: self.stiffness(time_s, kind, planet),
@@ -220,37 +220,46 @@ impl Motion {
         (self.speed_rad_s * time_s + state[2]).sin_cos()
     }
 
-    fn placed(&self, &(sin, cos): &(f64, f64), state: &[f64], planet: usize) -> Placed {
+    fn configuration(
+        &self,
+        &(sin, cos): &(f64, f64),
+        state: &[f64],
+        planet: usize,
+    ) -> PlanetConfiguration {
         let (sin_0, cos_0) = self.places[planet];
         let (sin, cos) = (sin * cos_0 + cos * sin_0, cos * cos_0 - sin * sin_0);
         let turned = |x: f64, y: f64| [x * cos + y * sin, y * cos - x * sin];
         let at = 6 + 3 * planet;
         let [xi, eta, psi] = [state[at], state[at + 1], state[at + 2]];
-        let pin_motion = [self.pins + xi, eta];
+        let planet_centre = [self.pins + xi, eta];
         let carrier = turned(state[0], state[1]);
         // From the sun's centre, and from the ring's.
         let sun = turned(state[0] - state[3], state[1] - state[4]);
         let mut meshes = [
-            self.meshes[0].approach(self.detail, pin_motion[0] + sun[0], pin_motion[1] + sun[1]),
+            self.meshes[0].approach(
+                self.detail,
+                planet_centre[0] + sun[0],
+                planet_centre[1] + sun[1],
+            ),
             self.meshes[1].approach(
                 self.detail,
-                pin_motion[0] + carrier[0],
-                pin_motion[1] + carrier[1],
+                planet_centre[0] + carrier[0],
+                planet_centre[1] + carrier[1],
             ),
         ];
         meshes[0].compression += self.radius_s * (state[5] - state[2]) - self.radius_p * psi;
         meshes[1].compression += self.radius_p * psi - self.radius_r * state[2];
-        Placed {
+        PlanetConfiguration {
             sin,
             cos,
-            pin_motion,
+            planet_centre,
             offsets: [sun, carrier],
             meshes,
         }
     }
 
     /// Derivatives of both compressions of a planet by xc, yc, psi_c, xs, ys, psi_s, xi, eta, psi.
-    fn gradients(&self, place: &Placed) -> [[f64; 9]; 2] {
+    fn gradients(&self, place: &PlanetConfiguration) -> [[f64; 9]; 2] {
         let of_mesh = |kind: usize| {
             let mesh = &place.meshes[kind];
             let [along, across] = place.offsets[kind];
@@ -284,13 +293,13 @@ impl Motion {
             + self.bearing[1] * squares(state[3], state[4]);
         let frame = self.frame(time_s, state);
         for planet in 0..PLANETS {
-            let place = self.placed(&frame, state, planet);
+            let place = self.configuration(&frame, state, planet);
             let at = 6 + 3 * planet;
             let moving =
                 |x: f64, y: f64| [x * place.cos + y * place.sin, y * place.cos - x * place.sin];
             let [along, across] = moving(rate[0], rate[1]);
-            let radial = along + rate[at] - place.pin_motion[1] * turning;
-            let tangential = across + rate[at + 1] + place.pin_motion[0] * turning;
+            let radial = along + rate[at] - place.planet_centre[1] * turning;
+            let tangential = across + rate[at + 1] + place.planet_centre[0] * turning;
             let spin = turning - self.radius_r / self.radius_p * self.speed_rad_s - rate[at + 2];
             kinetic += self.mass[2] * squares(radial, tangential) + self.inertia[2] * spin * spin;
             strain += self.bearing[2] * squares(state[at], state[at + 1]);
@@ -302,12 +311,12 @@ impl Motion {
     }
 }
 
-/// A planet at a time: its frame, its centre in it, the offsets of the carrier from sun and ring,
-/// and both meshes.
-struct Placed {
+/// Instantaneous configuration of a planet: its frame, its centre in it, the offsets of the carrier
+/// from sun and ring, and both meshes.
+struct PlanetConfiguration {
     sin: f64,
     cos: f64,
-    pin_motion: [f64; 2],
+    planet_centre: [f64; 2],
     offsets: [[f64; 2]; 2],
     meshes: [Approach; 2],
 }
@@ -334,11 +343,11 @@ impl Equations for Motion {
             self.drive_nm(),
         ];
         let mut carried_inertia = 0.0;
-        let places: [Placed; PLANETS] =
-            std::array::from_fn(|planet| self.placed(&frame, state, planet));
+        let places: [PlanetConfiguration; PLANETS] =
+            std::array::from_fn(|planet| self.configuration(&frame, state, planet));
         for (planet, place) in places.iter().enumerate() {
             let at = 6 + 3 * planet;
-            let mut pin_force = [
+            let mut planet_force = [
                 support(2, state[at], now[at]),
                 support(2, state[at + 1], now[at + 1]),
                 0.0,
@@ -354,27 +363,27 @@ impl Equations for Motion {
                 let pressed = self.stiffness(time_s, kind, planet) * place.meshes[kind].compression
                     + self.mesh_damper * closing;
                 (0..6).for_each(|i| force[i] -= pressed * by[i]);
-                (0..3).for_each(|i| pin_force[i] -= pressed * by[6 + i]);
+                (0..3).for_each(|i| planet_force[i] -= pressed * by[6 + i]);
             }
-            self.add_planet(place, pin_force, &mut force, &mut carried_inertia);
-            acceleration[at..at + 3].copy_from_slice(&pin_force);
+            self.add_planet(place, planet_force, &mut force, &mut carried_inertia);
+            acceleration[at..at + 3].copy_from_slice(&planet_force);
         }
         self.central_accelerations(&force, carried_inertia, acceleration);
         for (planet, place) in places.iter().enumerate() {
             let at = 6 + 3 * planet;
-            let pin_acceleration = [acceleration[at], acceleration[at + 1], acceleration[at + 2]];
+            let planet_force = [acceleration[at], acceleration[at + 1], acceleration[at + 2]];
             let [x, y, turn] = [acceleration[0], acceleration[1], acceleration[2]];
-            let [u, v] = place.pin_motion;
+            let [u, v] = place.planet_centre;
             let (du, dv) = (now[at], now[at + 1]);
-            acceleration[at + 2] = pin_acceleration[2] / self.inertia[2] + turn;
+            acceleration[at + 2] = planet_force[2] / self.inertia[2] + turn;
             if self.detail == Detail::Torsional {
                 (acceleration[at], acceleration[at + 1]) = (0.0, 0.0);
                 continue;
             }
             acceleration[at] =
-                pin_acceleration[0] / self.mass[2] + u * turning * turning + 2.0 * dv * turning
+                planet_force[0] / self.mass[2] + u * turning * turning + 2.0 * dv * turning
                     - (x * place.cos + y * place.sin - v * turn);
-            acceleration[at + 1] = pin_acceleration[1] / self.mass[2] + v * turning * turning
+            acceleration[at + 1] = planet_force[1] / self.mass[2] + v * turning * turning
                 - 2.0 * du * turning
                 - (y * place.cos - x * place.sin + u * turn);
         }
@@ -383,7 +392,7 @@ impl Equations for Motion {
 
 impl Motion {
     /// Derivative of a compression by the ideal rotation of the frame, which `psi` does not count.
-    fn turn_of_frame(&self, place: &Placed, kind: usize) -> f64 {
+    fn turn_of_frame(&self, place: &PlanetConfiguration, kind: usize) -> f64 {
         let mesh = &place.meshes[kind];
         let [along, across] = place.offsets[kind];
         mesh.by_u * across - mesh.by_v * along
@@ -392,18 +401,18 @@ impl Motion {
     /// What the planets' bearings and rotations hand on to the carrier.
     fn add_planet(
         &self,
-        place: &Placed,
-        pin_force: [f64; 3],
+        place: &PlanetConfiguration,
+        planet_force: [f64; 3],
         force: &mut [f64; 6],
         inertia: &mut f64,
     ) {
-        let [along, across, turn] = pin_force;
+        let [along, across, turn] = planet_force;
         force[2] += turn;
         if self.detail == Detail::Torsional {
             *inertia += self.mass[2] * self.pins * self.pins;
             return;
         }
-        let [u, v] = place.pin_motion;
+        let [u, v] = place.planet_centre;
         force[0] -= along * place.cos - across * place.sin;
         force[1] -= along * place.sin + across * place.cos;
         force[2] -= -along * v + across * u;
