@@ -42,7 +42,7 @@ enum Kind {
 }
 
 /// One drawn hit, judged.
-struct Judged {
+struct AssessedHit {
     kind: Kind,
     width: f64,
     snr_db: f64,
@@ -117,7 +117,7 @@ impl Draw {
         }
     }
 
-    fn judge(mut self) -> Judged {
+    fn judge(mut self) -> AssessedHit {
         let mut test = self.test();
         let single = test.generate_hit(0).unwrap();
         let peak_n = largest(&single.force.si());
@@ -130,7 +130,7 @@ impl Draw {
         let converter = Converter {
             full_scale: over_peak * peak_n,
             step: over_peak * peak_n / 2f64.powi(bits - 1),
-            jitter: self.kind == Kind::Overload && self.random.random(),
+            clipped_code_noise: self.kind == Kind::Overload && self.random.random(),
         };
         let energy: f64 = single.force.si().iter().map(|p| p * p).sum();
         let sigma = noise_n.hypot(converter.step / 12f64.sqrt());
@@ -157,13 +157,13 @@ impl Draw {
         let response_converter = Converter {
             full_scale,
             step: full_scale / 2f64.powi(bits - 1),
-            jitter: false,
+            clipped_code_noise: false,
         };
         let noise = rms / 10f64.powf(self.snr_db / 20.0);
         self.record(&mut response, noise, &response_converter);
         let stated = self.random.random::<bool>();
         let full_scale_n = stated.then_some(converter.full_scale);
-        Judged {
+        AssessedHit {
             kind: self.kind,
             width: self.width,
             snr_db: self.snr_db,
@@ -200,15 +200,16 @@ impl Draw {
             let normal: f64 = self.random.sample(StandardNormal);
             let analogue = *sample + noise * normal + offset + drift * k as f64;
             let code = (analogue / converter.step).round();
-            let rail = (converter.full_scale / converter.step).round();
-            let on_rail = code >= rail - 1.0 || code <= -rail;
-            clipped += usize::from(on_rail);
-            let jitter = if on_rail && converter.jitter {
+            let full_scale_code = (converter.full_scale / converter.step).round();
+            let is_clipped = code >= full_scale_code - 1.0 || code <= -full_scale_code;
+            clipped += usize::from(is_clipped);
+            let clipped_code_noise = if is_clipped && converter.clipped_code_noise {
                 f64::from(self.random.random_range(-2i32..=2))
             } else {
                 0.0
             };
-            *sample = (code.clamp(-rail, rail - 1.0) + jitter) * converter.step;
+            *sample = (code.clamp(-full_scale_code, full_scale_code - 1.0) + clipped_code_noise)
+                * converter.step;
         }
         clipped
     }
@@ -218,7 +219,7 @@ struct Converter {
     full_scale: f64,
     step: f64,
     /// Two codes up and down at full scale.
-    jitter: bool,
+    clipped_code_noise: bool,
 }
 
 fn largest(samples: &[f64]) -> f64 {
@@ -240,7 +241,7 @@ fn checks(force: &[f64], response: &[f64], full_scale_n: Option<f64>) -> Vec<Che
     checks
 }
 
-impl Judged {
+impl AssessedHit {
     fn force(&self, rule: Rule) -> Outcome {
         let check = self
             .checks
@@ -261,7 +262,7 @@ impl Judged {
     }
 }
 
-fn population() -> Vec<Judged> {
+fn population() -> Vec<AssessedHit> {
     let count = WIDTHS.len() * SNRS_DB.len() * (CLEAN + DOUBLE + OVERLOAD);
     let hits = (0..count).into_par_iter().step_by(parts() as usize);
     hits.map(|index| Draw::new(index).judge()).collect()
@@ -274,9 +275,9 @@ fn share(part: usize, all: usize) -> String {
 /// Prints `count` of what `what` selects out of what `of` selects, over width and noise.
 fn print_table(
     title: &str,
-    hits: &[Judged],
-    of: impl Fn(&Judged) -> bool,
-    what: impl Fn(&Judged) -> bool,
+    hits: &[AssessedHit],
+    of: impl Fn(&AssessedHit) -> bool,
+    what: impl Fn(&AssessedHit) -> bool,
 ) {
     println!("{title}");
     println!(
@@ -305,7 +306,7 @@ fn class(detectability: f64) -> usize {
     *below.unwrap()
 }
 
-fn print_second_contacts(hits: &[Judged]) {
+fn print_second_contacts(hits: &[AssessedHit]) {
     let mut classes: BTreeMap<usize, [usize; 4]> = BTreeMap::new();
     for hit in hits {
         if let Some((detectability, _)) = hit.second {
@@ -325,34 +326,34 @@ fn print_second_contacts(hits: &[Judged]) {
 #[test]
 fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     let hits = population();
-    let at_least = |there: usize, all: u64| there as u64 >= draws(all);
-    assert!(at_least(hits.len(), 5000), "{} hits", hits.len());
-    let clean = |h: &Judged| h.kind == Kind::Clean;
-    let visible = |h: &Judged| h.second.is_some_and(|(d, _)| d >= 8.0);
-    let clips = |h: &Judged| h.kind == Kind::Overload && h.clipped >= 3;
-    let overloaded = |h: &Judged| h.force(Rule::Overload) == Outcome::Rejected;
+    let is_enough = |there: usize, all: u64| there as u64 >= draws(all);
+    assert!(is_enough(hits.len(), 5000), "{} hits", hits.len());
+    let clean = |h: &AssessedHit| h.kind == Kind::Clean;
+    let visible = |h: &AssessedHit| h.second.is_some_and(|(d, _)| d >= 8.0);
+    let clips = |h: &AssessedHit| h.kind == Kind::Overload && h.clipped >= 3;
+    let overloaded = |h: &AssessedHit| h.force(Rule::Overload) == Outcome::Rejected;
     println!("{} hits", hits.len());
     print_table(
         "clean: false alarms of the double hit",
         &hits,
         clean,
-        Judged::second_found,
+        AssessedHit::second_found,
     );
     print_table(
         "clean: rejected by any rule",
         &hits,
         clean,
-        Judged::rejected,
+        AssessedHit::rejected,
     );
     print_table(
         "second contacts of d' >= 8 found",
         &hits,
         visible,
-        Judged::second_found,
+        AssessedHit::second_found,
     );
     print_table("overloads found", &hits, clips, overloaded);
     print_second_contacts(&hits);
-    let count = |of: &dyn Fn(&Judged) -> bool| hits.iter().filter(|h| of(h)).count();
+    let count = |of: &dyn Fn(&AssessedHit) -> bool| hits.iter().filter(|h| of(h)).count();
     let cleans = count(&clean);
     let alarms = count(&|h| clean(h) && h.second_found());
     assert!(
@@ -368,13 +369,13 @@ fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     assert_eq!(lost, 0, "good hits lost at 30 dB");
     let (seen, there) = (count(&|h| visible(h) && h.second_found()), count(&visible));
     assert!(
-        at_least(there, 1000) && seen as f64 > 0.99 * there as f64,
+        is_enough(there, 1000) && seen as f64 > 0.99 * there as f64,
         "{seen} of {there}"
     );
-    let at_edge = |h: &Judged| h.second.is_some_and(|(d, _)| (8.0..14.0).contains(&d));
+    let at_edge = |h: &AssessedHit| h.second.is_some_and(|(d, _)| (8.0..14.0).contains(&d));
     let (seen, there) = (count(&|h| at_edge(h) && h.second_found()), count(&at_edge));
     assert!(
-        at_least(there, 200) && seen as f64 > 0.99 * there as f64,
+        is_enough(there, 200) && seen as f64 > 0.99 * there as f64,
         "{seen} of {there} at 8 to 14"
     );
     let passed = count(&|h| {
@@ -384,7 +385,7 @@ fn judging_finds_what_can_be_found_and_keeps_what_is_good() {
     assert_eq!(passed, 0, "contacts that matter passed");
     let (seen, there) = (count(&|h| clips(h) && overloaded(h)), count(&clips));
     assert!(
-        at_least(there, 1000) && seen as f64 > 0.99 * there as f64,
+        is_enough(there, 1000) && seen as f64 > 0.99 * there as f64,
         "overloads: {seen} of {there}"
     );
 }

@@ -2,25 +2,20 @@
 
 use rayon::prelude::*;
 
-use crate::draws;
 use crate::extended_precision::compared;
 use crate::matrix_zoo::zoo;
+use crate::parts;
 
-/// Largest number of coordinates, divided as draws are.
-const COORDINATES: u64 = 2000;
-/// Fewest specimens.
-const SPECIMENS: u64 = 60;
+const MAX_COORDINATES: usize = 2000;
+const MIN_SPECIMENS: usize = 60;
 
 #[test]
 fn lowest_frequencies_of_every_specimen_are_within_their_bounds() {
-    let specimens = zoo(draws(COORDINATES) as usize);
-    assert!(
-        specimens.len() as u64 >= draws(SPECIMENS),
-        "{}",
-        specimens.len()
-    );
+    let specimens = zoo(MAX_COORDINATES);
+    assert!(specimens.len() >= MIN_SPECIMENS, "{}", specimens.len());
     let rows: Vec<_> = specimens
         .par_iter()
+        .step_by(parts() as usize)
         .map(|specimen| compared(specimen).unwrap())
         .collect();
     for row in &rows {

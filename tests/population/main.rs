@@ -36,11 +36,11 @@ use rayon::prelude::*;
 use population::Member;
 
 /// Number of draws of a long test: all, divided by the environment variable `POPULATION_PARTS`.
-/// Limits that are numbers of failures hold for all draws, and are weaker for fewer.
 fn draws(all: u64) -> u64 {
     all.div_ceil(parts())
 }
 
+/// Divisor of the draws.
 fn parts() -> u64 {
     std::env::var("POPULATION_PARTS").map_or(1, |parts| parts.parse().unwrap())
 }
@@ -50,7 +50,7 @@ fn members() -> Vec<Member> {
     first_members(|count| count)
 }
 
-/// The first members of each kind, of which `number` gives the number from that of all.
+/// The first members of each kind; `number` turns the number of all members of a kind into theirs.
 fn first_members(number: impl Fn(usize) -> usize) -> Vec<Member> {
     let family = pipeline::family();
     let counts = family.members.iter().map(|member| number(member.count));

@@ -57,7 +57,7 @@ fn another_recording_of_the_same_machine_passes_and_a_changed_machine_does_not()
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     results(&at("before"), 1, str::to_owned);
-    // One in a hundred is refused at most: of these four, one in twenty-five times.
+    // One in a hundred is refused at most: one of these four in one of 25 such series.
     let mut refused = 0;
     for seed in 2..6 {
         let folder_of_seed = at(&format!("seed-{seed}"));
@@ -66,9 +66,9 @@ fn another_recording_of_the_same_machine_passes_and_a_changed_machine_does_not()
             .map(|name| missed(&folder_of_seed.join(name), &at("before").join(name), &[]));
         refused += usize::from(rows.iter().any(|rows| !rows.is_empty()));
     }
-    assert!(refused <= 1, "{refused} of 4");
+    assert_eq!(refused, 0);
     // 0.4 % of the stiffness are 0.2 % of every frequency.
-    results(&at("softer"), 6, |spec| {
+    results(&at("softer"), 5, |spec| {
         spec.replace("2.04e11", "2.03184e11")
     });
     for name in [MODES, COMPARISON] {

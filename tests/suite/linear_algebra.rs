@@ -16,7 +16,7 @@ use num_complex::Complex64;
 
 use matrix_zoo::{Ends, Random, zoo};
 
-/// Largest specimen of the sample; the population test takes all.
+/// Largest specimen of the sample; the population test takes all, with `POPULATION_PARTS` a part.
 const SAMPLE: usize = 210;
 
 #[test]

@@ -1,5 +1,5 @@
 //! Every command of the README and every example of `--help` runs, in a folder that holds the files
-//! that they name.
+//! that they name; of studies that differ in scene and output folder alone, the first.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -167,9 +167,9 @@ fn prepared() -> tempfile::TempDir {
     folder
 }
 
-/// A study without its scene, of which all have the same files here, and without the folder of its
-/// results: a study takes seconds, and runs once.
-fn study(words: &[String]) -> Option<Vec<String>> {
+/// Words of a study without its scene and its output folder: studies take seconds, and all scenes
+/// here are the beam, so that of studies with equal words the first runs.
+fn study_key(words: &[String]) -> Option<Vec<String>> {
     let is_study = words.first().is_some_and(|word| word == "study");
     let mut key = words.to_vec();
     if let Some(option) = key.iter().position(|word| word == "-o") {
@@ -222,7 +222,7 @@ fn every_command_of_the_readme_and_every_example_runs() {
             std::fs::copy(from, to).unwrap();
             continue;
         }
-        if study(&words).is_some_and(|key| !studies.insert(key)) {
+        if study_key(&words).is_some_and(|key| !studies.insert(key)) {
             continue;
         }
         let output = run(folder.path(), &words);

@@ -220,7 +220,8 @@ fn the_committed_bar_gets_its_modulus_and_its_sensor_back() {
     );
 }
 
-/// The same scene with other residuals.
+/// The same scene with other residuals, and with half of the elements, because an update solves the
+/// model some hundred times.
 #[test]
 fn the_bar_gets_its_modulus_back_by_its_equations_and_by_its_functions() {
     let source = root().join("measurements/free-free-beam");

@@ -8,7 +8,7 @@ use crate::dof::Dof;
 use crate::finding::Code;
 use crate::frf::{FrfSet, FunctionData};
 use crate::identify::synthetic::{Measurement, Structure, white_noise};
-use crate::identify::tests::draws;
+use crate::identify::tests::seeds;
 
 use crate::identify::run_variation::tests::{findings_of, found};
 
@@ -62,7 +62,7 @@ fn halves(seed: u64, widths: f64, part: f64) -> (Structure, Measurement) {
 #[test]
 fn modes_of_two_halves_are_not_merged() {
     for widths in [1.0, 1.5, 3.0] {
-        for seed in draws(4) {
+        for seed in seeds(4) {
             let (structure, how) = halves(seed, widths, 0.03);
             let model = found(&structure.measured(&how));
             assert!(
@@ -97,7 +97,7 @@ fn in_common_noise(set: &FrfSet, part: f64, seed: u64) -> FrfSet {
 fn modes_seen_by_half_of_the_runs_each_are_not_merged() {
     // In such noise most runs show only the mode of their half, as if one mode shifted between two
     // frequencies.
-    for seed in draws(6) {
+    for seed in seeds(6) {
         let (structure, how) = halves(seed, 1.0, 0.01);
         let how = Measurement {
             snr_db: None,

@@ -7,7 +7,7 @@ use crate::frf::FrfSet;
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Structure, separated_modes, width_hz};
-use crate::identify::tests::draws;
+use crate::identify::tests::seeds;
 use crate::modal::{ModalModel, Mode};
 use crate::quantity::FrfKind;
 
@@ -90,7 +90,7 @@ fn separated_modes_are_never_reported_close_and_noise_is_never_a_mode() {
         (Some(30.0), true),
     ] {
         // With seed 296 a ripple of 1e-6 at the top of a peak was once detected as a second peak.
-        for seed in draws(6).map(|draw| 20 + draw).chain([296]) {
+        for seed in seeds(6).map(|draw| 20 + draw).chain([296]) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
                 snr_db,

@@ -8,7 +8,7 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::identify;
 use crate::identify::synthetic::{Measurement, Structure};
-use crate::identify::tests::draws;
+use crate::identify::tests::seeds;
 
 /// Six modes of 0.1 to 0.6 % between 55 and 480 Hz, one below and one above, at eight sensors with
 /// two references.
@@ -53,7 +53,7 @@ fn modes_far_above_the_noise_are_all_found_with_modes_beyond_the_data() {
         }),
         ..IdentifyOptions::default()
     };
-    for seed in draws(12) {
+    for seed in seeds(12) {
         let (structure, how) = lightly_damped(seed);
         let model = identify(&structure.measured(&how), &options).unwrap();
         let inside = structure

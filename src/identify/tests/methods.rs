@@ -7,7 +7,7 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::identify::estimator::IdentifyOptions;
 use crate::identify::synthetic::{Measurement, Pair, Structure, close_pair, separated_modes};
-use crate::identify::tests::draws;
+use crate::identify::tests::seeds;
 use crate::identify::{ESTIMATORS, identify};
 use crate::modal::{ModalModel, Mode, Pole};
 
@@ -49,7 +49,7 @@ fn poles_without_noise_are_exact_within_the_limit_of_the_method() {
     // In the s domain the limit is 1e-8. Impulse responses contain the ringing of the band edges:
     // 1e-5, and no more than the stated standard deviation allows.
     for (method, limit) in [("rfp", 1e-8), ("line", 1e-8), ("ml", 1e-8), ("lsce", 1e-5)] {
-        for seed in draws(6) {
+        for seed in seeds(6) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&how);
             let model = identify(&set, &with_band(method, None)).unwrap();
@@ -67,10 +67,10 @@ fn poles_without_noise_are_exact_within_the_limit_of_the_method() {
 
 #[test]
 fn pole_errors_by_noise_are_small_and_match_their_standard_deviations() {
+    let mut squares = Vec::new();
     for snr_db in [60.0, 40.0] {
         for (method, limit) in [("line", 3e-3), ("rfp", 5e-3), ("lsce", 3e-2)] {
-            let mut squares = Vec::new();
-            for seed in draws(8) {
+            for seed in seeds(8) {
                 let (structure, how) = separated_modes(seed);
                 let set = structure.measured(&Measurement {
                     snr_db: Some(snr_db),
@@ -87,14 +87,13 @@ fn pole_errors_by_noise_are_small_and_match_their_standard_deviations() {
                     squares.push(off * off);
                 }
             }
-            // 0.455 is the median of a squared normal deviate; that of the magnitude of 30 has a
-            // standard deviation of 0.144 about 0.674; three of these are allowed above, and two
-            // and a half below.
-            squares.sort_by(f64::total_cmp);
-            let median = squares[squares.len() / 2];
-            assert!((0.1..1.23).contains(&median), "{method} {snr_db} {median}");
         }
     }
+    // 0.455 is the median of a squared normal deviate; that of the magnitude of the 50 or so of a
+    // quarter of the draws has a standard deviation of 0.11 about 0.674; three of these are allowed.
+    squares.sort_by(f64::total_cmp);
+    let median = squares[squares.len() / 2];
+    assert!((0.12..1.01).contains(&median), "{median}");
 }
 
 #[test]
@@ -206,7 +205,7 @@ fn assert_shape_errors(tests: impl Iterator<Item = (Structure, Measurement)>) {
 
 #[test]
 fn shape_standard_deviations_match_the_errors() {
-    assert_shape_errors(draws(20).map(separated_modes));
+    assert_shape_errors(seeds(20).map(separated_modes));
 }
 
 /// Two modes are separated by little more than the sum of their bandwidths and excited at two
@@ -219,7 +218,7 @@ fn shape_standard_deviations_include_errors_of_poles_and_participation() {
         ratio: 1.0,
         lines_per_width: (5.5, 12.0),
     };
-    assert_shape_errors(draws(40).map(|seed| {
+    assert_shape_errors(seeds(40).map(|seed| {
         let (structure, mut how) = close_pair(seed, pair);
         let second: Dof = "2:+Z".parse().unwrap();
         let again: Vec<(Dof, Dof)> = how

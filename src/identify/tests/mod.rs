@@ -12,9 +12,9 @@ mod rank;
 
 use std::ops::Range;
 
-/// Seeds of a test with noise, on systems drawn at random: the first quarter of `all`, and all with
-/// the environment variable `ALL_DRAWS`.
-pub(in crate::identify) fn draws(all: u64) -> Range<u64> {
+/// Seeds of a slow test: the first quarter of `all`, rounded up; all of them with the environment
+/// variable `ALL_DRAWS`.
+pub(in crate::identify) fn seeds(all: u64) -> Range<u64> {
     let has_all = std::env::var_os("ALL_DRAWS").is_some();
     0..all.div_ceil(if has_all { 1 } else { 4 })
 }
