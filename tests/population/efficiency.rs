@@ -12,13 +12,14 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::draws;
 use super::identification::identified;
 use super::systems::{Drawn, component, dofs, mode};
 
 /// Modes of the band.
 const MODES: usize = 8;
 /// Draws per level.
-const DRAWS: usize = 60;
+const DRAWS: u64 = 60;
 const LEVELS_DB: [f64; 3] = [60.0, 40.0, 30.0];
 /// Largest rms error over the bound.
 const MAX_ERROR_OVER_BOUND: f64 = 1.2;
@@ -133,7 +134,8 @@ fn samples_of(drawn: &Drawn, first: usize) -> Samples {
         let wrong = (!verdict.is_correct()).then(|| format!("draw {draw}: {verdict}: {}", why()));
         (samples_of_modes, wrong)
     };
-    let (draws, wrong): (Vec<_>, Vec<_>) = (0..DRAWS).into_par_iter().map(one).unzip();
+    let count = draws(DRAWS) as usize;
+    let (draws, wrong): (Vec<_>, Vec<_>) = (0..count).into_par_iter().map(one).unzip();
     let of_mode = |j: usize| {
         let samples_of_mode = draws.iter().filter_map(|draw| draw[j]);
         let samples_of_mode: Vec<[Sample; 2]> = samples_of_mode.collect();
@@ -227,7 +229,7 @@ impl Pooled {
 
     /// No mode has errors greater than the limit.
     fn hold_worst(&self) {
-        let margin = RMS_SIGMAS * rms_deviation(DRAWS);
+        let margin = RMS_SIGMAS * rms_deviation(draws(DRAWS) as usize);
         let most = MAX_ERROR_OVER_BOUND.max(1.0 + margin);
         assert!(self.worst <= most, "{}", self.worst);
     }
@@ -251,7 +253,7 @@ impl Pooled {
 fn errors_are_at_their_bound_and_stated_as_they_are() {
     let mut levels = Vec::new();
     for (number, level) in LEVELS_DB.into_iter().enumerate() {
-        let samples = samples_of(&system(level, false), number * DRAWS);
+        let samples = samples_of(&system(level, false), number * DRAWS as usize);
         let pooled = Pooled::new(&samples.modes);
         pooled.print(&format!("{level} dB"), &samples.modes);
         println!("{} draws wrong: {:?}", samples.wrong.len(), samples.wrong);
@@ -277,7 +279,7 @@ fn errors_are_at_their_bound_and_stated_as_they_are() {
 /// most.
 #[test]
 fn modes_beside_the_band_leave_little_in_it() {
-    let samples = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS);
+    let samples = samples_of(&system(60.0, true), LEVELS_DB.len() * DRAWS as usize);
     let pooled = Pooled::new(&samples.modes);
     pooled.print("60 dB, modes beside the band", &samples.modes);
     let all: Vec<Sample> = samples.modes.iter().flatten().flatten().copied().collect();
@@ -293,7 +295,7 @@ fn modes_beside_the_band_leave_little_in_it() {
     // The stated error covers the mean error except for its scatter over the draws, and is small
     // against the bound.
     let means = 2 * samples.modes.len();
-    let by_noise = MAX_ERROR_OVER_BOUND / (DRAWS as f64).sqrt();
+    let by_noise = MAX_ERROR_OVER_BOUND / (draws(DRAWS) as f64).sqrt();
     let limit = by_noise * (1.0 + RMS_SIGMAS * rms_deviation(means));
     assert!(observed <= stated.hypot(limit), "{observed}");
     assert!(stated <= MAX_BIAS_OVER_BOUND, "{stated}");

@@ -6,6 +6,7 @@
 use modalign::update::ParameterVerdict;
 use rayon::prelude::*;
 
+use crate::draws;
 use crate::gears::{GearTwin, gears};
 use crate::twins::{Tally, Twin, lumped, torsional, twin};
 
@@ -51,7 +52,7 @@ const DEVIATIONS: f64 = 3.3;
 fn stiffnesses_of_all_four_transmissions_are_covered_from_noisy_frfs() {
     let (mut inside, mut intervals, mut twins) = (0, 0, 0);
     for gear in gears() {
-        let twins_of_gear: Vec<GearTwin> = (0..TWINS_OF_EACH)
+        let twins_of_gear: Vec<GearTwin> = (0..draws(TWINS_OF_EACH))
             .into_par_iter()
             .map(|number| gear.twin(number))
             .collect();

@@ -10,7 +10,8 @@ synthetic hammer tests that the first program makes, `convert` to every format, 
 model of the tests, and `check` of the modes of one test against another's.
 
 Each output is one of: the same bytes; the same numbers to 1e-12 and the same structure, with other
-sentences (a reworded message or heading); other numbers. The exit code is 1 for other numbers, or
+sentences (a reworded message or heading); other numbers. In JSON 1e-12 is that of the largest number
+of a list or shape, so that components that are 0 but for rounding are equal. The exit code is 1 for other numbers, or
 for reworded sentences with --bytes.
 """
 
@@ -222,10 +223,11 @@ class Difference:
         self.first = None  # where
         self.sentences = set()
 
-    def number(self, a, b, where):
+    def number(self, a, b, where, scale=0.0):
+        """`scale`: largest magnitude of the list or shape that the number belongs to."""
         if a == b or (math.isnan(a) and math.isnan(b)):
             return
-        apart = abs(a - b) / max(abs(a), abs(b))
+        apart = abs(a - b) / max(abs(a), abs(b), scale)
         if not apart <= self.numbers:
             self.numbers, self.first = apart, f"{where}: {a} {b}"
 
@@ -233,22 +235,40 @@ class Difference:
         self.numbers, self.first = math.inf, where
 
 
-def compare_json(a, b, where, difference):
+def magnitude(value):
+    """Largest magnitude of a number, or of the numbers of a list or of an object of lists; 0 else."""
+    if isinstance(value, bool):
+        return 0.0
+    if isinstance(value, (int, float)):
+        return abs(value)
+    entries = value.values() if isinstance(value, dict) else value if isinstance(value, list) else []
+    return max(map(magnitude, entries), default=0.0)
+
+
+def is_shape(value):
+    """An object of lists of numbers, such as a shape by degree of freedom."""
+    return bool(value) and all(isinstance(entry, list) for entry in value.values())
+
+
+def compare_json(a, b, where, difference, scale=0.0):
     if isinstance(a, dict) and isinstance(b, dict):
         if a.keys() != b.keys():
             return difference.other(f"{where}: keys {sorted(a.keys() ^ b.keys())}")
+        scale = magnitude(a) if is_shape(a) else 0.0
         for key in a:
-            compare_json(a[key], b[key], f"{where}.{key}", difference)
+            compare_json(a[key], b[key], f"{where}.{key}", difference, scale)
     elif isinstance(a, list) and isinstance(b, list):
         if len(a) != len(b):
             return difference.other(f"{where}: {len(a)} and {len(b)} entries")
+        if all(isinstance(entry, (int, float)) for entry in a):
+            scale = max(scale, magnitude(a))
         for i, (x, y) in enumerate(zip(a, b)):
-            compare_json(x, y, f"{where}[{i}]", difference)
+            compare_json(x, y, f"{where}[{i}]", difference, scale)
     elif isinstance(a, bool) or isinstance(b, bool) or a is None or b is None:
         if a is not b:
             difference.other(f"{where}: {a} {b}")
     elif isinstance(a, (int, float)) and isinstance(b, (int, float)):
-        difference.number(float(a), float(b), where)
+        difference.number(float(a), float(b), where, scale)
     elif isinstance(a, str) and isinstance(b, str):
         if a != b:
             compare_text(a, b, where, difference)

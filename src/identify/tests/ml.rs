@@ -79,8 +79,8 @@ fn errors_with_noise_match_their_standard_deviations() {
             count += 2.0;
         }
     }
-    // A chi-squared over its n degrees of freedom, some 90 of a quarter of the draws: three standard
-    // deviations of sqrt(2/n).
+    // A chi-squared over its n degrees of freedom, some 90 of a quarter of the draws: three times
+    // its standard deviation sqrt(2/n).
     let bound = 3.0 * (2.0f64 / count).sqrt();
     assert!(
         (squares / count - 1.0).abs() < bound,
