@@ -110,9 +110,9 @@ fn pole_errors_match_their_standard_deviations_and_stay_near_the_bound() {
             }
         }
     }
-    // 0.455 is the median of a squared normal deviate. A quarter of the draws has some 54 values: the
-    // median of their magnitudes has a standard deviation of 0.11 about 0.674, of which three are
-    // allowed.
+    // 0.455 is the median of a squared normal deviate. A quarter of the draws has some 54 values:
+    // the median of their magnitudes has a standard deviation of 0.11 about 0.674, of which three
+    // are allowed.
     squares.sort_by(f64::total_cmp);
     let median = squares[squares.len() / 2];
     assert!((0.12..1.01).contains(&median), "{median}");

@@ -89,9 +89,9 @@ fn pole_errors_by_noise_are_small_and_match_their_standard_deviations() {
             }
         }
     }
-    // 0.455 is the median of a squared normal deviate. A quarter of the draws has some 50 values: the
-    // median of their magnitudes has a standard deviation of 0.11 about 0.674, of which three are
-    // allowed.
+    // 0.455 is the median of a squared normal deviate. A quarter of the draws has some 50 values:
+    // the median of their magnitudes has a standard deviation of 0.11 about 0.674, of which three
+    // are allowed.
     squares.sort_by(f64::total_cmp);
     let median = squares[squares.len() / 2];
     assert!((0.12..1.01).contains(&median), "{median}");
