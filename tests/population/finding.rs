@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::judge::Verdict;
 use super::pipeline::{Share, Tally, judged, judged_from_frfs_alone};
-use super::{draws, first_members};
+use super::{draws, first_members, parts};
 use crate::population::Member;
 
 // The family and its seeds are fixed, so that the counts are too, but for roots on the edge of a
@@ -35,8 +35,9 @@ const COUNTS_OF_FRFS_ALONE: Counts = Counts {
     crowded_missed: 13,
     spurious: 9,
 };
-/// Spurious modes of the close kind among them.
+/// Spurious modes of the close kind, and of the other kinds, from hammer tests.
 const CLOSE_SPURIOUS: u64 = 1;
+const OTHER_SPURIOUS: u64 = 12;
 /// Roots that rounding may tip over.
 const ROOM: u64 = 4;
 
@@ -46,6 +47,8 @@ fn nearly_every_mode_is_found_and_few_are_invented() {
     assert_counts(&tallies["all"], &COUNTS);
     let close = tallies["close"].spurious as u64;
     assert!(close <= draws(CLOSE_SPURIOUS) + 2, "{close}");
+    let others = tallies["all"].spurious as u64 - close;
+    assert!(others <= draws(OTHER_SPURIOUS) + 3, "{others}");
 }
 
 #[test]
@@ -69,10 +72,15 @@ fn assert_counts(all: &Tally, expected: &Counts) {
     );
     let spurious = all.spurious as u64;
     assert!(spurious <= draws(expected.spurious) + ROOM, "{spurious}");
-    // The first members of each kind have up to a fifth fewer modes than the others.
+    // The first members of each kind have up to a tenth fewer modes than the others.
     for (share, of_all) in [(all.clear, SEPARATED), (all.crowded, CROWDED)] {
         let there = share.there as u64;
-        assert!(5 * there >= 4 * draws(of_all), "{there} of {of_all}");
+        let room = if parts() == 1 {
+            ROOM
+        } else {
+            draws(of_all) / 10
+        };
+        assert!(there + room >= draws(of_all), "{there} of {of_all}");
     }
 }
 

@@ -351,6 +351,8 @@ fn a_frame_of_946_coordinates_of_which_474_are_massless_is_the_condensed_problem
     let reference = Reference::of("dense");
     let folder = frame.write();
     check_theory(folder.path(), &reference, 474.0);
+    measure(folder.path(), "0:8.87");
+    check_run_and_update(folder.path(), &reference);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::modal::{ModalModel, Pole};
 /// initial estimate without refinement.
 const MAX_POLE_ERROR: f64 = 2e-3;
 /// Number of calls that fail, each singly and with all calls after it.
-const FAILED_CALLS: usize = 8;
+const FAILED_CALLS: usize = 24;
 
 /// Asserts that every value of every mode is finite and every pole that of a true mode, except for
 /// modes that a finding reports as initial estimates.
