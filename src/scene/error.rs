@@ -13,18 +13,12 @@ use crate::update::UpdateError;
 #[non_exhaustive]
 pub enum SceneError {
     /// TOML that does not parse or does not follow its schema.
-    #[error("{path}:{line}:{column}: {message}{hint}")]
+    #[error("{}", fault_lines(path, faults))]
     Toml {
         /// Path as given.
         path: String,
-        /// Line from 1.
-        line: usize,
-        /// Column from 1.
-        column: usize,
-        /// The text found and the accepted ones.
-        message: String,
-        /// The nearest known key, where an unknown one was given; else empty.
-        hint: String,
+        /// Its faults, by place.
+        faults: Vec<TomlFault>,
     },
     /// A line of a drafted file that is not filled in yet.
     #[error(
@@ -102,6 +96,37 @@ pub enum SceneError {
     /// The synthetic test failed.
     #[error(transparent)]
     Synth(#[from] SynthError),
+}
+
+/// A fault of a TOML file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TomlFault {
+    /// Line from 1.
+    pub line: usize,
+    /// Column from 1.
+    pub column: usize,
+    /// The text found, the accepted ones, and the nearest known key where an unknown one was
+    /// given.
+    pub message: String,
+}
+
+/// `scene.toml:3:1: got ...`; of several faults a line each, below their number.
+fn fault_lines(path: &str, faults: &[TomlFault]) -> String {
+    let line = |fault: &TomlFault| {
+        let TomlFault {
+            line,
+            column,
+            message,
+        } = fault;
+        format!("{path}:{line}:{column}: {message}")
+    };
+    match faults {
+        [only] => line(only),
+        _ => {
+            let lines: Vec<String> = faults.iter().map(line).collect();
+            format!("{path}: {} faults\n  {}", faults.len(), lines.join("\n  "))
+        }
+    }
 }
 
 fn axes_text(count: usize) -> String {

@@ -7,8 +7,9 @@ use serde::de::DeserializeOwned;
 
 use crate::io::IoError;
 
-use super::error::{SceneError, value_error};
-use super::toml_value::from_text;
+use super::error::{SceneError, TomlFault, value_error};
+use super::toml_faults::from_text;
+use super::toml_value::TomlError;
 
 /// Reads a file as UTF-8 text.
 ///
@@ -89,7 +90,7 @@ pub fn open_lines(text: &str) -> Vec<OpenLine> {
 ///
 /// # Errors
 /// [`SceneError::Unfilled`] for a drafted file with a line that is still to be filled in;
-/// [`SceneError::Toml`] with line, column, what was got and expected.
+/// [`SceneError::Toml`] with line, column, what was got and expected of every fault.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneError> {
     let open = open_lines(text);
     if let Some(first) = open.first() {
@@ -101,28 +102,51 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             others: open[1..].iter().map(|header| header.line).collect(),
         });
     }
-    from_text(text).map_err(|error| {
-        let offset = error.span.map_or(0, |span| span.start);
-        let before = text.get(..offset).unwrap_or(text);
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        let message = error.message.replace('\n', " ");
-        let hint = nearest_key(&message)
-            .map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
-        SceneError::Toml {
-            path: path.to_owned(),
-            line,
-            column,
-            message: got_and_expected(&message),
-            hint,
-        }
+    from_text(text).map_err(|faults| SceneError::Toml {
+        path: path.to_owned(),
+        faults: without_misspelt(faults)
+            .iter()
+            .map(|fault| toml_fault(text, fault))
+            .collect(),
     })
 }
 
-/// Says `got`/`expected` for an unknown key, as every other message does.
+/// The faults without missing keys that are misspelt in their table: the unknown key says it.
+fn without_misspelt(mut faults: Vec<TomlError>) -> Vec<TomlError> {
+    let start = |fault: &TomlError| fault.span.as_ref().map_or(0, |span| span.start);
+    let misspelt = faults
+        .iter()
+        .filter_map(|fault| Some((start(fault), nearest_key(&fault.message)?)));
+    for (place, key) in misspelt.collect::<Vec<_>>() {
+        let missing = format!("missing field `{key}`");
+        let is_missing = |fault: &TomlError| start(fault) <= place && fault.message == missing;
+        if let Some(index) = faults.iter().rposition(is_missing) {
+            faults.remove(index);
+        }
+    }
+    faults
+}
+
+fn toml_fault(text: &str, error: &TomlError) -> TomlFault {
+    let offset = error.span.as_ref().map_or(0, |span| span.start);
+    let before = text.get(..offset).unwrap_or(text);
+    let message = error.message.replace('\n', " ");
+    let hint =
+        nearest_key(&message).map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
+    TomlFault {
+        line: before.matches('\n').count() + 1,
+        column: before.rsplit('\n').next().unwrap_or("").chars().count() + 1,
+        message: format!("{}{hint}", got_and_expected(&message)),
+    }
+}
+
+/// Says `got`/`expected` for an unknown and a missing key, as every other message does.
 fn got_and_expected(message: &str) -> String {
-    match message.strip_prefix("unknown field ") {
-        Some(rest) => format!("got unknown key {rest}"),
+    if let Some(rest) = message.strip_prefix("unknown field ") {
+        return format!("got unknown key {rest}");
+    }
+    match message.strip_prefix("missing field ") {
+        Some(key) => format!("got no key {key}, expected it in this table"),
         None => message.to_owned(),
     }
 }

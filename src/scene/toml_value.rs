@@ -18,7 +18,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
 /// Why a document cannot be deserialised.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub(super) struct TomlError {
     pub message: String,
@@ -43,20 +43,14 @@ impl Error for TomlError {
     }
 }
 
-/// Deserialises a document.
+/// Deserialises a value.
 ///
 /// # Errors
-/// [`TomlError`] where the text is not TOML or not what `T` expects.
-pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
-    let document = DeTable::parse(text).map_err(|error| TomlError {
-        message: error.message().to_owned(),
-        span: error.span(),
-    })?;
-    let span = document.span();
-    T::deserialize(Value {
-        value: DeValue::Table(document.into_inner()),
-        span,
-    })
+/// [`TomlError`] where it is not what `T` expects.
+pub(super) fn deserialized<T: DeserializeOwned>(
+    value: Spanned<DeValue<'_>>,
+) -> Result<T, TomlError> {
+    T::deserialize(Value::from(value))
 }
 
 /// A key or a value with its place.
@@ -298,6 +292,12 @@ mod tests {
 
     use super::*;
     use crate::dof::Dof;
+
+    fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
+        let table = DeTable::parse(text).unwrap();
+        let span = table.span();
+        deserialized(Spanned::new(span, DeValue::Table(table.into_inner())))
+    }
 
     #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
     #[serde(rename_all = "kebab-case")]
