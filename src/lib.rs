@@ -68,7 +68,7 @@
 //!
 //! // And to text; `report::json` writes the same for programs.
 //! let groups = [TableGroup { caption: "Bar", tests: &["hammer".to_owned()], notes: &[] }];
-//! let text = Terminal.render(&comparison_blocks(&table, &groups, &theory));
+//! let text = Terminal { width: None }.render(&comparison_blocks(&table, &groups, &theory));
 //! assert!(text.contains("paired"));
 //! # Ok(())
 //! # }

@@ -11,6 +11,7 @@ use crate::finding::Code;
 use crate::frf::Window;
 use crate::identify::ESTIMATORS;
 use crate::io::FORMATS;
+use crate::quantity::{FrfUnit, Unit};
 use crate::report::Language;
 use crate::theory::SweepRange;
 
@@ -47,6 +48,10 @@ pub struct Global {
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
+    /// Print every table, column, note and finding; by default what fits on a screen. Files and
+    /// JSON always have everything.
+    #[arg(long, global = true)]
+    pub full: bool,
     #[arg(long, global = true, value_name = "NAME", help = format_help())]
     pub format: Option<String>,
     /// Captions and headings of tables and findings in English or Chinese; definitions below the
@@ -221,6 +226,10 @@ pub struct FrfArgs {
     /// Excitation DOF of files that do not name it.
     #[arg(long, value_name = "DOF")]
     pub reference: Option<Dof>,
+    /// Units of the records of a hit in their order, such as N,m/s2, where the files do not state
+    /// them.
+    #[arg(long, value_name = "UNIT", value_delimiter = ',')]
+    pub unit: Vec<Unit>,
     /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
@@ -270,6 +279,9 @@ pub struct IdentifyArgs {
     /// a file states takes precedence.
     #[arg(long, value_name = "NAME", value_parser = window)]
     pub window: Option<Window>,
+    /// Unit of FRFs that do not state theirs, such as (m/s2)/N.
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<FrfUnit>,
     /// Continue with the good part of a partly bad file.
     #[arg(long)]
     pub partial: bool,
@@ -489,6 +501,13 @@ pub struct NewArgs {
     /// order, 2:+Z,3:+Z.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub reference: Vec<Dof>,
+    /// Units that the files do not state: of the force, of the response, or of FRFs, such as
+    /// N,m/s2 or (m/s2)/N.
+    #[arg(long, value_name = "UNIT", value_delimiter = ',')]
+    pub unit: Vec<String>,
+    /// Samples per second of tables without a time column.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub sampling_rate: Option<f64>,
     /// Where the points are: a list of lines POINT,X,Y,Z in metres.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,

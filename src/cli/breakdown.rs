@@ -60,7 +60,7 @@ pub fn breakdown(
             part.count,
             names.join(", ")
         ));
-        output.add_blocks(&breakdown_rates(&finished).into_iter().collect::<Vec<_>>());
+        output.add_blocks(breakdown_rates(&finished).into_iter().collect());
         return Ok(Outcome::Done);
     }
     let MarkedModes {
@@ -84,7 +84,7 @@ pub fn breakdown(
         }
     }
     let blocks: Vec<Block> = breakdown_blocks(&file).into_iter().chain(rates).collect();
-    output.add_blocks(&blocks);
+    output.add_blocks(blocks);
     output.add_json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
 }

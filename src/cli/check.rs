@@ -11,7 +11,7 @@ use crate::modal::ModalModel;
 use crate::report::json::{
     COMPARISON_SCHEMA, ComparisonFile, TestFile, UPDATE_SCHEMA, comparison_from_json,
 };
-use crate::report::regression_check_block;
+use crate::report::{regression_check_block, regression_check_screen};
 use crate::scene::{
     AllowedChange, Change, ChangeLimits, LimitCheck, LimitsFile, MAX_MAC_CHANGE, Measure,
     RowVerdict, UncertainValue, check_changes, check_comparison, check_modes, mode_changes, parse,
@@ -83,7 +83,10 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
         let against = args.against.display().to_string();
         output.add_file(path, junit(&suite, &against, &rows));
     }
-    output.add_blocks(&[regression_check_block(&rows)]);
+    output.add_result(
+        |width| regression_check_screen(&rows, width),
+        || vec![regression_check_block(&rows)],
+    );
     output.add_json(|| checks_json(&rows));
     Ok(Outcome::missed_if(rows.iter().any(|row| !row.is_met())))
 }

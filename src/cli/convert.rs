@@ -54,7 +54,7 @@ pub fn convert(
         table: None,
     };
     let written = open_path(&args.output, &hints, None)?;
-    output.add_blocks(&[Block::Text(summary(written.catalog(), &damage))]);
+    output.add_blocks(vec![Block::Text(summary(written.catalog(), &damage))]);
     let findings = [findings, lost].concat();
     let json = summary_json(written.catalog(), &damage, &findings);
     output.add_json(|| format!("{json:#}"));

@@ -15,8 +15,8 @@ use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
-    alignment_block, auto_mac_blocks, comparison_of_all_tests, json, measures_blocks,
-    orthogonality_blocks, reversed_sensors_block,
+    abridged, alignment_block, auto_mac_blocks, comparison_of_all_tests, comparison_screen, json,
+    measures_blocks, orthogonality_blocks, reversed_sensors_block,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
@@ -124,6 +124,7 @@ fn compare_with_theory(
         all.extend(measures.map(|measures| (name.clone(), measures)));
     }
     let mut blocks = comparison_of_all_tests(&comparison.table, &theory);
+    let comparison_count = blocks.len();
     for (name, measures) in &all {
         blocks.extend(if args.measures {
             measures_blocks(name, measures)
@@ -142,7 +143,13 @@ fn compare_with_theory(
             ..json::ExtraResults::default()
         },
     );
-    print(args, CorrelationOutput::of_blocks(blocks, json), output);
+    let further = blocks[comparison_count..].to_vec();
+    let screen = |width: usize| {
+        let table = comparison_screen(&comparison.table, width).into_iter();
+        abridged(table.chain(further.clone()).collect(), width)
+    };
+    let printed = CorrelationOutput::of_blocks(blocks, json);
+    print(args, printed, Some(&screen), output);
     let named_models = args.test.iter().chain(&args.theory);
     let taken: Vec<Finding> = named_models
         .filter_map(|path| built_in_name_finding(path))
@@ -216,7 +223,7 @@ fn compare_with_itself(
         all.iter().map(of_test).collect(),
         json::auto_macs_to_json(&all),
     );
-    print(args, printed, output);
+    print(args, printed, None, output);
     Ok(Outcome::missed_if(partly_bad))
 }
 

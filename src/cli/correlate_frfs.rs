@@ -47,7 +47,7 @@ pub fn correlate_frfs(
         output.add_file(path, CsvText.render(&lines));
     }
     let json = json::frf_correlations_to_json(&all);
-    print(args, CorrelationOutput::of_tests(tests, json), output);
+    print(args, CorrelationOutput::of_tests(tests, json), None, output);
     Ok(Outcome::missed_if(partly_bad))
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::report::{Block, renderer_for_extension};
+use crate::report::{Block, abridged, renderer_for_extension};
 
 use super::args::CorrelateArgs;
 use super::output::Output;
@@ -67,15 +67,27 @@ impl CorrelationOutput {
 }
 
 /// Prints a result, and writes it with `-o`; the tables of several tests as CSV to a file each,
-/// `x-1.csv`, `x-2.csv`.
-pub(super) fn print(args: &CorrelateArgs, printed: CorrelationOutput, output: &mut Output) {
-    let blocks = &format_blocks(args, output.language().translated(printed.blocks.clone()));
+/// `x-1.csv`, `x-2.csv`. Without blocks for the screen, it has the first of all.
+pub(super) fn print(
+    args: &CorrelateArgs,
+    printed: CorrelationOutput,
+    screen: Option<&dyn Fn(usize) -> Vec<Block>>,
+    output: &mut Output,
+) {
     if let Some(path) = &args.output {
-        for (path, text) in printed.files(path, blocks) {
+        let translated = output.language().translated(printed.blocks.clone());
+        let blocks = format_blocks(args, translated);
+        for (path, text) in printed.files(path, &blocks) {
             output.add_file(path, text);
         }
     }
-    output.add_translated_blocks(blocks);
+    let (blocks, format) = (printed.blocks, |blocks| format_blocks(args, blocks));
+    let first_of_all = |width: usize| abridged(blocks.clone(), width);
+    output.add_formatted_result(screen.unwrap_or(&first_of_all), || blocks.clone(), format);
+    output.add_rest_note(match args.output {
+        Some(_) => "All columns and notes: --full.",
+        None => "All columns and notes: --full; tables to a file: -o FILE.",
+    });
     output.add_json(|| printed.json);
 }
 

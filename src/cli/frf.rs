@@ -10,7 +10,7 @@ use crate::frf::{
     evaluate_hammer_test,
 };
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
-use crate::report::{frf_block, hits_block, json};
+use crate::report::{frf_block, hits_block, hits_screen, json};
 use crate::scene::{
     FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files, offset,
 };
@@ -62,7 +62,14 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         let _writing = output.guard_writing([path.as_path()]);
         output.add_findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
-    output.add_blocks(&[hits_block(&hits), frf_block(&set, usable, &hits)]);
+    output.add_result(
+        |width| hits_screen(&hits, &set, usable, width),
+        || vec![hits_block("Hits", &hits), frf_block(&set, usable, &hits)],
+    );
+    output.add_rest_note(match args.output {
+        Some(_) => "All hits and FRFs: --full.",
+        None => "All hits and FRFs: --full; FRFs to a file: -o FILE.",
+    });
     output.add_json(|| set_json(&set, usable, &hits));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);
@@ -111,9 +118,8 @@ fn ingest_scene_files(
             partial,
             frfs_first: false,
             format,
-            averages: None,
-            window: None,
             scene: &scene.path,
+            ..IngestOptions::default()
         },
     )?)
 }
@@ -137,6 +143,7 @@ fn ingest_recordings(
         },
         partial: args.partial,
         format,
+        record_units: &args.unit,
         ..IngestOptions::default()
     };
     Ok(ingest_files(&plans, &options)?)
@@ -211,6 +218,7 @@ fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
     let stated = [
         ("--hits", args.hits.is_some()),
         ("--reference", args.reference.is_some()),
+        ("--unit", !args.unit.is_empty()),
         ("--trigger-level", args.trigger_level.is_some()),
         ("--pretrigger", args.pretrigger.is_some()),
         ("--hit-length", args.hit_length.is_some()),
@@ -227,7 +235,9 @@ fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
             )),
         };
     }
-    match stated.find(|(name, _)| !by_trigger && !["--hits", "--reference"].contains(name)) {
+    match stated
+        .find(|(name, _)| !by_trigger && !["--hits", "--reference", "--unit"].contains(name))
+    {
         None => Ok(()),
         Some((name, _)) => Err(argument_error(name, "no trigger", "--hits trigger")),
     }

@@ -8,7 +8,7 @@ use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
 use crate::io::{modes_to_json, read_selection, sha256_hex};
 use crate::modal::InputFile;
 use crate::report::{
-    Block, CsvText, INDICATOR_DEFINITIONS, Renderer, indicators_block, modes_block,
+    Block, CsvText, INDICATOR_DEFINITIONS, Renderer, indicators_block, modes_block, modes_screen,
     stabilization_block,
 };
 use crate::scene::{
@@ -22,7 +22,7 @@ use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::targets::{check_targets, targets};
 
 /// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left
-/// out, or a chosen pole was not found.
+/// out, a chosen pole was not found, or there is no mode.
 pub fn identify(
     args: &IdentifyArgs,
     format: Option<&str>,
@@ -54,6 +54,7 @@ pub fn identify(
             format,
             averages: args.averages,
             window: args.window,
+            frf_unit: args.unit,
             ..IngestOptions::default()
         },
     )?;
@@ -80,7 +81,14 @@ pub fn identify(
         }
         output.add_modes(path, &modes, &geometry, &json)?;
     }
-    output.add_blocks(&[modes_block(&name, &modes)]);
+    output.add_result(
+        |width| modes_screen(&name, &modes, width),
+        || vec![modes_block(&name, &modes)],
+    );
+    output.add_rest_note(match args.output {
+        Some(_) => "All columns and notes: --full.",
+        None => "All columns and notes: --full; modes with shapes to a file: -o modes.json.",
+    });
     if let Some(path) = &args.stabilization {
         let poles = stabilization_block(&name, &identified.stabilization);
         output.add_file(path, CsvText.render(&[poles]));
@@ -91,13 +99,14 @@ pub fn identify(
             path,
             CsvText.render(&[indicators_block(&name, &indicators)]),
         );
-        output.add_blocks(&[Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
+        output.add_blocks(vec![Block::Text(INDICATOR_DEFINITIONS.to_owned())]);
     }
     output.add_json(|| json);
     output.add_findings(&modes.findings);
     let has = |code| modes.findings.iter().any(|finding| finding.code == code);
     let partly_bad = data.partly_bad || has(Code::ValueNotFinite);
-    Ok(Outcome::missed_if(partly_bad || has(Code::SelectionMissed)))
+    let is_missed = partly_bad || has(Code::SelectionMissed) || modes.modes.is_empty();
+    Ok(Outcome::missed_if(is_missed))
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Error> {

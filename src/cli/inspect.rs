@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
+use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::io::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, ModeEntry, SampleFormat,
     open_path,
 };
-use crate::report::{Block, Cell, Column, Table};
+use crate::report::{Block, Cell, Column, Table, abridged};
 
 use super::args::InspectArgs;
 use super::outcome::Outcome;
@@ -34,7 +35,7 @@ pub fn inspect(
             Ok(source) => source,
             // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
-                output.add_blocks(&[Block::Text(format!("not read: {error}"))]);
+                output.add_blocks(vec![Block::Text(format!("not read: {error}"))]);
                 files.push(json!({ "path": hints.path, "error": error.to_string() }));
                 first_error.get_or_insert(error);
                 continue;
@@ -43,7 +44,7 @@ pub fn inspect(
         };
         opened += 1;
         let catalog = source.catalog();
-        output.add_blocks(&blocks(catalog));
+        output.add_result(|width| screen(catalog, width), || blocks(catalog));
         output.add_findings(&catalog.findings);
         damaged |= !catalog.damage.is_empty();
         if output.wants_json() {
@@ -61,6 +62,18 @@ pub fn inspect(
 }
 
 fn blocks(catalog: &Catalog) -> Vec<Block> {
+    let mut blocks = head_blocks(catalog);
+    if !catalog.entries.is_empty() {
+        blocks.push(Block::Table(entry_table(&catalog.entries)));
+    }
+    for damage in &catalog.damage {
+        blocks.push(Block::Text(format!("damaged: {damage}")));
+    }
+    blocks
+}
+
+/// The blocks before records, functions and damage.
+fn head_blocks(catalog: &Catalog) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!(
         "{} ({})",
         catalog.path, catalog.format
@@ -75,13 +88,101 @@ fn blocks(catalog: &Catalog) -> Vec<Block> {
     if !catalog.arrays.is_empty() {
         blocks.push(Block::Table(array_table(&catalog.arrays)));
     }
-    if !catalog.entries.is_empty() {
-        blocks.push(Block::Table(entry_table(&catalog.entries)));
-    }
-    for damage in &catalog.damage {
-        blocks.push(Block::Text(format!("damaged: {damage}")));
-    }
     blocks
+}
+
+/// Maximum number of damaged parts on the screen.
+const MAX_SCREEN_DAMAGE: usize = 5;
+
+/// The contents of a file in counts: records and functions by kind, and the first modes and arrays.
+fn screen(catalog: &Catalog, width: usize) -> Vec<Block> {
+    let mut blocks = head_blocks(catalog);
+    if !catalog.entries.is_empty() {
+        blocks.push(Block::Table(kind_table(&catalog.entries)));
+    }
+    let damage = catalog.damage.iter().take(MAX_SCREEN_DAMAGE);
+    blocks.extend(damage.map(|damage| Block::Text(format!("damaged: {damage}"))));
+    let further = catalog.damage.len().saturating_sub(MAX_SCREEN_DAMAGE);
+    if further > 0 {
+        blocks.push(Block::Text(format!(
+            "{further} further damaged parts: --full."
+        )));
+    }
+    abridged(blocks, width)
+}
+
+/// Records and functions that differ in their points alone, in one row: how many, of which points
+/// and directions, in which unit and on which axis.
+fn kind_table(entries: &[Entry]) -> Table {
+    let mut kinds: Vec<(&Entry, Vec<&Entry>)> = Vec::new();
+    for entry in entries {
+        let is_same = |other: &Entry| {
+            other.function_type == entry.function_type
+                && other.quantity == entry.quantity
+                && other.unit_label == entry.unit_label
+                && axis_text(other.axis) == axis_text(entry.axis)
+        };
+        match kinds.iter_mut().find(|(first, _)| is_same(first)) {
+            Some((_, all)) => all.push(entry),
+            None => kinds.push((entry, vec![entry])),
+        }
+    }
+    let row = |(first, all): &(&Entry, Vec<&Entry>)| {
+        let text = |text: String| match text.is_empty() {
+            true => Cell::Missing,
+            false => Cell::text(text),
+        };
+        let responses = all.iter().filter_map(|entry| entry.response.as_ref());
+        let references = all.iter().filter_map(|entry| entry.reference.as_ref());
+        vec![
+            Cell::text(all.len().to_string()),
+            Cell::text(type_name(first.function_type)),
+            text(dofs_text(responses)),
+            text(dofs_text(references)),
+            text(first.quantity.map_or(String::new(), |q| q.to_string())),
+            text(first.unit_label.clone()),
+            Cell::text(axis_text(first.axis)),
+        ]
+    };
+    let texts = [
+        "type",
+        "responses",
+        "references",
+        "quantity",
+        "unit",
+        "axis",
+    ];
+    let columns = std::iter::once(Column::number("no.")).chain(texts.map(Column::text));
+    Table {
+        caption: format!("Records and functions: {}", entries.len()),
+        columns: columns.collect(),
+        rows: kinds.iter().map(row).collect(),
+        footnotes: Vec::new(),
+    }
+}
+
+/// Maximum number of degrees of freedom that are named, not counted.
+const MAX_NAMED_DOFS: usize = 3;
+
+/// A few degrees of freedom by name, many as `64 points, +X +Y +Z`.
+fn dofs_text<'d>(dofs: impl Iterator<Item = &'d Dof>) -> String {
+    let dofs: BTreeSet<&Dof> = dofs.collect();
+    if dofs.len() <= MAX_NAMED_DOFS {
+        let names: Vec<String> = dofs.iter().map(ToString::to_string).collect();
+        return names.join(" ");
+    }
+    let points: BTreeSet<&str> = dofs.iter().map(|dof| dof.point()).collect();
+    let direction = |dof: &&Dof| {
+        let name = dof.to_string();
+        name.rsplit_once(':')
+            .map_or(String::new(), |(_, direction)| direction.to_owned())
+    };
+    let directions: BTreeSet<String> = dofs.iter().map(direction).collect();
+    let directions: Vec<&str> = directions.iter().map(String::as_str).collect();
+    match points.len() {
+        1 => format!("1 point, {}", directions.join(" ")),
+        count => format!("{count} points, {}", directions.join(" ")),
+    }
 }
 
 /// The contents of the geometry, when it has any.

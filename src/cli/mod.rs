@@ -10,6 +10,7 @@ mod correlate;
 mod correlate_dofs;
 mod correlate_frfs;
 mod correlation_output;
+mod finding_lines;
 mod frf;
 mod hint;
 mod identify;
@@ -34,6 +35,7 @@ mod test_stem;
 mod theory;
 mod update;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -49,7 +51,7 @@ use output::Output;
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
 /// partly bad, 2 error.
 pub fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
+    let matches = Cli::command().get_matches_from(arguments());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
     let result = check_features(&matches)
@@ -72,6 +74,34 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The arguments of the process. `--explain CODE` needs no other one, so that of a verb's arguments
+/// only the options of the explanation remain.
+fn arguments() -> Vec<OsString> {
+    let all: Vec<OsString> = std::env::args_os().collect();
+    let is_option = |argument: &OsString, name: &str| {
+        let text = argument.to_string_lossy();
+        text == name || text.starts_with(&format!("{name}="))
+    };
+    let end = all.iter().position(|argument| argument == "--");
+    let options = &all[..end.unwrap_or(all.len())];
+    if !options
+        .iter()
+        .any(|argument| is_option(argument, "--explain"))
+    {
+        return all;
+    }
+    let mut kept: Vec<OsString> = options.first().cloned().into_iter().collect();
+    for (index, argument) in options.iter().enumerate().skip(1) {
+        let names = ["--explain", "--lang", "--color"];
+        if let Some(name) = names.iter().find(|name| is_option(argument, name)) {
+            kept.push(argument.clone());
+            let value = options.get(index + 1).filter(|_| argument == *name);
+            kept.extend(value.cloned());
+        }
+    }
+    kept
 }
 
 /// An error for an option whose feature this program was built without.

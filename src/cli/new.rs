@@ -8,10 +8,11 @@ use crate::error::Error;
 use crate::geometry::{Geometry, Node};
 use crate::io::{Hints, Need, NewFile, Source, check_damage, open_path, sha256_hex, write_all_new};
 use crate::linalg::Vector3;
+use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    DraftFile, DraftModel, DraftPlan, ModelKind, draft_scene, load_model, model_kind, open_lines,
-    read_text,
+    DraftFile, DraftModel, DraftPlan, ModelKind, StatedUnits, draft_scene, load_model, model_kind,
+    open_lines, read_text,
 };
 
 use super::args::NewArgs;
@@ -51,6 +52,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         .iter()
         .map(|path| scene_path(args, path))
         .collect();
+    let units = stated_units(args)?;
     let reference = |number: usize| match args.reference.as_slice() {
         [only] => Some(only),
         all => all.get(number),
@@ -64,6 +66,8 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
             catalog: source.catalog(),
             response: args.response.as_ref(),
             reference: reference(number),
+            units,
+            sampling_rate_hz: args.sampling_rate,
             partial: args.partial && *is_bad,
         })
         .collect();
@@ -105,7 +109,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (source, _) in &opened {
         output.add_findings(&source.catalog().findings);
     }
-    output.add_blocks(&[Block::Text(next_steps(args, &draft.scene))]);
+    output.add_blocks(vec![Block::Text(next_steps(args, &draft.scene))]);
     output.add_json(|| {
         let open: Vec<_> = open_lines(&draft.scene)
             .into_iter()
@@ -115,6 +119,24 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
     });
     Ok(Outcome::missed_if(partly_bad))
+}
+
+/// The stated units by what they are of.
+fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
+    let mut units = StatedUnits::default();
+    for text in &args.unit {
+        let is_force = |unit: &Unit| unit.quantity == Quantity::Force;
+        if text.parse::<FrfUnit>().is_ok() {
+            units.frf = Some(text);
+        } else if text.parse().is_ok_and(|unit| is_force(&unit)) {
+            units.force = Some(text);
+        } else if let Err(error) = text.parse::<Unit>() {
+            return Err(argument_error("--unit", text.clone(), &error.to_string()));
+        } else {
+            units.response = Some(text);
+        }
+    }
+    Ok(units)
 }
 
 /// The open lines of the scene, and the next commands.

@@ -34,7 +34,7 @@ pub fn needs(
             output.add_file(folder.join(name), bytes);
         }
     }
-    output.add_blocks(&blocks);
+    output.add_blocks(blocks);
     output.add_json(|| json::order_to_json(&analysis));
     let is_bad = report_damage(&scene, output)?;
     Ok(Outcome::missed_if(is_bad || !analysis.failed.is_empty()))

@@ -1,6 +1,6 @@
 //! Standard output carries only the result, standard error the findings.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::MutexGuard;
@@ -10,16 +10,14 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
 use crate::io::{IoError, WriteOptions, bytes_for_path, modes_source, write_all_whole};
 use crate::modal::ModalModel;
-use crate::report::{Block, Language, Renderer, Terminal, png_lacks_letters};
+use crate::report::{Block, Language, Renderer, Terminal, abridged, png_lacks_letters};
 use crate::scene::Observer;
 
 use super::args::Global;
 use super::color::{self, ColorChoice};
+use super::finding_lines::{all_lines, screen_lines};
 use super::interrupt::Writing;
 use super::progress::Progress;
-
-/// Maximum number of findings of one code that are listed; further ones are counted.
-const MAX_LISTED_PER_CODE: usize = 5;
 
 /// Extensions of the formats that hold modes.
 pub const MODES_EXTENSIONS: &[&str] = &[
@@ -68,11 +66,25 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
     })
 }
 
+/// Width of the screen where standard output is no terminal.
+const DEFAULT_WIDTH: usize = 100;
+/// Width of the narrowest screen that is used as it is.
+const MIN_WIDTH: usize = 60;
+
+/// Characters in a line of the screen.
+fn screen_width() -> usize {
+    let width = terminal_size::terminal_size_of(std::io::stdout());
+    width.map_or(DEFAULT_WIDTH, |(width, _)| {
+        usize::from(width.0).max(MIN_WIDTH)
+    })
+}
+
 /// Collects the texts and files of a verb, which are printed and written only when it has
 /// succeeded.
 pub struct Output {
     quiet: bool,
     json: bool,
+    full: bool,
     language: Language,
     color: ColorChoice,
     progress: Option<Progress>,
@@ -88,6 +100,7 @@ impl Output {
         Self {
             quiet: global.quiet,
             json: global.json,
+            full: global.full,
             language: global.lang,
             color: global.color,
             progress: Some(Progress::new(verb, global.quiet)),
@@ -103,20 +116,63 @@ impl Output {
         self.language
     }
 
-    /// Adds blocks to the result in the wanted language, unless JSON is wanted.
-    pub fn add_blocks(&mut self, blocks: &[Block]) {
-        self.add_translated_blocks(&self.language.translated(blocks.to_vec()));
+    /// Adds blocks to the result, as many as a screen has room for, or all with `--full`; none
+    /// where JSON is wanted.
+    pub fn add_blocks(&mut self, blocks: Vec<Block>) {
+        if !self.json {
+            let shown = match self.full {
+                true => blocks,
+                false => abridged(blocks, screen_width()),
+            };
+            self.print(self.language.translated(shown));
+        }
     }
 
-    /// Adds blocks that are in the wanted language already.
-    pub fn add_translated_blocks(&mut self, blocks: &[Block]) {
-        if !self.json {
-            let text = Terminal.render(blocks);
+    /// Adds blocks that are in the wanted language.
+    fn print(&mut self, blocks: Vec<Block>) {
+        if !blocks.is_empty() {
+            let width = (!self.full).then(screen_width);
+            let text = Terminal { width }.render(&blocks);
             if self.color.is_enabled_on(&std::io::stdout()) {
                 self.add_text(&color::color_result(&text));
             } else {
                 self.add_text(&text);
             }
+        }
+    }
+
+    /// Adds the blocks of the screen, which depend on its width, or with `--full` all blocks; none
+    /// where JSON is wanted.
+    pub fn add_result(
+        &mut self,
+        screen: impl FnOnce(usize) -> Vec<Block>,
+        full: impl FnOnce() -> Vec<Block>,
+    ) {
+        self.add_formatted_result(screen, full, |blocks| blocks);
+    }
+
+    /// As [`Output::add_result`], with a format that applies to the translated blocks.
+    pub fn add_formatted_result(
+        &mut self,
+        screen: impl FnOnce(usize) -> Vec<Block>,
+        full: impl FnOnce() -> Vec<Block>,
+        format: impl FnOnce(Vec<Block>) -> Vec<Block>,
+    ) {
+        if self.json {
+            return;
+        }
+        let blocks = match self.full {
+            true => full(),
+            false => screen(screen_width()),
+        };
+        self.print(format(self.language.translated(blocks)));
+    }
+
+    /// Says on the screen where the rest of the result is.
+    pub fn add_rest_note(&mut self, note: &str) {
+        if !self.full && !self.json {
+            let note = vec![Block::Text(note.to_owned())];
+            self.print(self.language.translated(note));
         }
     }
 
@@ -215,7 +271,12 @@ impl Output {
             .map_err(Error::Output)?;
         if !self.quiet {
             let paints = self.color.is_enabled_on(&std::io::stderr());
-            for line in finding_lines(&self.findings, self.language) {
+            let lines = if self.full {
+                all_lines(&self.findings, self.language)
+            } else {
+                screen_lines(&self.findings, self.language)
+            };
+            for line in lines {
                 let line = if paints {
                     color::color_message(&line)
                 } else {
@@ -246,44 +307,4 @@ fn letters_lacking_findings(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
         .filter(|(_, bytes)| lacks(bytes))
         .map(|(path, _)| finding(path))
         .collect()
-}
-
-/// Findings as lines, each once; of a code with many the first are listed and the rest counted.
-fn finding_lines(findings: &[(String, Finding)], language: Language) -> Vec<String> {
-    let mut by_code: BTreeMap<(std::cmp::Reverse<Severity>, Code), Vec<String>> = BTreeMap::new();
-    let mut known = BTreeSet::new();
-    for (test, finding) in findings {
-        let lines = by_code
-            .entry((std::cmp::Reverse(finding.severity), finding.code))
-            .or_default();
-        let name = if test.is_empty() {
-            String::new()
-        } else {
-            format!("{test}: ")
-        };
-        let severity = language.severity(finding.severity);
-        let (sentence, code) = (language.finding(finding), finding.code.name());
-        let line = format!("{severity}: {name}{sentence} [{code}]");
-        if known.insert(line.clone()) {
-            lines.push(line);
-        }
-    }
-    let mut lines = Vec::new();
-    for ((severity, code), all) in by_code {
-        let listed = if all.len() > MAX_LISTED_PER_CODE + 1 {
-            MAX_LISTED_PER_CODE
-        } else {
-            all.len()
-        };
-        lines.extend_from_slice(&all[..listed]);
-        if listed < all.len() {
-            let (severity, code) = (language.severity(severity.0), code.name());
-            let count = all.len() - listed;
-            lines.push(match language {
-                Language::English => format!("{severity}: {count} more like these [{code}]"),
-                Language::Chinese => format!("{severity}: 另有 {count} 条同类 [{code}]"),
-            });
-        }
-    }
-    lines
 }

@@ -242,7 +242,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     }
     let mut hits = Vec::new();
     for test in tests.filter(|test| !test.hits.is_empty()) {
-        let mut block = hits_block(&test.hits);
+        let mut block = hits_block("Hits", &test.hits);
         if let Block::Table(table) = &mut block {
             table.caption = format!("{}: {}", table.caption, test.name);
         }

@@ -10,6 +10,7 @@ use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     comparison_of_all_tests, energies_block, json, limits_block, modes_block, parameters_block,
     placement_blocks, published_comparison_block, published_roots_block, quantities_block,
+    run_screen,
 };
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
@@ -26,9 +27,10 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let result = run_scene(&scene, output.observer())?;
-    let blocks = output.language().translated(blocks(&scene, &result));
+    let blocks = blocks(&scene, &result);
     if let Some(folder) = &args.output {
-        let mut files = files(&result, &blocks, output.language())?;
+        let translated = output.language().translated(blocks.clone());
+        let mut files = files(&result, &translated, output.language())?;
         files.extend(report_files(
             &scene,
             &result,
@@ -38,7 +40,11 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         )?);
         add_folder_files(folder, files, &scene, output)?;
     }
-    output.add_translated_blocks(&blocks);
+    output.add_result(|width| run_screen(&scene.title, &result, width), || blocks);
+    output.add_rest_note(match &args.output {
+        Some(_) => "All tables, columns and notes: --full, or report.html in the folder.",
+        None => "All tables, columns and notes: --full; with report and files: -o DIR.",
+    });
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result)),
         None if result.tests.is_empty() => {

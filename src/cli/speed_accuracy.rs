@@ -28,7 +28,7 @@ pub fn study(
             output.add_file(folder.join(name), bytes);
         }
     }
-    output.add_blocks(&speed_accuracy_blocks(&result));
+    output.add_blocks(speed_accuracy_blocks(&result));
     output.add_json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }

@@ -28,7 +28,7 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
         args.output.display(),
         truth.display()
     );
-    output.add_blocks(&[
+    output.add_blocks(vec![
         Block::Text(summary),
         theory_block("Truth of the synthetic test", &recording.truth),
     ]);

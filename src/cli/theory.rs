@@ -9,8 +9,9 @@ use crate::report::json::{
     TheoryResults, details_to_json, response_to_json, sweeps_to_json, with_theory,
 };
 use crate::report::{
-    Block, details_blocks, energies_block, parameters_block, quantities_block, response_blocks,
-    roots_block, sensitivities_block, simplest_details_block, sweep_blocks, theory_block,
+    Block, abridged, details_blocks, energies_block, parameters_block, quantities_block,
+    response_blocks, roots_block, roots_screen, sensitivities_block, simplest_details_block,
+    sweep_blocks, theory_block,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding, load_model,
@@ -65,6 +66,7 @@ pub fn theory(
             &result.modes,
         ));
     }
+    let basic_count = blocks.len();
     let json = match &named {
         ModelInput::Model(model) => {
             let part = details(args, model, &result, &mut blocks, output)?;
@@ -77,7 +79,29 @@ pub fn theory(
         }
         ModelInput::Finished(_) => json,
     };
-    output.add_blocks(&blocks);
+    let requested = blocks[basic_count..].to_vec();
+    output.add_result(
+        |width| match (requested.is_empty(), result.roots.is_empty(), args.damped) {
+            (false, ..) => abridged(requested, width),
+            (true, false, false) => {
+                let caption = format!("Roots of {name}");
+                roots_screen(&caption, &result.roots, args.band, width)
+            }
+            (true, _, true) => {
+                let caption = format!("Damped modes of {name}");
+                abridged(vec![theory_block(&caption, &result.modes)], width)
+            }
+            (true, true, false) => {
+                let caption = format!("Modes of {name}");
+                abridged(vec![theory_block(&caption, &result.modes)], width)
+            }
+        },
+        || blocks,
+    );
+    output.add_rest_note(match args.output {
+        Some(_) => "Parameters and all columns: --full.",
+        None => "Parameters and all columns: --full; modes with shapes to a file: -o FILE.",
+    });
     output.add_json(|| json);
     output.add_findings(&result.modes.findings);
     output.add_findings(
@@ -221,8 +245,8 @@ fn separate_results(
     let within = args.compare.map(|percent| 0.01 * percent);
     if args.response || within.is_some() && model.model.nonlinear().is_some() {
         let found = model.response()?;
-        blocks.extend(response_blocks(name, &found));
         blocks.extend(within.map(|within| simplest_details_block(name, &found, within)));
+        blocks.extend(response_blocks(name, &found));
         return Ok(Some(response_to_json(&found)));
     }
     if let Some(within) = within {

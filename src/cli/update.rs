@@ -1,7 +1,7 @@
 //! `modalign update`: the model of a scene brought to its test.
 
 use crate::error::Error;
-use crate::report::{RENDERERS, json, update_blocks};
+use crate::report::{RENDERERS, json, update_blocks, update_screen};
 use crate::scene::{TestResult, update_scene};
 
 use super::args::UpdateArgs;
@@ -20,9 +20,7 @@ pub fn update(
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let outcome = update_scene(&scene)?;
-    let blocks = output
-        .language()
-        .translated(update_blocks(&scene.title, &outcome));
+    let blocks = update_blocks(&scene.title, &outcome);
     if let Some(folder) = &args.output {
         let updated = json::update_file(&outcome);
         let mut files = vec![
@@ -39,7 +37,7 @@ pub fn update(
         for renderer in RENDERERS.iter().filter(|renderer| renderer.name() != "csv") {
             files.push((
                 format!("update.{}", renderer.extension()),
-                renderer.render(&blocks),
+                renderer.render(&output.language().translated(blocks.clone())),
             ));
         }
         let mut files: Vec<(String, Vec<u8>)> = files
@@ -53,7 +51,14 @@ pub fn update(
         files.extend(update_figures(&updated, synthetic, args.png));
         add_folder_files(folder, files, &scene, output)?;
     }
-    output.add_translated_blocks(&blocks);
+    output.add_result(
+        |width| update_screen(&scene.title, &outcome, width),
+        || blocks,
+    );
+    output.add_rest_note(match &args.output {
+        Some(_) => "All tables, columns and notes: --full, or update.txt in the folder.",
+        None => "All tables and columns: --full; updated model and tables: -o DIR.",
+    });
     output.add_json(|| json::update_to_json(&outcome));
     output.add_findings(&outcome.findings);
     let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);

@@ -65,6 +65,14 @@ pub(super) fn error_head(reference: ErrorReference) -> &'static str {
     }
 }
 
+/// `f6`, or `f6 (4-fold)` for a repeated root.
+pub(super) fn label_with_multiplicity(row: &Row) -> String {
+    match row.theory.as_ref().map_or(1, |theory| theory.modes.len()) {
+        1 => row.label.clone(),
+        multiplicity => format!("{} ({multiplicity}-fold)", row.label),
+    }
+}
+
 /// The rows and columns of a group of tests.
 struct TestGroupTable<'a> {
     table: &'a ComparisonTable,
@@ -150,14 +158,8 @@ impl TestGroupTable<'_> {
 
     /// The cells of a row for every test; missing where a test has no entry.
     fn row_cells(&self, row: &Row) -> Vec<Cell> {
-        let multiplicity = row.theory.as_ref().map_or(1, |theory| theory.modes.len());
-        let label = if multiplicity > 1 {
-            format!("{} ({multiplicity}-fold)", row.label)
-        } else {
-            row.label.clone()
-        };
         let mut cells = vec![
-            Cell::text(label),
+            Cell::text(label_with_multiplicity(row)),
             Cell::number(row.theory.as_ref().map(|theory| theory.hz), 2),
         ];
         let (test_cells, width): (fn(&TestCell) -> Vec<Cell>, usize) =
@@ -279,7 +281,11 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
 
 fn normalised_cells(cell: &TestCell) -> Vec<Cell> {
     let mut cells = full_cells(cell);
-    cells.insert(3, Cell::signed(cell.normalised_error, 1));
+    cells.insert(
+        3,
+        cell.normalised_error
+            .map_or(Cell::Missing, Cell::Normalised),
+    );
     cells
 }
 

@@ -58,7 +58,7 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
 }
 
 /// One row per hit, with its verdict and the checks that it does not pass.
-pub fn hits_block(hits: &[HitReport]) -> Block {
+pub fn hits_block(caption: &str, hits: &[HitReport]) -> Block {
     let row = |hit: &HitReport| {
         vec![
             Cell::text(hit.number.to_string()),
@@ -74,7 +74,7 @@ pub fn hits_block(hits: &[HitReport]) -> Block {
         "Why: rule, channel, value and, in brackets, the limit beyond which a hit is rejected or a remark is made.".to_owned()
     });
     Block::Table(Table {
-        caption: "Hits".to_owned(),
+        caption: caption.to_owned(),
         columns: vec![
             Column::text("hit"),
             Column::text("at"),
@@ -122,7 +122,7 @@ fn unpassed_checks(hit: &HitReport) -> String {
     unpassed.map(text).collect::<Vec<_>>().join("; ")
 }
 
-fn median(values: &[f64]) -> Option<f64> {
+pub(super) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()

@@ -24,6 +24,7 @@ mod plot;
 mod published;
 mod regression_check;
 mod response;
+mod screen;
 mod speed_accuracy;
 mod stabilization;
 mod sweep;
@@ -68,6 +69,10 @@ pub use published::{
 };
 pub use regression_check::regression_check_block;
 pub use response::response_blocks;
+pub use screen::{
+    abridged, comparison_screen, hits_screen, modes_screen, regression_check_screen, roots_screen,
+    run_screen, update_screen,
+};
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
@@ -88,7 +93,13 @@ pub trait Renderer: Sync {
 }
 
 /// Every renderer of blocks.
-pub const RENDERERS: &[&dyn Renderer] = &[&Terminal, &Markdown, &CsvText, &Latex, &Html];
+pub const RENDERERS: &[&dyn Renderer] = &[
+    &Terminal { width: None },
+    &Markdown,
+    &CsvText,
+    &Latex,
+    &Html,
+];
 
 /// The renderer for a file name extension.
 pub fn renderer_for_extension(extension: &str) -> Option<&'static dyn Renderer> {

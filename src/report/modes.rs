@@ -279,7 +279,7 @@ pub(super) fn largest_energy_fractions(root: &ModelRoot) -> String {
 }
 
 /// Codes of the warnings that belong to one mode.
-fn remarks(model: &ModalModel, mode: &Mode) -> String {
+pub(super) fn remarks(model: &ModalModel, mode: &Mode) -> String {
     use crate::finding::{Location, Severity};
     let belongs = |location: &Location| matches!(location, Location::Mode(hz) if (hz - mode.frequency_hz).abs() <= 1e-9 * mode.frequency_hz);
     let warnings = model

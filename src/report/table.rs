@@ -40,6 +40,12 @@ impl Column {
 
 /// Maximum decimals of a printed standard deviation.
 const MAX_STD_DECIMALS: i32 = 9;
+/// The last printed digit of a value is at least this part of it.
+const FINEST_RELATIVE_DIGIT: f64 = 1e-5;
+/// Decimals of a MAC on the screen.
+const MAC_DECIMALS: usize = 3;
+/// Normalised deviations beyond this are all the same to a reader.
+const LARGEST_NORMALISED: f64 = 1000.0;
 
 /// Content of one row in one column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,6 +61,9 @@ pub enum Cell {
         /// Whether a positive value carries its sign.
         signed: bool,
     },
+    /// A deviation over its standard deviation, in one decimal and with its sign; beyond a thousand
+    /// only that is said.
+    Normalised(f64),
     /// No value: a dash for people, an empty field for programs.
     Missing,
 }
@@ -98,6 +107,26 @@ impl Cell {
         Cell::number(value, decimals.max(wanted))
     }
 
+    /// A value with the decimals of two digits of its standard deviation, but none finer than
+    /// 0.001 % of the value; without a standard deviation with as many as that allows.
+    pub fn measured(value: Option<f64>, std: Option<f64>) -> Self {
+        let decimals = value.map_or(0, |value| measured_decimals(value, std));
+        Cell::number(value, decimals)
+    }
+
+    /// A MAC in three decimals; below 1 it never prints as 1.
+    pub fn mac(value: Option<f64>) -> Self {
+        let largest_below_one = 1.0 - 0.1_f64.powi(MAC_DECIMALS as i32);
+        let shown = |mac: f64| {
+            if mac < 1.0 {
+                mac.min(largest_below_one)
+            } else {
+                mac
+            }
+        };
+        Cell::number(value.map(shown), MAC_DECIMALS)
+    }
+
     /// The text for people, with a dash for what is missing.
     pub fn display(&self) -> String {
         match self {
@@ -118,6 +147,11 @@ impl Cell {
                     false => text,
                 }
             }
+            Cell::Normalised(value) if value.abs() > LARGEST_NORMALISED => {
+                let (relation, sign) = if *value > 0.0 { (">", "") } else { ("<", "-") };
+                format!("{relation} {sign}{LARGEST_NORMALISED}")
+            }
+            Cell::Normalised(value) => Cell::signed(Some(*value), 1).display(),
             Cell::Missing => "—".to_owned(),
         }
     }
@@ -126,10 +160,26 @@ impl Cell {
     pub fn exact(&self) -> String {
         match self {
             Cell::Text(text) => text.clone(),
-            Cell::Number { value, .. } => value.to_string(),
+            Cell::Number { value, .. } | Cell::Normalised(value) => value.to_string(),
             Cell::Missing => String::new(),
         }
     }
+}
+
+/// Decimals at which a digit counts `resolution` or more.
+fn decimals_not_finer_than(resolution: f64) -> usize {
+    (-resolution.log10()).floor().clamp(0.0, 17.0) as usize
+}
+
+fn measured_decimals(value: f64, std: Option<f64>) -> usize {
+    if value == 0.0 {
+        return 0;
+    }
+    let finest = decimals_not_finer_than(FINEST_RELATIVE_DIGIT * value.abs());
+    let of_std = std
+        .filter(|std| *std > 0.0 && std.is_finite())
+        .map(|std| (1.0 - std.log10().floor()).max(0.0) as usize);
+    of_std.map_or(finest, |of_std| of_std.min(finest))
 }
 
 /// Removes the sign of a number that rounds to zero: `-0.00` becomes `0.00`.
@@ -207,6 +257,44 @@ mod tests {
         ] {
             assert_eq!(Cell::std(std, 3).display(), expected);
         }
+    }
+
+    #[test]
+    fn value_has_two_digits_of_its_std_and_none_below_a_hundred_thousandth() {
+        for (value, std, expected) in [
+            (5690.771, Some(0.0011), "5690.8"),
+            (1419.3512, Some(2.4), "1419.4"),
+            (1419.3512, Some(24.0), "1419"),
+            (12.345678, Some(0.0123), "12.346"),
+            (12.345678, None, "12.346"),
+            (1000.0, None, "1000.00"),
+            (0.1002, Some(0.0004), "0.10020"),
+            (0.0, None, "0"),
+        ] {
+            assert_eq!(Cell::measured(Some(value), std).display(), expected);
+        }
+        assert_eq!(Cell::measured(None, Some(1.0)), Cell::Missing);
+    }
+
+    #[test]
+    fn mac_below_one_is_not_printed_as_one() {
+        for (mac, expected) in [(0.9995, "0.999"), (0.99999, "0.999"), (1.0, "1.000")] {
+            assert_eq!(Cell::mac(Some(mac)).display(), expected);
+        }
+        assert_eq!(Cell::mac(Some(0.8766)).display(), "0.877");
+    }
+
+    #[test]
+    fn normalised_deviation_beyond_a_thousand_says_only_that() {
+        for (value, expected) in [
+            (718_251.4, "> 1000"),
+            (-312_111.0, "< -1000"),
+            (1000.0, "+1000.0"),
+            (-3.94, "-3.9"),
+        ] {
+            assert_eq!(Cell::Normalised(value).display(), expected);
+        }
+        assert_eq!(Cell::Normalised(-312_111.5).exact(), "-312111.5");
     }
 
     #[test]

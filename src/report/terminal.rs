@@ -1,11 +1,16 @@
-//! The terminal renderer writes plain text with aligned columns.
+//! The terminal renderer writes plain text with aligned columns, whose paragraphs may be wrapped at
+//! the width of the terminal.
 
 use unicode_width::UnicodeWidthStr;
 
 use super::{Align, Block, Column, Renderer, Table};
 
 /// Renders for a terminal, without colour.
-pub struct Terminal;
+pub struct Terminal {
+    /// Characters in a line of a paragraph; `None` for one line each. Tables are as wide as their
+    /// columns.
+    pub width: Option<usize>,
+}
 
 impl Renderer for Terminal {
     fn name(&self) -> &'static str {
@@ -19,31 +24,79 @@ impl Renderer for Terminal {
     fn render(&self, blocks: &[Block]) -> String {
         let parts: Vec<String> = blocks
             .iter()
-            .map(block_text)
+            .map(|block| self.block_text(block))
             .filter(|text| !text.is_empty())
             .collect();
         parts.join("\n\n") + "\n"
     }
 }
 
-fn block_text(block: &Block) -> String {
-    match block {
-        Block::Heading(text) => format!("{text}\n{}", "=".repeat(text.chars().count())),
-        Block::Text(text) => text.clone(),
-        Block::Table(table) => table_text(table),
-        Block::Findings { findings, language } => findings
-            .iter()
-            .map(|finding| {
-                let severity = language.severity(finding.severity);
-                let sentence = language.finding(finding);
-                format!("{severity}: {sentence} [{}]", finding.code.name())
-            })
-            .collect::<Vec<_>>()
-            .join("\n"),
+impl Terminal {
+    fn block_text(&self, block: &Block) -> String {
+        match block {
+            Block::Heading(text) => {
+                let text = self.wrapped(text);
+                let width = text.lines().map(UnicodeWidthStr::width).max();
+                format!("{text}\n{}", "=".repeat(width.unwrap_or(0)))
+            }
+            Block::Text(text) => self.wrapped(text),
+            Block::Table(table) => self.table_text(table),
+            Block::Findings { findings, language } => findings
+                .iter()
+                .map(|finding| {
+                    let severity = language.severity(finding.severity);
+                    let sentence = language.finding(finding);
+                    let line = format!("{severity}: {sentence} [{}]", finding.code.name());
+                    self.wrapped(&line)
+                })
+                .collect::<Vec<_>>()
+                .join("\n"),
+        }
+    }
+
+    fn wrapped(&self, text: &str) -> String {
+        match self.width {
+            Some(width) => textwrap::fill(text, width),
+            None => text.to_owned(),
+        }
+    }
+
+    fn table_text(&self, table: &Table) -> String {
+        let grid = grid_lines(table);
+        let width = grid.lines().map(UnicodeWidthStr::width).max().unwrap_or(0);
+        let rule = "-".repeat(width);
+        let head_lines = head_line_count(table);
+        let mut lines: Vec<&str> = Vec::new();
+        if !table.caption.is_empty() {
+            lines.push(&table.caption);
+        }
+        lines.push(&rule);
+        lines.extend(grid.lines().take(head_lines));
+        lines.push(&rule);
+        lines.extend(grid.lines().skip(head_lines));
+        lines.push(&rule);
+        let mut text = lines.join("\n");
+        for note in &table.footnotes {
+            text += &format!("\n{}", self.wrapped(note));
+        }
+        text
     }
 }
 
-fn table_text(table: &Table) -> String {
+/// Characters in the widest line of a table.
+pub(super) fn table_width(table: &Table) -> usize {
+    let grid = grid_lines(table);
+    grid.lines().map(UnicodeWidthStr::width).max().unwrap_or(0)
+}
+
+fn head_line_count(table: &Table) -> usize {
+    let heads = table.columns.iter();
+    let lines = heads.map(|column| column.head.lines().count()).max();
+    lines.unwrap_or(0).max(1)
+}
+
+/// The lines of heads and rows, with aligned columns.
+fn grid_lines(table: &Table) -> String {
     let head: Vec<&str> = table.columns.iter().map(|c| c.head.as_str()).collect();
     let rows: Vec<Vec<String>> = table
         .rows
@@ -53,18 +106,10 @@ fn table_text(table: &Table) -> String {
     let widths = widths(&head, &rows);
     let mut lines = Vec::new();
     push_row(&mut lines, &head, &table.columns, &widths);
-    let head_lines = lines.len();
     for row in &rows {
         push_row(&mut lines, row, &table.columns, &widths);
     }
-    let width = lines.iter().map(|line| line.width()).max().unwrap_or(0);
-    let rule = "-".repeat(width);
-    lines.insert(head_lines, rule.clone());
-    let mut text = format!("{}\n{rule}\n{}\n{rule}", table.caption, lines.join("\n"));
-    for note in &table.footnotes {
-        text += &format!("\n{note}");
-    }
-    text
+    lines.join("\n")
 }
 
 /// Width of each column on a screen.

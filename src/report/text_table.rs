@@ -105,6 +105,18 @@ pub(super) static TEXTS: Texts = Texts {
         self_orthogonality: "Self-orthogonality of {}", "{} 的自正交性";
         sign_reversed_sensors: "Sign-reversed sensors", "与理论反向的传感器";
         alignment: "The test's points in the theory's frame", "试验测点在理论坐标系中的位置";
+        modes_in_band: "modes\nin band", "带内\n模态数";
+        by_shape_of_two_lines: "by\nshape", "按\n振型";
+        by_frequency_of_two_lines: "by\nfrequency", "按\n频率";
+        unmatched: "unmatched", "未配对";
+        not_observable_of_two_lines: "not\nobservable", "不可\n观测";
+        unmatched_test_modes_of_two_lines: "unmatched\ntest modes", "多余的\n试验模态";
+        rms_error_of_two_lines: "rms\nerror (%)", "均方根\n误差 (%)";
+        largest_error: "largest\nerror (%)", "最大\n误差 (%)";
+        lowest_mac: "lowest\nMAC", "最小\nMAC";
+        error_over_std: "error/std", "误差/标准差";
+        std_percent: "std (%)", "标准差 (%)";
+        rejected_hits: "Rejected hits", "剔除的锤击";
         frequency_hz: "f (Hz)", "频率 (Hz)";
         test_mode: "test mode", "试验阶次";
         theory_mode: "theory mode", "理论阶次";
@@ -240,6 +252,21 @@ pub(super) static TEXTS: Texts = Texts {
         pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";
         pairs_with_ambiguous: "{} paired: {} by shape, {} by frequency alone; {} ambiguous", "{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
+        no_limits: "Limits: none stated.", "限值：未给出。";
+        limits_met: "Limits: all met ({}).", "限值：全部满足 ({})。";
+        limits_missed: "Limits: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
+        synthetic_recordings: "Synthetic recordings, computed from a model and not measured: {}.", "合成记录，由模型计算，并非实测：{}。";
+        assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
+        published_frequencies: "Published natural frequencies: {} against the model, rms error {} %, largest {} % at {}.", "文献固有频率与模型：{}，均方根误差 {} %，最大 {} % (位于 {})。";
+        published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
+        next_points: "Measure next, {}: {}.", "建议补测，{}：{}。";
+        rest_of_run: "All tables, columns and notes: --full; with report and files: -o DIR.", "全部表格、列与说明：--full；报告与文件：-o DIR。";
+        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder.", "全部表格、列与说明：--full，或文件夹中的 report.html。";
+        rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
+        rest: "All columns and notes: --full.", "全部列与说明：--full。";
+        all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
+        hits_rejected: "Hits: {} of {} used; rejected: {}.", "锤击：采用 {} / {} 次；剔除：{}。";
+        rows_met: "{} of {} met, {} in all.", "{} / {} 满足，共 {}。";
         pairs_of_test_with_ambiguous: "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
     },
     labels: &[
@@ -268,6 +295,13 @@ pub(super) static TEXTS: Texts = Texts {
                 not_observable: "not-observable", "不可观测";
                 outside_band: "outside-band", "频带外";
                 unmatched_test_mode: "unmatched test mode", "多余";
+                paired_by_shape: "paired by shape", "按振型配对";
+                paired_by_frequency: "paired by frequency", "按频率配对";
+                near_a_paired_mode: "near a paired mode", "漏检(预期)";
+                should_have_been_seen: "should have been seen", "漏检(非预期)";
+                observability_unknown: "observability unknown", "漏检(未判定)";
+                not_observable_mode: "not observable", "不可观测";
+                outside_the_band: "outside the band", "频带外";
                 used: "used", "采用";
                 used_stated: "used (stated)", "采用(指定)";
                 rejected: "rejected", "剔除";

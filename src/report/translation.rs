@@ -5,11 +5,14 @@ use super::texts::{Group, TEXTS, labels_of, translate};
 use super::{Block, Cell, Language, Table};
 
 impl Language {
-    /// A paragraph in this language; one without a translation remains English.
+    /// A paragraph in this language; its lines without a translation remain English.
     pub(super) fn translated_text(self, text: String) -> String {
         match self {
             Language::English => text,
-            Language::Chinese => best_match(TEXTS.paragraphs, &text),
+            Language::Chinese => {
+                let lines = text.lines().map(|line| best_match(TEXTS.paragraphs, line));
+                lines.collect::<Vec<_>>().join("\n")
+            }
         }
     }
 

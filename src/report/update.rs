@@ -47,11 +47,7 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
             Cell::text(significant(p.std, 3)),
             Cell::text(significant(p.prior_std, 3)),
             Cell::std(Some(p.posterior_over_prior), 3),
-            Cell::text(match (Verdict::from(p.verdict), p.held) {
-                (verdict, false) => verdict.text().to_owned(),
-                (Verdict::NotSupported, true) => Verdict::NotSupportedHeld.text().to_owned(),
-                (verdict, true) => format!("{}; held", verdict.text()),
-            }),
+            Cell::text(parameter_verdict(p)),
         ]
     };
     let heads = [
@@ -79,6 +75,15 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
         rows: scene_update.result.parameters.iter().map(row).collect(),
         footnotes,
     })
+}
+
+/// Whether the data determine a parameter, and whether the update held it.
+pub(super) fn parameter_verdict(parameter: &crate::update::UpdatedParameter) -> String {
+    match (Verdict::from(parameter.verdict), parameter.held) {
+        (verdict, false) => verdict.text().to_owned(),
+        (Verdict::NotSupported, true) => Verdict::NotSupportedHeld.text().to_owned(),
+        (verdict, true) => format!("{}; held", verdict.text()),
+    }
 }
 
 /// Footnotes on the standard deviations of the mode shapes.
@@ -138,7 +143,7 @@ fn residual_footnote(scene_update: &SceneUpdate) -> Option<String> {
 }
 
 /// Reduced chi-square, and its consequence for the standard deviations.
-fn misfit_footnote(result: &UpdateResult) -> String {
+pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
     let ratio = result.reduced_chi_square();
     let figures = format!(
         "Chi-square per degree of freedom {ratio:.3} ({:.1} degrees; noise alone reaches {:.2})",
@@ -203,18 +208,6 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
     ];
     let mut columns = vec![Column::text("mode")];
     columns.extend(heads.map(Column::number));
-    let summary = |name: &str, fit: &Fit| {
-        let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
-        format!(
-            "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
-            fit.paired(),
-            fit.rows.len(),
-            percent(fit.largest_percent),
-            percent(fit.rms_percent),
-            significant(fit.chi_square, 5),
-            fit.data_count
-        )
-    };
     let all = before.rows.iter().chain(&after.rows);
     let shapes = all.into_iter().any(|row| row.mac.is_some());
     let macs = shapes.then(|| {
@@ -226,14 +219,28 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
         caption: "Modes used in the update".to_owned(),
         columns,
         rows: before.rows.iter().zip(&after.rows).map(row).collect(),
-        footnotes: [summary("Before", before), summary("After", after)]
+        footnotes: [fit_summary("Before", before), fit_summary("After", after)]
             .into_iter()
             .chain(macs)
             .collect(),
     })
 }
 
-fn convergence_text(result: &UpdateResult) -> String {
+/// Pairs, errors and chi-square of a fit.
+pub(super) fn fit_summary(name: &str, fit: &Fit) -> String {
+    let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
+    format!(
+        "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
+        fit.paired(),
+        fit.rows.len(),
+        percent(fit.largest_percent),
+        percent(fit.rms_percent),
+        significant(fit.chi_square, 5),
+        fit.data_count
+    )
+}
+
+pub(super) fn convergence_text(result: &UpdateResult) -> String {
     let mut text = format!(
         "{} after {} iterations. {} of {} starts (seed {}) reach {}",
         result.stop_reason.sentence(),
@@ -282,16 +289,6 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
     };
     let mut single: Vec<Vec<Cell>> = vec![change_row(&explanation.none)];
     single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
-    let proposed = if explanation.proposed.parameters.is_empty() {
-        "no change".to_owned()
-    } else {
-        explanation.proposed.parameters.join(", ")
-    };
-    let verdict = if explanation.proposed.explains() {
-        "the smallest set that brings the residual to its uncertainty"
-    } else {
-        "no set brings the residual to its uncertainty; this one has the smallest BIC"
-    };
     let predictions = explanation.left_out_predictions.iter().map(|f| {
         vec![
             Cell::text(&f.label),
@@ -310,7 +307,7 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
             "Two parameters changed at a time",
             printed(&explanation.pairs),
         ),
-        Block::Text(format!("Proposed: {proposed} ({verdict}).")),
+        proposal(explanation),
         Block::Table(Table {
             caption:
                 "Leave-one-out check: each mode predicted with the proposed set from all others"
@@ -325,6 +322,21 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
             footnotes: Vec::new(),
         }),
     ]
+}
+
+/// The proposed set of parameters, and whether it explains the misfit.
+pub(super) fn proposal(explanation: &Explanation) -> Block {
+    let proposed = if explanation.proposed.parameters.is_empty() {
+        "no change".to_owned()
+    } else {
+        explanation.proposed.parameters.join(", ")
+    };
+    let verdict = if explanation.proposed.explains() {
+        "the smallest set that brings the residual to its uncertainty"
+    } else {
+        "no set brings the residual to its uncertainty; this one has the smallest BIC"
+    };
+    Block::Text(format!("Proposed: {proposed} ({verdict})."))
 }
 
 fn change_row(change: &SubsetFit) -> Vec<Cell> {

@@ -11,7 +11,7 @@ use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::Quantity;
 
 use super::draft_columns::arrays_text;
-use super::draft_file::{DraftFile, file_text};
+use super::draft_file::{DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
 
@@ -246,7 +246,7 @@ fn open_records(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> BTreeMap<usiz
         for hit in hits.values() {
             let stated = file.response.filter(|_| has_one_unnamed(hit));
             for (number, entry) in (1..).zip(hit) {
-                let lines = record_text(entry, stated);
+                let lines = record_text(entry, stated, file.units);
                 if !lines.is_empty() {
                     open.entry(number).or_insert(lines);
                 }
@@ -276,14 +276,17 @@ fn has_one_unnamed(hit: &[&Entry]) -> bool {
 }
 
 /// The lines of a record in its hit: unit and sensor, where they are open.
-fn record_text(entry: &Entry, stated: Option<&Dof>) -> String {
+fn record_text(entry: &Entry, stated: Option<&Dof>, units: StatedUnits<'_>) -> String {
     let mut lines = String::new();
     if entry.quantity.is_none() || entry.to_si.is_none() {
         let label = entry.unit_label.as_str();
-        let _ = writeln!(
-            lines,
-            "unit = \"{FILL_IN}\"   # N for the force, m/s2, g, m/s or m for a response; the header says {label:?}"
-        );
+        let accepted =
+            format!("N for the force, m/s2, g, m/s or m for a response; the header says {label:?}");
+        // A record without a quantity may be the force as well.
+        let unit = units
+            .response
+            .filter(|_| entry.response.is_some() && entry.reference.is_some());
+        lines += &unit_line(unit, &accepted);
     }
     if is_unnamed(entry) {
         let _ = match stated {
@@ -337,10 +340,11 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     };
     if let Some(entry) = frfs().find(|entry| unknown(entry)) {
         let label = entry.unit_label.as_str();
-        let _ = write!(
-            text,
-            "[[test.channel]]\ncolumn = 1\nunit = \"{FILL_IN}\"   # of the FRFs that state none: (m/s2)/N, (m/s)/N or m/N; the header says {label:?}\n"
+        let accepted = format!(
+            "of the FRFs that state none: (m/s2)/N, (m/s)/N or m/N; the header says {label:?}"
         );
+        text += "[[test.channel]]\ncolumn = 1\n";
+        text += &unit_line(files[0].units.frf, &accepted);
     }
     for file in files {
         let frf_files = || entries_of_type(std::slice::from_ref(file), FunctionType::Frf);

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::dof::Dof;
 use crate::io::ArrayInfo;
 
-use super::draft_file::{DraftFile, file_text};
+use super::draft_file::{DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
 
 /// Maximum number of columns of an array that is listed column by column.
@@ -41,10 +41,13 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         };
     }
     if !has_axis {
-        let _ = writeln!(
-            text,
-            "sampling_rate_hz = \"{FILL_IN}\"   # samples per second, a number without quotes"
-        );
+        let _ = match files[0].sampling_rate_hz {
+            Some(rate) => writeln!(text, "sampling_rate_hz = {rate}"),
+            None => writeln!(
+                text,
+                "sampling_rate_hz = \"{FILL_IN}\"   # samples per second, a number without quotes"
+            ),
+        };
     }
     if arrays.iter().any(|array| array.shape.len() > 2) {
         let _ = writeln!(
@@ -63,6 +66,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         response: files[0].response.filter(|_| !several),
         hit_point: files[0].reference.filter(|_| !by_file),
         by_file,
+        units: files[0].units,
     };
     for (name, role) in columns.iter().zip(roles) {
         text += &stated.column_text(name, role, dofs);
@@ -124,6 +128,7 @@ struct StatedPoints<'a> {
     hit_point: Option<&'a Dof>,
     /// Whether hit points stand with the files.
     by_file: bool,
+    units: StatedUnits<'a>,
 }
 
 impl StatedPoints<'_> {
@@ -139,23 +144,26 @@ impl StatedPoints<'_> {
             return text;
         };
         let _ = writeln!(text, "role = \"{role}\"   # by its heading");
-        let (unit, stated, what) = match role {
+        let (unit, accepted, stated, what) = match role {
             "force" => (
+                self.units.force,
                 "N, lbf or kN; with `scale` where a calibration is missing",
                 self.hit_point,
                 "the hit point with its direction",
             ),
             "response" => (
+                self.units.response,
                 "m/s2, g, m/s or m; with `scale` where a calibration is missing",
                 self.response,
                 "the sensor with its direction",
             ),
             "real" | "imaginary" | "magnitude" => {
-                ("(m/s2)/N, (m/s)/N or m/N", self.response, "the sensor")
+                let accepted = "(m/s2)/N, (m/s)/N or m/N";
+                (self.units.frf, accepted, self.response, "the sensor")
             }
             _ => return text,
         };
-        let _ = writeln!(text, "unit = \"{FILL_IN}\"   # {unit}");
+        text += &unit_line(unit, accepted);
         if role == "force" && self.by_file {
             return text;
         }

@@ -19,8 +19,31 @@ pub struct DraftFile<'a> {
     pub response: Option<&'a Dof>,
     /// The excitation point of records and FRFs that do not name one.
     pub reference: Option<&'a Dof>,
+    /// Units that it does not state.
+    pub units: StatedUnits<'a>,
+    /// Samples per second of a table without a time column.
+    pub sampling_rate_hz: Option<f64>,
     /// Whether part of it is bad, and its good part is sufficient.
     pub partial: bool,
+}
+
+/// Units that the user states for files without them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StatedUnits<'a> {
+    /// Of forces.
+    pub force: Option<&'a str>,
+    /// Of responses.
+    pub response: Option<&'a str>,
+    /// Of FRFs.
+    pub frf: Option<&'a str>,
+}
+
+/// `unit = "N"`, or the line to be filled in with the accepted units.
+pub(super) fn unit_line(stated: Option<&str>, accepted: &str) -> String {
+    match stated {
+        Some(unit) => format!("unit = {}\n", quoted(unit)),
+        None => format!("unit = \"{FILL_IN}\"   # {accepted}\n"),
+    }
 }
 
 /// `[[test.file]]` with the points that a file leaves open.

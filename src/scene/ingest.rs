@@ -80,6 +80,10 @@ pub struct IngestOptions<'a> {
     pub averages: Option<u32>,
     /// Window of FRFs that do not state it; precedes the scene's.
     pub window: Option<Window>,
+    /// Unit of FRFs that do not state theirs; precedes the scene's.
+    pub frf_unit: Option<FrfUnit>,
+    /// Units of the records of a hit in their order, where no scene describes them.
+    pub record_units: &'a [Unit],
     /// Path of the scene, for messages.
     pub scene: &'a str,
 }
@@ -95,9 +99,9 @@ pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Inges
 }
 
 fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError> {
-    let frf_unit = options
+    let frf_unit = options.frf_unit.or(options
         .typed
-        .and_then(|test| stated_frf_unit(&test.channel));
+        .and_then(|test| stated_frf_unit(&test.channel)));
     let format = format_of(&file.path, options.format)?;
     let as_table = options.format.is_none()
         && TEXT_EXPORTS.contains(&format.name())
@@ -351,7 +355,12 @@ fn overrides_of(
     options: &IngestOptions,
 ) -> Result<Vec<ChannelOverride>, SceneError> {
     let Some(test) = options.typed.filter(|test| !test.channel.is_empty()) else {
-        return Ok(Vec::new());
+        let units = (1..).zip(options.record_units);
+        let of_unit = |(number, unit): (usize, &Unit)| ChannelOverride {
+            unit: Some(*unit),
+            ..ChannelOverride::of_record(number)
+        };
+        return Ok(units.map(of_unit).collect());
     };
     let tables = files
         .iter()

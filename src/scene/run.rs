@@ -239,9 +239,8 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 partial,
                 frfs_first: false,
                 format: scene.format.as_deref(),
-                averages: None,
-                window: None,
                 scene: &scene.path,
+                ..IngestOptions::default()
             };
             let ingested = ingest_files(files, &options)?;
             Ok(TestData {

@@ -33,6 +33,7 @@ fn study(folder: &Path, out: &str, more: &[&str]) -> String {
         "study".to_owned(),
         "breakdown".to_owned(),
         path("study.toml"),
+        "--full".to_owned(),
     ];
     words.extend(["-o".to_owned(), path(out)]);
     words.extend(more.iter().map(|word| (*word).to_owned()));

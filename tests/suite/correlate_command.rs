@@ -34,11 +34,12 @@ fn measures_are_below_the_table_and_in_its_json() {
     let folder = tempfile::tempdir().unwrap();
     let (model, modes) = three_storeys(folder.path());
     let arguments = ["correlate", "--test", &modes, "--theory", &model];
-    let printed = succeed(
-        arguments
-            .into_iter()
-            .chain(["--measures", "--orthogonality", "guyan"]),
-    );
+    let printed =
+        succeed(
+            arguments
+                .into_iter()
+                .chain(["--measures", "--orthogonality", "guyan", "--full"]),
+        );
     for heading in [
         "MAC of ",
         "MAC over both frequencies (FMAC)",
@@ -429,7 +430,7 @@ fn caption_digits_and_language_are_chosen() {
     );
     let at = |name: &str| text(&folder.path().join(name));
     let (test, theory) = (at("modes.json"), at("model.toml"));
-    let files = ["correlate", "--test", &test, "--theory", &theory];
+    let files = ["correlate", "--test", &test, "--theory", &theory, "--full"];
     let run = |more: &[&str]| succeed(files.into_iter().chain(more.iter().copied()));
     let printed = run(&[
         "--caption",

@@ -6,12 +6,14 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 
-use crate::command::{json, succeed};
+use crate::command::{json, modalign};
+use crate::screen::assert_fits;
 
-/// What the command printed, and the folder that it wrote.
+/// What the command printed on standard output and standard error, and the folder that it wrote.
 struct Run {
     folder: tempfile::TempDir,
-    printed: String,
+    screen: String,
+    findings: String,
 }
 
 impl Run {
@@ -26,13 +28,20 @@ fn run() -> &'static Run {
     RUN.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
         let out: PathBuf = folder.path().join("out");
-        let printed = succeed([
+        let output = modalign([
             "run".as_ref(),
             "measurements/cycloid-ball".as_ref(),
             "-o".as_ref(),
             out.as_os_str(),
         ]);
-        Run { folder, printed }
+        let [screen, findings] = [output.stdout, output.stderr]
+            .map(|bytes| String::from_utf8(bytes).expect("messages are UTF-8"));
+        assert_eq!(output.status.code(), Some(0), "{findings}");
+        Run {
+            folder,
+            screen,
+            findings,
+        }
     })
 }
 
@@ -216,8 +225,36 @@ fn sensors_on_the_balls_see_both_clusters_as_subspaces() {
 }
 
 #[test]
+fn verdict_comparison_and_warnings_fit_a_screen() {
+    let Run {
+        screen, findings, ..
+    } = run();
+    assert_fits(screen, 60, 100, "standard output");
+    assert_fits(findings, 12, 200, "standard error");
+    for said in [
+        "Limits: all met (5).",
+        "Synthetic recordings, computed from a model and not measured: all tests.",
+        "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
+        "f: paired by frequency alone. ?: ambiguous.",
+        "f10, large cylinder: its peak would stand 75.3 dB over the noise",
+        "Published statements: 32 reproduced, 11 not reproduced, 0 not checkable.",
+        "Measure next, virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
+    ] {
+        assert!(screen.contains(said), "{said} is missing in\n{screen}");
+    }
+    let row = |label: &str| screen.lines().find(|line| line.starts_with(label)).unwrap();
+    assert!(
+        row(" f10 ").matches("missed").count() == 2,
+        "{}",
+        row(" f10 ")
+    );
+    assert!(row(" f6 (4-fold) ").contains("-5.470 f"), "{}", row(" f6 "));
+    assert!(findings.starts_with("warning: "), "{findings}");
+}
+
+#[test]
 fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
-    let printed = &run().printed;
+    let printed = std::fs::read_to_string(run().folder.path().join("out/comparison.txt")).unwrap();
     for caption in [
         "Table 3 rebuilt",
         "Virtual test: roving hammer on the discs",

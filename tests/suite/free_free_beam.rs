@@ -77,7 +77,7 @@ fn both_methods_find_the_truth_of_the_scene() {
 
 #[test]
 fn the_table_has_what_a_validation_section_prints() {
-    let text = succeed(["run", "measurements/free-free-beam", "--quiet"]);
+    let text = succeed(["run", "measurements/free-free-beam", "--full", "--quiet"]);
     for part in [
         "theory (Hz)",
         "test (Hz)",
@@ -122,7 +122,8 @@ fn the_table_has_what_a_validation_section_prints() {
 fn a_run_prints_the_closed_form_beside_the_model_and_writes_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let text = succeed(["run", "measurements/free-free-beam", "--quiet", "-o", out]);
+    let beam = "measurements/free-free-beam";
+    let text = succeed(["run", beam, "--full", "--quiet", "-o", out]);
     let (roots, tests) = (
         text.find("Published natural frequencies and the model")
             .unwrap(),

@@ -143,7 +143,7 @@ fn theory_and_test_modes_are_compared_without_a_scene() {
         "--theory",
         &path("theory.json"),
     ];
-    let text = succeed(arguments);
+    let text = succeed(arguments.iter().copied().chain(["--full"]));
     let rows = text
         .lines()
         .filter(|line| line.trim_end().ends_with("  paired"));

@@ -41,6 +41,7 @@ mod real_modes;
 mod recordings;
 mod report;
 mod roving;
+mod screen;
 #[path = "../population/seeds.rs"]
 mod seeds;
 mod structures;

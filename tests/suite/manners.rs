@@ -54,7 +54,7 @@ fn colours_are_printed_on_request_and_never_in_json() {
         "always",
     ]);
     assert!(run.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{run}");
-    let plain = succeed(["run", "measurements/free-free-beam"]);
+    let plain = succeed(["run", "measurements/free-free-beam", "-o", out]);
     assert_eq!(
         run.replace("\u{1b}[1;32m", "").replace("\u{1b}[0m", ""),
         plain
@@ -81,7 +81,7 @@ fn colours_are_printed_on_request_and_never_in_json() {
 /// A line of shell with a terminal as its standard output and error. Signals end the program though
 /// the suite may run under `nohup`.
 #[cfg(target_os = "linux")]
-fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
+pub fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
     let program = assert_cmd::cargo::cargo_bin("modalign");
     let program = format!("env --default-signal {}", program.display());
     let line = line.replace("modalign", &program);
@@ -146,6 +146,13 @@ fn every_code_is_explained_and_an_unknown_one_names_the_nearest() {
     for code in [Code::ALL[0], Code::ALL[Code::ALL.len() - 1]] {
         let printed = succeed(["--explain", &code.name()]);
         assert!(printed.contains(code.explanation()), "{printed}");
+    }
+    for verb in ["run", "identify", "frf", "correlate", "check", "study"] {
+        let printed = succeed([verb, "--explain", "few-lines", "--lang=zh"]);
+        assert!(
+            printed.contains(Code::FewLines.chinese_explanation()),
+            "{verb}: {printed}"
+        );
     }
     let error = fail(["--explain", "double-hti"]);
     assert!(error.contains("did you mean `double-hit`?"), "{error}");

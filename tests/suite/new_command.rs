@@ -322,3 +322,62 @@ fn options_fill_in_what_the_files_do_not_state() {
         "{error}"
     );
 }
+
+/// Three hits on one mode of 50 Hz, as columns without units and without a time column.
+fn hit_columns(number: usize) -> String {
+    let mut text = "force,acceleration\n".to_owned();
+    let scale = 1.0 + 0.1 * number as f64;
+    for sample in 0..4096 {
+        let seconds = (f64::from(sample) - 20.0) / 2000.0;
+        let pulse = if (0.0..0.002).contains(&seconds) {
+            scale
+        } else {
+            0.0
+        };
+        let decay = (-3.0 * seconds).exp() * (314.0 * seconds).sin();
+        let noise = 1e-5 * f64::from((sample * 7919 + 13 * number as i32) % 101 - 50);
+        let response = if seconds > 0.0 { scale * decay } else { 0.0 };
+        text += &format!("{},{}\n", pulse + noise, response + noise);
+    }
+    text
+}
+
+#[test]
+fn stated_units_and_sampling_rate_leave_nothing_to_fill_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let files: Vec<String> = (1..=3)
+        .map(|number| path(&format!("{number}.csv")))
+        .collect();
+    for (number, file) in (1..).zip(&files) {
+        std::fs::write(file, hit_columns(number)).unwrap();
+    }
+    let mut arguments = vec!["new".to_owned(), path("scene")];
+    arguments.extend(files);
+    let stated = [
+        "--sampling-rate",
+        "2000",
+        "--unit",
+        "N,m/s2",
+        "--response",
+        "2:+Z",
+        "--reference",
+        "1:+Z",
+    ];
+    arguments.extend(stated.map(str::to_owned));
+    let printed = succeed(&arguments);
+    assert!(printed.contains("nothing is left to fill in"), "{printed}");
+    let run = succeed(["run", &path("scene"), "--json"]);
+    let modes: serde_json::Value = serde_json::from_str(&run).unwrap();
+    let found = modes["modes"].as_array().unwrap();
+    let near = |mode: &&serde_json::Value| {
+        (mode["frequency_hz"].as_f64().unwrap() - 314.0 / std::f64::consts::TAU).abs() < 0.2
+    };
+    assert!(found.iter().any(|mode| near(&mode)), "{run}");
+    let unknown = ["--unit", "furlong"].map(str::to_owned);
+    let mut wrong: Vec<String> = arguments[..2].to_vec();
+    wrong[1] = path("other");
+    wrong.push(arguments[2].clone());
+    wrong.extend(unknown);
+    assert!(fail(&wrong).contains("got furlong"), "{}", fail(&wrong));
+}

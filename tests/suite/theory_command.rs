@@ -12,7 +12,13 @@ fn parsed(text: &str) -> Value {
 
 #[test]
 fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
-    let text = succeed(["theory", "cycloid-ball", "--sweep", "ball_count=8:14:4"]);
+    let text = succeed([
+        "theory",
+        "cycloid-ball",
+        "--sweep",
+        "ball_count=8:14:4",
+        "--full",
+    ]);
     for part in [
         "root 1, 9 11 13 15 modes (Hz)",
         "root 6, 4 modes (Hz)",
@@ -52,7 +58,7 @@ fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
         error.contains("got 9.5, expected a whole number"),
         "{error}"
     );
-    let text = succeed(["theory", "cycloid-ball", "--sensitivities"]);
+    let text = succeed(["theory", "cycloid-ball", "--sensitivities", "--full"]);
     let rows: Vec<&str> = text
         .lines()
         .filter(|line| line.trim_start().starts_with("ball_count "))
@@ -104,7 +110,7 @@ fn finished_modes_are_printed_and_what_needs_a_model_is_refused() {
             path.as_os_str(),
         ];
         succeed(made);
-        let text = succeed(["theory".as_ref(), path.as_os_str()]);
+        let text = succeed(["theory".as_ref(), path.as_os_str(), "--full".as_ref()]);
         for part in ["1436.884387", "22666.034"] {
             assert!(text.contains(part), "{name} {part}:\n{text}");
         }
@@ -201,7 +207,8 @@ fn a_number_that_needs_values_beyond_a_bound_is_left_out_and_said() {
         ("spider-reducer", "k_i2=1.9e8", "k_i2_change_3"),
         ("torsional-planetary", "k_r=1e13", "mesh_energy_rate_error"),
     ] {
-        let output = modalign(["theory", model, "--set", set, "--quantities", "--json"]);
+        let requested = ["--quantities", "--json", "--full"];
+        let output = modalign(["theory", model, "--set", set].iter().chain(&requested));
         assert_eq!(output.status.code(), Some(0));
         let found = parsed(std::str::from_utf8(&output.stdout).unwrap());
         let all = found["theory"]["quantities"].as_array().unwrap();

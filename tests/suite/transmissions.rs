@@ -9,7 +9,8 @@ use crate::command::{fail, json, root, succeed};
 
 /// Runs a scene into a folder; what it printed.
 fn run(scene: &str, folder: &Path) -> String {
-    succeed(["run", scene, "--quiet", "-o", folder.to_str().unwrap()])
+    let folder = folder.to_str().unwrap();
+    succeed(["run", scene, "--full", "--quiet", "-o", folder])
 }
 
 /// How often each verdict was given.
@@ -251,7 +252,7 @@ fn a_response_is_computed_for_every_detail_with_its_cost() {
 
 #[test]
 fn models_of_growing_detail_are_compared_and_the_simplest_is_reported() {
-    let text = succeed(["theory", "cycloid-ball", "--compare", "5"]);
+    let text = succeed(["theory", "cycloid-ball", "--compare", "5", "--full"]);
     for part in [
         "without mass: ball, pin-ball",
         "every body with its mass",
@@ -265,7 +266,7 @@ fn models_of_growing_detail_are_compared_and_the_simplest_is_reported() {
     assert_eq!(file["schema"], "modalign-details/1");
     assert_eq!(file["models"].as_array().unwrap().len(), 4);
     assert!(file["roots"][0]["errors"][3].as_f64().unwrap().abs() < 1e-12);
-    let text = succeed(["theory", "helical-planetary", "--compare"]);
+    let text = succeed(["theory", "helical-planetary", "--compare", "--full"]);
     let start = text.find("The simplest model of").unwrap();
     let row = text[start..]
         .lines()

@@ -48,6 +48,20 @@ pub struct ChannelOverride {
     pub full_scale: Option<f64>,
 }
 
+impl ChannelOverride {
+    /// No statement on a record of this number.
+    pub fn of_record(number: usize) -> Self {
+        Self {
+            number,
+            role: None,
+            dof: None,
+            unit: None,
+            scale: None,
+            full_scale: None,
+        }
+    }
+}
+
 /// One opened file with what the scene says of it.
 pub struct HitFile {
     /// The file.

@@ -196,7 +196,7 @@ fn rows(table: &Table) -> Value {
 fn value(cell: &Cell) -> Value {
     match cell {
         Cell::Text(text) => json!(text),
-        Cell::Number { value, .. } => json!(value),
+        Cell::Number { value, .. } | Cell::Normalised(value) => json!(value),
         Cell::Missing => Value::Null,
     }
 }

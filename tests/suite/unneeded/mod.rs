@@ -18,7 +18,7 @@ fn identified(text: &str, more: &[&str]) -> (Option<i32>, Value, String) {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[("frfs.uff", text)]);
     let path = folder.path().join("frfs.uff").display().to_string();
-    let arguments = ["identify", &path, "--json"];
+    let arguments = ["identify", &path, "--json", "--full"];
     let output = modalign(arguments.iter().chain(more));
     let modes = serde_json::from_slice::<Value>(&output.stdout).unwrap_or_default();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,0 +1,264 @@
+//! Findings on standard error: with `--full` one line each, by default one line for each kind of
+//! warning and one for all notes.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+use crate::finding::{Code, Finding, Location, Severity};
+use crate::report::Language;
+
+/// Characters in a line of the screen's findings.
+const MAX_LINE_CHARS: usize = 200;
+/// Maximum number of bad parts of the input of one kind that have a line on the screen.
+const MAX_SCREEN_ERRORS: usize = 5;
+/// Maximum number of kinds of warnings that have a line on the screen.
+const MAX_SCREEN_KINDS: usize = 10;
+
+/// Findings with the name of their test, empty where there is one.
+type NamedFinding = (String, Finding);
+
+/// The findings of one severity and code.
+struct Kind<'f> {
+    severity: Severity,
+    code: Code,
+    /// Each different one, with its line.
+    findings: Vec<(&'f NamedFinding, String)>,
+}
+
+/// Every finding in a line, each once, the worst first.
+pub(super) fn all_lines(findings: &[NamedFinding], language: Language) -> Vec<String> {
+    let kinds = kinds(findings, language).into_iter();
+    let findings = kinds.flat_map(|kind| kind.findings);
+    findings.map(|(_, line)| line).collect()
+}
+
+/// A line for each bad part of the input, for each kind of warning with its places, and one that
+/// counts the notes.
+pub(super) fn screen_lines(findings: &[NamedFinding], language: Language) -> Vec<String> {
+    let is_warning = |kind: &Kind<'_>| kind.severity > Severity::Info;
+    let (warnings, notes): (Vec<_>, Vec<_>) =
+        kinds(findings, language).into_iter().partition(is_warning);
+    let (shown, further) = warnings.split_at(warnings.len().min(MAX_SCREEN_KINDS));
+    let mut lines: Vec<String> = shown
+        .iter()
+        .flat_map(|kind| kind.screen_lines(language))
+        .collect();
+    let names = |kinds: &[Kind<'_>]| {
+        let names = kinds.iter().map(|kind| kind.code.name());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    if !further.is_empty() {
+        let (severity, names) = (language.severity(Severity::Warning), names(further));
+        lines.push(cut(&match language {
+            Language::English => format!("{severity}: further kinds (all: --full): {names}"),
+            Language::Chinese => format!("{severity}: 其他类别 (全部：--full)：{names}"),
+        }));
+    }
+    if !notes.is_empty() {
+        let count: usize = notes.iter().map(|kind| kind.findings.len()).sum();
+        let (severity, names) = (language.severity(Severity::Info), names(&notes));
+        let plural = if count == 1 { "" } else { "s" };
+        lines.push(cut(&match language {
+            Language::English => format!("{severity}: {count} note{plural} (all: --full): {names}"),
+            Language::Chinese => format!("{severity}: {count} 条，类别 (全部：--full)：{names}"),
+        }));
+    }
+    lines
+}
+
+/// The findings by severity, the worst first, and code.
+fn kinds(findings: &[NamedFinding], language: Language) -> Vec<Kind<'_>> {
+    let mut kinds: BTreeMap<(Reverse<Severity>, Code), Kind<'_>> = BTreeMap::new();
+    for named in findings {
+        let Finding { severity, code, .. } = named.1;
+        let kind = kinds
+            .entry((Reverse(severity), code))
+            .or_insert_with(|| Kind {
+                severity,
+                code,
+                findings: Vec::new(),
+            });
+        let line = line(named, language);
+        if kind.findings.iter().all(|(_, listed)| *listed != line) {
+            kind.findings.push((named, line));
+        }
+    }
+    kinds.into_values().collect()
+}
+
+fn line((test, finding): &NamedFinding, language: Language) -> String {
+    let severity = language.severity(finding.severity);
+    let name = if test.is_empty() {
+        String::new()
+    } else {
+        format!("{test}: ")
+    };
+    let (sentence, code) = (language.finding(finding), finding.code.name());
+    format!("{severity}: {name}{sentence} [{code}]")
+}
+
+impl Kind<'_> {
+    fn screen_lines(&self, language: Language) -> Vec<String> {
+        match (self.severity, self.findings.as_slice()) {
+            (Severity::Error, _) => self.error_lines(language),
+            (_, [(_, only)]) => {
+                let tag = self.tag();
+                let text = only.strip_suffix(&tag).unwrap_or(only);
+                vec![cut_before(text, &tag)]
+            }
+            _ => vec![self.counted_line(language)],
+        }
+    }
+
+    fn tag(&self) -> String {
+        format!(" [{}]", self.code.name())
+    }
+
+    /// Bad parts of the input in full, of many the first.
+    fn error_lines(&self, language: Language) -> Vec<String> {
+        let (shown, further) = self
+            .findings
+            .split_at(self.findings.len().min(MAX_SCREEN_ERRORS));
+        let mut lines: Vec<String> = shown.iter().map(|(_, line)| line.clone()).collect();
+        if !further.is_empty() {
+            let (severity, tag) = (language.severity(self.severity), self.tag());
+            let count = further.len();
+            lines.push(match language {
+                Language::English => format!("{severity}: {count} more (all: --full){tag}"),
+                Language::Chinese => format!("{severity}: 另有 {count} 条 (全部：--full){tag}"),
+            });
+        }
+        lines
+    }
+
+    /// Their number, the sentence of the code, and their places.
+    fn counted_line(&self, language: Language) -> String {
+        let severity = language.severity(self.severity);
+        let sentence = language.sentence(self.code);
+        let sentence = sentence.trim_end_matches(['.', '。']);
+        let count = self.findings.len();
+        let places = places(self.findings.iter().map(|(named, _)| *named));
+        cut_before(
+            &format!("{severity}: {count}× {sentence}: {places}"),
+            &self.tag(),
+        )
+    }
+}
+
+/// The places of findings, those of a test after its name.
+fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
+    let mut tests: Vec<(&str, Vec<String>)> = Vec::new();
+    for (test, finding) in findings {
+        let place = match &finding.location {
+            Location::Mode(hz) => format!("{hz:.2} Hz"),
+            Location::Whole => String::new(),
+            location => location.to_string(),
+        };
+        match tests.iter_mut().find(|(listed, _)| *listed == test) {
+            Some((_, places)) => places.push(place),
+            None => tests.push((test, vec![place])),
+        }
+    }
+    let texts = tests.into_iter().map(|(test, mut places)| {
+        places.dedup();
+        format!("{test} {}", places.join(", ")).trim().to_owned()
+    });
+    texts.collect::<Vec<_>>().join("; ")
+}
+
+/// A text and its tag, the text cut where both are longer than a line.
+fn cut_before(text: &str, tag: &str) -> String {
+    let room = MAX_LINE_CHARS.saturating_sub(tag.chars().count());
+    if text.chars().count() <= room {
+        return format!("{text}{tag}");
+    }
+    let kept: String = text.chars().take(room.saturating_sub(1)).collect();
+    format!("{}…{tag}", kept.trim_end())
+}
+
+fn cut(text: &str) -> String {
+    cut_before(text, "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mode(test: &str, code: Code, severity: Severity, hz: f64) -> NamedFinding {
+        let finding = Finding::new(severity, code, Location::Mode(hz));
+        (test.to_owned(), finding.value(hz / 2.0, "Hz"))
+    }
+
+    #[test]
+    fn warnings_of_one_kind_are_one_line_with_their_places() {
+        let findings = [
+            mode("", Code::RepeatedRoot, Severity::Info, 50.0),
+            mode("disc", Code::CloseModes, Severity::Warning, 10.0),
+            mode("disc", Code::CloseModes, Severity::Warning, 20.0),
+            mode("ring", Code::CloseModes, Severity::Warning, 30.0),
+            mode("ring", Code::CloseModes, Severity::Warning, 30.0),
+            mode("ring", Code::FewLines, Severity::Warning, 40.0),
+        ];
+        let lines = screen_lines(&findings, Language::English);
+        assert_eq!(lines.len(), 3);
+        let close = lines.iter().find(|line| line.contains("close-modes"));
+        let close = close.expect("a line for close modes");
+        assert!(close.starts_with("warning: 3× "), "{close}");
+        assert!(close.contains(": disc 10.00 Hz, 20.00 Hz; ring 30.00 Hz [close-modes]"));
+        let few = lines.iter().find(|line| line.contains("few-lines"));
+        assert!(few.is_some_and(|line| line.contains("ring: mode at 40.00 Hz")));
+        assert_eq!(lines[2], "info: 1 note (all: --full): repeated-root");
+        assert_eq!(all_lines(&findings, Language::English).len(), 5);
+    }
+
+    #[test]
+    fn a_bad_part_of_the_input_is_said_in_full() {
+        let place = |line| Location::File {
+            path: "hits.uff".to_owned(),
+            line: Some(line),
+            byte: None,
+        };
+        let long = "got a text in the place of a number, ".repeat(10) + "expected a number";
+        let bad = |line| Finding::new(Severity::Error, Code::BadDataset, place(line)).detail(&long);
+        let findings: Vec<NamedFinding> = (1..=8).map(|n| (String::new(), bad(n))).collect();
+        let lines = screen_lines(&findings, Language::English);
+        assert_eq!(lines.len(), MAX_SCREEN_ERRORS + 1);
+        assert!(lines[4].starts_with("error: hits.uff:5: "), "{}", lines[4]);
+        assert!(
+            lines[4].ends_with("expected a number [bad-dataset]"),
+            "{}",
+            lines[4]
+        );
+        assert_eq!(lines[5], "error: 3 more (all: --full) [bad-dataset]");
+    }
+
+    #[test]
+    fn a_screen_has_at_most_twelve_lines_of_two_hundred_characters() {
+        let of_code = |&code: &Code| {
+            let severity = match code {
+                Code::Synthetic => Severity::Info,
+                _ => Severity::Warning,
+            };
+            let long = "a long detail ".repeat(40);
+            (0..30).map(move |n| {
+                let (_, finding) = mode("", code, severity, f64::from(n));
+                (
+                    "a test with a long name".to_owned(),
+                    finding.detail(long.clone()),
+                )
+            })
+        };
+        let findings: Vec<NamedFinding> = Code::ALL.iter().flat_map(of_code).collect();
+        for language in [Language::English, Language::Chinese] {
+            let lines = screen_lines(&findings, language);
+            assert_eq!(lines.len(), MAX_SCREEN_KINDS + 2);
+            for line in &lines {
+                assert!(line.chars().count() <= MAX_LINE_CHARS, "{line}");
+            }
+            for (line, code) in lines[..MAX_SCREEN_KINDS].iter().zip(Code::ALL) {
+                assert!(line.ends_with(&format!("[{}]", code.name())), "{line}");
+            }
+            assert_eq!(all_lines(&findings, language).len(), findings.len());
+        }
+    }
+}

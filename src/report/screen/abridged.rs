@@ -1,0 +1,197 @@
+//! Blocks of the report cut to a screen: rows, columns, notes and whole tables are omitted, and
+//! each place says so.
+
+use crate::report::terminal::table_width;
+use crate::report::{Align, Block, Cell, Renderer, Table, Terminal};
+
+use super::{MAX_ROWS, counted, omit_column};
+
+/// Lines of a screen, without the names of omitted tables and a note of the verb below.
+const MAX_LINES: usize = 32;
+/// Rows of a table that is cut to the room that is left, at least.
+const MIN_ROWS: usize = 4;
+/// Notes below a table.
+const MAX_NOTES: usize = 2;
+/// Characters to which texts in cells are wrapped where a table is too wide.
+const TEXT_CELL_WIDTH: usize = 30;
+
+/// The blocks as far as a screen of this width has room for them, in their order.
+pub fn abridged(blocks: Vec<Block>, width: usize) -> Vec<Block> {
+    let mut shown: Vec<Block> = Vec::new();
+    let mut omitted: Vec<String> = Vec::new();
+    let mut lines = 0;
+    for block in blocks {
+        let block = match block {
+            Block::Table(table) => {
+                let room = MAX_LINES.saturating_sub(lines);
+                match (abridged_table(table.clone(), width, room), shown.is_empty()) {
+                    (Some(table), _) => Block::Table(table),
+                    (None, true) => Block::Table(cut_rows(table, MIN_ROWS)),
+                    (None, false) => {
+                        omitted.push(table.caption);
+                        continue;
+                    }
+                }
+            }
+            other => other,
+        };
+        lines += line_count(&block, width) + 1;
+        shown.push(block);
+    }
+    if !omitted.is_empty() {
+        shown.push(Block::Text(format!(
+            "Further tables (--full): {}.",
+            omitted.join("; ")
+        )));
+    }
+    shown
+}
+
+fn line_count(block: &Block, width: usize) -> usize {
+    let terminal = Terminal { width: Some(width) };
+    terminal.render(std::slice::from_ref(block)).lines().count()
+}
+
+/// The table with as many notes, columns and rows as there is room for; `None` where few rows are
+/// left.
+fn abridged_table(mut table: Table, width: usize, room: usize) -> Option<Table> {
+    let notes = table.footnotes.len().saturating_sub(MAX_NOTES);
+    if notes > 0 {
+        table.footnotes.truncate(MAX_NOTES);
+        table
+            .footnotes
+            .push(format!("{}: --full.", counted(notes, "further note")));
+    }
+    let mut table = narrowed(table, width);
+    let rows = std::mem::take(&mut table.rows);
+    let overhead = line_count(&Block::Table(table.clone()), width) + 1;
+    table.rows = rows;
+    let most = MAX_ROWS.min(room.saturating_sub(overhead));
+    if table.rows.len() <= most {
+        return Some(table);
+    }
+    (most > MIN_ROWS).then(|| cut_rows(table, most - 1))
+}
+
+/// The first rows of a table, with the number of the others.
+fn cut_rows(mut table: Table, most: usize) -> Table {
+    let further = table.rows.len().saturating_sub(most);
+    if further > 0 {
+        table.rows.truncate(most);
+        table
+            .footnotes
+            .push(format!("{}: --full.", counted(further, "further row")));
+    }
+    table
+}
+
+/// The table in this width: its texts wrapped, then its columns of numbers omitted, those with the
+/// smallest numbers first.
+fn narrowed(mut table: Table, width: usize) -> Table {
+    if table_width(&table) <= width {
+        return table;
+    }
+    for cell in table.rows.iter_mut().flatten() {
+        if let Cell::Text(text) = cell {
+            *text = textwrap::fill(text, TEXT_CELL_WIDTH);
+        }
+    }
+    let mut omitted = 0;
+    while table_width(&table) > width {
+        let Some(column) = least_column(&table) else {
+            break;
+        };
+        omit_column(&mut table, column);
+        omitted += 1;
+    }
+    if omitted > 0 {
+        table
+            .footnotes
+            .push(format!("{}: --full.", counted(omitted, "further column")));
+    }
+    table
+}
+
+/// The column of numbers, but not the first, with the smallest largest magnitude; the last one of
+/// equal ones. Where there are no numbers, the last column of several.
+fn least_column(table: &Table) -> Option<usize> {
+    let largest = |column: usize| {
+        let cells = table.rows.iter().map(|row| &row[column]);
+        cells
+            .filter_map(|cell| match cell {
+                Cell::Number { value, .. } | Cell::Normalised(value) => Some(value.abs()),
+                _ => None,
+            })
+            .reduce(f64::max)
+    };
+    let count = table.columns.len();
+    let numbers = (1..count).filter(|column| table.columns[*column].align == Align::Right);
+    let numbers = numbers.filter_map(|column| Some((column, largest(column)?)));
+    let least = numbers.min_by(|(i, a), (j, b)| a.total_cmp(b).then(j.cmp(i)));
+    least
+        .map(|(column, _)| column)
+        .or((count > 1).then(|| count - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Column;
+
+    fn table(rows: usize, columns: usize) -> Table {
+        let cell = |row: usize, column: usize| Cell::number(Some((row + 10 * column) as f64), 1);
+        Table {
+            caption: format!("{rows} by {columns}"),
+            columns: (0..columns)
+                .map(|c| Column::number(format!("column {c}")))
+                .collect(),
+            rows: (0..rows)
+                .map(|r| (0..columns).map(|c| cell(r, c)).collect())
+                .collect(),
+            footnotes: (1..=4).map(|n| format!("Note {n}.")).collect(),
+        }
+    }
+
+    #[test]
+    fn a_screen_has_its_lines_and_width_and_says_what_it_omits() {
+        let tables = [table(100, 3), table(5, 40), table(8, 2)];
+        let blocks = abridged(tables.into_iter().map(Block::Table).collect(), 80);
+        let text = Terminal { width: Some(80) }.render(&blocks);
+        assert!(text.lines().count() <= MAX_LINES + 2, "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 80),
+            "{text}"
+        );
+        for said in [
+            "further rows: --full.",
+            "2 further notes: --full.",
+            "8 by 2",
+        ] {
+            assert!(text.contains(said), "{said}: {text}");
+        }
+    }
+
+    #[test]
+    fn columns_with_the_smallest_numbers_are_omitted() {
+        let Block::Table(shown) = &abridged(vec![Block::Table(table(5, 12))], 60)[0] else {
+            panic!("a table stays one");
+        };
+        let heads: Vec<&str> = shown.columns.iter().map(|c| c.head.as_str()).collect();
+        assert_eq!(heads[0], "column 0");
+        assert_eq!(heads.last(), Some(&"column 11"));
+        assert!(
+            shown
+                .footnotes
+                .iter()
+                .any(|note| note.contains("further columns: --full."))
+        );
+    }
+
+    #[test]
+    fn a_table_that_fits_is_unchanged() {
+        let mut small = table(3, 3);
+        small.footnotes.truncate(2);
+        let blocks = vec![Block::Table(small)];
+        assert_eq!(abridged(blocks.clone(), 80), blocks);
+    }
+}

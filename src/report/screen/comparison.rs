@@ -1,0 +1,427 @@
+//! The comparison on the screen: counts and errors by test, and the modes of all tests side by
+//! side.
+
+use crate::correlate::{
+    Basis, ComparisonTable, ErrorReference, Row, Status, TestCell, TestSummary,
+};
+use crate::report::comparison::label_with_multiplicity;
+use crate::report::terminal::table_width;
+use crate::report::{Block, Cell, Column, Table};
+
+use super::{MAX_ROWS, counted, fitted, without_empty_columns};
+
+/// Maximum number of reasons of unmatched and ambiguous modes on the screen.
+const MAX_REASONS: usize = 4;
+/// Part of the width of the screen, one over it, that the names of tests have in the first column.
+const NAME_SHARE: usize = 5;
+/// Width at which the name of a test is wrapped in a head.
+const NAME_WIDTH: usize = 10;
+
+/// Counts and errors of every test; the modes with their errors, MAC and verdicts; and why a mode
+/// is unmatched or ambiguous.
+pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
+    let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
+    let mut blocks = vec![Block::Table(counts_table(table, width))];
+    let tables = ModeTables { table, width }.of(&tests);
+    blocks.extend(tables.into_iter().map(Block::Table));
+    blocks.extend(reasons_block(table));
+    blocks
+}
+
+/// Modes and pairs in numbers, a row for each test.
+fn counts_table(table: &ComparisonTable, width: usize) -> Table {
+    let heads = [
+        "modes\nin band",
+        "paired",
+        "by\nshape",
+        "by\nfrequency",
+        "ambiguous",
+        "unmatched",
+        "not\nobservable",
+        "unmatched\ntest modes",
+        "rms\nerror (%)",
+        "largest\nerror (%)",
+        "at",
+        "lowest\nMAC",
+    ];
+    let row = |summary: &TestSummary| {
+        let in_band = summary.paired + summary.ambiguous + summary.missed + summary.not_observable;
+        let largest = largest_error(table, &summary.test);
+        let mut cells = vec![Cell::text(wrapped(&summary.test, width / NAME_SHARE))];
+        cells.extend(
+            [
+                in_band,
+                summary.paired,
+                summary.paired_by_shape,
+                summary.paired_by_frequency,
+                summary.ambiguous,
+                summary.missed,
+                summary.not_observable,
+                summary.extra,
+            ]
+            .map(|count| Cell::text(count.to_string())),
+        );
+        cells.extend([
+            Cell::number(summary.rms_error_percent, 3),
+            Cell::signed(largest.map(|(_, percent)| percent), 3),
+            largest.map_or(Cell::Missing, |(label, _)| Cell::text(label)),
+            Cell::mac(summary.min_mac),
+        ]);
+        cells
+    };
+    let columns = std::iter::once(Column::text("test")).chain(heads.map(Column::number));
+    let table = Table {
+        columns: columns.collect(),
+        rows: table.summary.iter().map(row).collect(),
+        ..Table::default()
+    };
+    let table = without_empty_columns(
+        table,
+        &[
+            "ambiguous",
+            "not\nobservable",
+            "unmatched\ntest modes",
+            "lowest\nMAC",
+        ],
+    );
+    fitted(
+        table,
+        &["at", "not\nobservable", "by\nfrequency", "by\nshape"],
+        width,
+    )
+}
+
+/// The largest error of a test, percent, with the label of its mode.
+fn largest_error<'a>(table: &'a ComparisonTable, test: &str) -> Option<(&'a str, f64)> {
+    let error = |row: &'a Row| {
+        let cell = row.tests.iter().find(|cell| cell.test == test)?;
+        Some((row.label.as_str(), cell.error_percent?))
+    };
+    let errors = table.rows.iter().filter_map(error);
+    errors.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
+}
+
+/// Tables of modes that fit the screen.
+struct ModeTables<'a> {
+    table: &'a ComparisonTable,
+    width: usize,
+}
+
+impl ModeTables<'_> {
+    /// One table of all tests with as many columns of each as fit; where the errors alone do not
+    /// fit, tables of fewer tests.
+    fn of(&self, tests: &[&str]) -> Vec<Table> {
+        if let [test] = tests {
+            return vec![self.of_one(test)];
+        }
+        let details = [
+            &[Detail::Frequency, Detail::Error, Detail::Mac][..],
+            &[Detail::Error, Detail::Mac],
+            &[Detail::Error],
+        ];
+        let tables = details.map(|details| self.side_by_side(tests, details));
+        let fitting = tables.into_iter().find(|t| table_width(t) <= self.width);
+        fitting.map_or_else(
+            || {
+                let (left, right) = tests.split_at(tests.len() / 2);
+                let halves = [left, right].into_iter();
+                halves
+                    .filter(|half| !half.is_empty())
+                    .flat_map(|half| self.of(half))
+                    .collect()
+            },
+            |table| vec![table],
+        )
+    }
+
+    /// The modes of one test: the columns of a comparison in a paper, and the verdict.
+    fn of_one(&self, test: &str) -> Table {
+        let (shown, omitted) = self.rows(&[test]);
+        let row = |row: &&Row| {
+            let cell = row.tests.iter().find(|cell| cell.test == test);
+            let theory = row.theory.as_ref().map(|theory| theory.hz);
+            let mut cells = vec![
+                Cell::text(label_with_multiplicity(row)),
+                Cell::measured(theory, None),
+            ];
+            cells.extend(cell.map_or([const { Cell::Missing }; 7], |cell| {
+                let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
+                [
+                    Cell::measured(cell.hz, cell.hz_std),
+                    Cell::std(cell.hz_std, 0),
+                    Cell::signed(cell.error_percent, 3),
+                    cell.normalised_error
+                        .map_or(Cell::Missing, Cell::Normalised),
+                    Cell::measured(percent(cell.damping_ratio), percent(cell.damping_std)),
+                    Cell::mac(cell.mac),
+                    Cell::text(verdict(cell)),
+                ]
+            }));
+            cells
+        };
+        let numbers = [
+            "theory (Hz)",
+            "test (Hz)",
+            "std (Hz)",
+            "error (%)",
+            "error/std",
+            "damping (%)",
+            "MAC",
+        ];
+        let mut columns = vec![Column::text("mode")];
+        columns.extend(numbers.map(Column::number));
+        columns.push(Column::text("verdict"));
+        let table = Table {
+            columns,
+            rows: shown.iter().map(row).collect(),
+            footnotes: std::iter::once(self.error_definition().to_owned())
+                .chain(omitted)
+                .collect(),
+            ..Table::default()
+        };
+        let table = without_empty_columns(table, &["std (Hz)", "error/std", "damping (%)", "MAC"]);
+        fitted(table, &["error/std", "damping (%)", "std (Hz)"], self.width)
+    }
+
+    fn error_definition(&self) -> &'static str {
+        match self.table.error_reference {
+            ErrorReference::Theory => "Error = (test - theory)/theory.",
+            ErrorReference::Test => "Error = (theory - test)/test.",
+        }
+    }
+
+    fn side_by_side(&self, tests: &[&str], details: &[Detail]) -> Table {
+        let (shown, omitted) = self.rows(tests);
+        let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
+        let mut rows: Vec<Vec<Cell>> = shown
+            .iter()
+            .map(|row| {
+                let theory = row.theory.as_ref().map(|theory| theory.hz);
+                vec![
+                    Cell::text(label_with_multiplicity(row)),
+                    Cell::measured(theory, None),
+                ]
+            })
+            .collect();
+        for test in tests {
+            let cells: Vec<Option<&TestCell>> = shown
+                .iter()
+                .map(|row| row.tests.iter().find(|cell| cell.test == *test))
+                .collect();
+            let marks = cells.iter().flatten().map(|cell| mark_text(cell));
+            let of_pairs = marks.zip(cells.iter().flatten());
+            let of_pairs = of_pairs.filter(|(_, cell)| cell.error_percent.is_some());
+            let mark_width = of_pairs.map(|(text, _)| text.len()).max().unwrap_or(0);
+            let has_mac = cells.iter().flatten().any(|cell| cell.mac.is_some());
+            let details = details.iter().filter(|d| has_mac || **d != Detail::Mac);
+            for (number, detail) in details.enumerate() {
+                let head = match number {
+                    0 => {
+                        format!("{}\n{}", wrapped(test, NAME_WIDTH), detail.head())
+                    }
+                    _ => detail.head().to_owned(),
+                };
+                columns.push(Column::number(head));
+                for (row, cell) in rows.iter_mut().zip(&cells) {
+                    row.push(cell.map_or(Cell::Missing, |cell| detail.cell(cell, mark_width)));
+                }
+            }
+        }
+        let cells = shown.iter().flat_map(|row| &row.tests);
+        let cells: Vec<&TestCell> = cells.filter(|cell| tests.contains(&&*cell.test)).collect();
+        let marks = MARKS
+            .iter()
+            .filter(|mark| cells.iter().any(|cell| (mark.applies)(cell)));
+        let meanings: Vec<String> = marks
+            .map(|mark| format!(" {}: {}.", mark.text.trim(), mark.meaning))
+            .collect();
+        Table {
+            columns,
+            rows,
+            footnotes: std::iter::once(format!("{}{}", self.error_definition(), meanings.concat()))
+                .chain(omitted)
+                .collect(),
+            ..Table::default()
+        }
+    }
+
+    /// The rows with a mode of one of the tests in its band. Of many, the paired ones with the
+    /// smallest errors are omitted, which a sentence says.
+    fn rows(&self, tests: &[&str]) -> (Vec<&Row>, Option<String>) {
+        let cells = |row: &Row| -> Vec<TestCell> {
+            let cells = row.tests.iter();
+            cells
+                .filter(|cell| tests.contains(&&*cell.test))
+                .cloned()
+                .collect()
+        };
+        let is_in_band = |cell: &TestCell| cell.status != Status::OutsideBand;
+        let all = self.table.rows.iter();
+        let all: Vec<&Row> = all
+            .filter(|row| cells(row).iter().any(is_in_band))
+            .collect();
+        // Infinite where the row says more than an error.
+        let importance = |row: &Row| {
+            let of_cell = |cell: &TestCell| match cell.status {
+                Status::OutsideBand | Status::NotObservable => 0.0,
+                Status::Paired => cell.error_percent.map_or(0.0, f64::abs),
+                _ => f64::INFINITY,
+            };
+            cells(row).iter().map(of_cell).fold(0.0, f64::max)
+        };
+        let mut sorted: Vec<f64> = all.iter().map(|row| importance(row)).collect();
+        sorted.sort_by(|a, b| b.total_cmp(a));
+        let Some(least) = sorted
+            .get(MAX_ROWS)
+            .copied()
+            .filter(|least| least.is_finite())
+        else {
+            return (all, None);
+        };
+        let shown: Vec<&Row> = all
+            .iter()
+            .copied()
+            .filter(|row| importance(row) > least)
+            .collect();
+        let omitted = counted(all.len() - shown.len(), "further mode");
+        let sentence = format!("{omitted} with errors of at most {least:.3} %: --full.");
+        (shown, Some(sentence))
+    }
+}
+
+/// What a table of several tests holds of each.
+#[derive(Clone, Copy, PartialEq)]
+enum Detail {
+    Frequency,
+    Error,
+    Mac,
+}
+
+impl Detail {
+    fn head(self) -> &'static str {
+        match self {
+            Detail::Frequency => "(Hz)",
+            Detail::Error => "error (%)",
+            Detail::Mac => "MAC",
+        }
+    }
+
+    /// `mark_width`: characters of the longest marks of a pair of the test.
+    fn cell(self, cell: &TestCell, mark_width: usize) -> Cell {
+        match self {
+            Detail::Frequency => Cell::measured(cell.hz, cell.hz_std),
+            Detail::Error => Cell::text(marked_error(cell, mark_width)),
+            Detail::Mac => Cell::mac(cell.mac),
+        }
+    }
+}
+
+/// The error of a pair with its marks, or the mark of an unmatched mode.
+fn marked_error(cell: &TestCell, mark_width: usize) -> String {
+    let text = mark_text(cell);
+    let error = Cell::signed(cell.error_percent, 3).display();
+    match (cell.error_percent, mark_width) {
+        (Some(_), 0) => error,
+        (Some(_), _) => format!("{error} {text:<mark_width$}"),
+        (None, _) if text.is_empty() => error,
+        (None, _) => text,
+    }
+}
+
+fn mark_text(cell: &TestCell) -> String {
+    let marks = MARKS.iter().filter(|mark| (mark.applies)(cell));
+    marks.map(|mark| mark.text).collect()
+}
+
+/// A mark of a pair, or a word in the place of the error of an unmatched mode.
+struct Mark {
+    text: &'static str,
+    meaning: &'static str,
+    applies: fn(&TestCell) -> bool,
+}
+
+const MARKS: &[Mark] = &[
+    Mark {
+        text: "f",
+        meaning: "paired by frequency alone",
+        applies: |cell| cell.basis == Some(Basis::Frequency),
+    },
+    Mark {
+        text: "?",
+        meaning: "ambiguous",
+        applies: |cell| cell.status == Status::Ambiguous,
+    },
+    Mark {
+        text: "missed",
+        meaning: "unmatched, should have been seen",
+        applies: |cell| cell.status == Status::MissedUnexpected && cell.is_status_certain(),
+    },
+    Mark {
+        text: "unclear",
+        meaning: "unmatched, observability unknown",
+        applies: |cell| !cell.is_status_certain(),
+    },
+    Mark {
+        text: "near",
+        meaning: "unmatched, near a paired mode",
+        applies: |cell| cell.status == Status::MissedExpected,
+    },
+    Mark {
+        text: "not obs.",
+        meaning: "not observable at these points",
+        applies: |cell| cell.status == Status::NotObservable,
+    },
+    Mark {
+        text: "extra",
+        meaning: "unmatched test mode",
+        applies: |cell| cell.status == Status::Extra,
+    },
+];
+
+/// The verdict on a mode of one test.
+fn verdict(cell: &TestCell) -> &'static str {
+    match (cell.status, cell.basis) {
+        (Status::MissedUnexpected, _) if !cell.is_status_certain() => "observability unknown",
+        (Status::Paired, Some(Basis::Frequency)) => "paired by frequency",
+        (Status::Paired, _) => "paired by shape",
+        (Status::Ambiguous, _) => "ambiguous",
+        (Status::MissedExpected, _) => "near a paired mode",
+        (Status::MissedUnexpected, _) => "should have been seen",
+        (Status::NotObservable, _) => "not observable",
+        (Status::OutsideBand, _) => "outside the band",
+        (Status::Extra, _) => "unmatched test mode",
+    }
+}
+
+/// Why modes are unmatched or ambiguous, the unmatched first.
+fn reasons_block(table: &ComparisonTable) -> Option<Block> {
+    let of_status = |status: Status| {
+        let cells = table
+            .rows
+            .iter()
+            .flat_map(|row| row.tests.iter().map(move |cell| (row, cell)));
+        let of_status = cells.filter(move |(_, cell)| cell.status == status);
+        of_status.filter_map(|(row, cell)| {
+            let reason = cell.reasons.first()?;
+            let test = if table.summary.len() > 1 {
+                format!(", {}", cell.test)
+            } else {
+                String::new()
+            };
+            Some(format!("{}{test}: {reason}.", row.label))
+        })
+    };
+    let statuses = [Status::MissedUnexpected, Status::Extra, Status::Ambiguous];
+    let mut all: Vec<String> = statuses.into_iter().flat_map(of_status).collect();
+    let omitted = all.len().saturating_sub(MAX_REASONS);
+    if omitted > 0 {
+        all.truncate(MAX_REASONS);
+        all.push(format!("{}: --full.", counted(omitted, "further reason")));
+    }
+    (!all.is_empty()).then(|| Block::Text(all.join("\n")))
+}
+
+/// A name in lines of at most this width.
+fn wrapped(name: &str, width: usize) -> String {
+    textwrap::fill(name, width)
+}

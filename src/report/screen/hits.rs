@@ -1,0 +1,109 @@
+//! The screen of `frf`: hits used and rejected by reason, FRFs, and their coherence in the band.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::axis::Band;
+use crate::frf::{Estimator, FrfSet, HitReport};
+use crate::report::frf::{hits_block, median};
+use crate::report::table::significant;
+use crate::report::{Block, Cell};
+use crate::signal::{Check, Outcome};
+
+use super::{abridged, counted};
+
+/// Counts of hits and FRFs, the coherence in the usable band, and the rejected hits.
+pub fn hits_screen(hits: &[HitReport], set: &FrfSet, usable: Band, width: usize) -> Vec<Block> {
+    let sentences = [
+        hit_sentence(hits),
+        frf_sentence(set, usable),
+        coherence_sentence(set, usable),
+    ];
+    let mut blocks = vec![Block::Text(sentences.join("\n"))];
+    let rejected: Vec<HitReport> = hits.iter().filter(|hit| !hit.used).cloned().collect();
+    if !rejected.is_empty() {
+        blocks.push(hits_block("Rejected hits", &rejected));
+    }
+    abridged(blocks, width)
+}
+
+fn hit_sentence(hits: &[HitReport]) -> String {
+    let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    for hit in hits.iter().filter(|hit| !hit.used) {
+        let rejecting = |check: &&Check| check.outcome == Outcome::Rejected;
+        let first = hit.checks.iter().find(rejecting);
+        let reason = match (hit.stated, first) {
+            (true, _) => "stated",
+            (false, Some(check)) => check.rule.name(),
+            (false, None) => "other",
+        };
+        *reasons.entry(reason).or_default() += 1;
+    }
+    let rejected: usize = reasons.values().sum();
+    let used = hits.len() - rejected;
+    let reasons: Vec<String> = reasons
+        .iter()
+        .map(|(name, n)| format!("{name} {n}"))
+        .collect();
+    match rejected {
+        0 => format!("Hits: all {used} used."),
+        _ => format!(
+            "Hits: {used} of {} used; rejected: {}.",
+            hits.len(),
+            reasons.join(", ")
+        ),
+    }
+}
+
+fn frf_sentence(set: &FrfSet, usable: Band) -> String {
+    let functions = set.functions();
+    let responses: BTreeSet<_> = functions.iter().map(|f| &f.response).collect();
+    let references: BTreeSet<_> = functions.iter().map(|f| &f.reference).collect();
+    let kinds: BTreeSet<String> = functions.iter().map(|f| f.kind.to_string()).collect();
+    let estimators = functions
+        .iter()
+        .filter_map(|f| f.estimator.map(Estimator::name));
+    let estimators: BTreeSet<&str> = estimators.collect();
+    let averages = functions.iter().filter_map(|f| f.averages);
+    let averages = match (averages.clone().min(), averages.max()) {
+        (Some(least), Some(most)) if least == most => {
+            format!(", {}", counted(most as usize, "average"))
+        }
+        (Some(least), Some(most)) => format!(", {least} to {most} averages"),
+        _ => String::new(),
+    };
+    let words: Vec<&str> = kinds.iter().map(String::as_str).chain(estimators).collect();
+    format!(
+        "FRFs: {} ({} by {}), {}{averages}; {} by {} Hz; usable band {:.1} to {:.1} Hz.",
+        set.len(),
+        counted(responses.len(), "response"),
+        counted(references.len(), "excitation point"),
+        words.join(", "),
+        counted(set.axis().len, "line"),
+        significant(set.axis().step_hz, 6),
+        usable.lo_hz,
+        usable.hi_hz
+    )
+}
+
+fn coherence_sentence(set: &FrfSet, usable: Band) -> String {
+    let lines = set.axis().lines(&usable);
+    let of_function = |index: usize| {
+        let coherence = set.coherence(index)?;
+        Some((index, median(&coherence[lines.clone()])?))
+    };
+    let all = (0..set.len()).filter_map(of_function);
+    let lowest = all.clone().min_by(|(_, a), (_, b)| a.total_cmp(b));
+    let highest = all.map(|(_, median)| median).max_by(f64::total_cmp);
+    let Some(((index, lowest), highest)) = lowest.zip(highest) else {
+        return "Coherence: none, which takes two averages or more.".to_owned();
+    };
+    let function = &set.functions()[index];
+    let text = |coherence: f64| Cell::mac(Some(coherence)).display();
+    format!(
+        "Coherence in that band, median of each FRF: {} to {}, lowest at {}/{}.",
+        text(lowest),
+        text(highest),
+        function.response,
+        function.reference
+    )
+}

@@ -1,0 +1,128 @@
+//! The screen blocks hold what a verb prints by default: the verdict, one table of the essential
+//! columns and rows, and what to do next.
+//!
+//! `--full` prints the blocks of the report in their place; files and JSON never depend on this
+//! choice. A screen is at most as wide as the terminal where its content allows, and omits columns
+//! and rows in a fixed order of importance. It says how many rows it omits.
+
+mod abridged;
+mod comparison;
+mod hits;
+mod modes;
+mod regression_check;
+mod run;
+mod sentences;
+mod update;
+
+use super::terminal::table_width;
+use super::{Cell, Table};
+
+pub use abridged::abridged;
+pub use comparison::comparison_screen;
+pub use hits::hits_screen;
+pub use modes::{modes_screen, roots_screen};
+pub use regression_check::regression_check_screen;
+pub use run::run_screen;
+pub use update::update_screen;
+
+/// Maximum number of rows of a table on the screen.
+const MAX_ROWS: usize = 30;
+
+/// The table without the columns of these heads, omitted one after the other until it has the
+/// width.
+fn fitted(mut table: Table, omissible: &[&str], width: usize) -> Table {
+    for head in omissible {
+        if table_width(&table) <= width {
+            break;
+        }
+        omit_columns(&mut table, |column| column == *head);
+    }
+    table
+}
+
+/// Removes one column by its index.
+fn omit_column(table: &mut Table, index: usize) {
+    table.columns.remove(index);
+    for row in &mut table.rows {
+        row.remove(index);
+    }
+}
+
+/// Removes the columns whose head meets a condition.
+fn omit_columns(table: &mut Table, is_omitted: impl Fn(&str) -> bool) {
+    for index in (0..table.columns.len()).rev() {
+        if is_omitted(&table.columns[index].head) {
+            omit_column(table, index);
+        }
+    }
+}
+
+/// The table without its columns of these heads that hold no value or only zeros.
+fn without_empty_columns(mut table: Table, heads: &[&str]) -> Table {
+    let is_empty = |cell: &Cell| match cell {
+        Cell::Missing => true,
+        Cell::Text(text) => text.trim().is_empty() || text == "0",
+        Cell::Number { value, .. } | Cell::Normalised(value) => *value == 0.0,
+    };
+    let empty: Vec<String> = table
+        .columns
+        .iter()
+        .enumerate()
+        .filter(|(index, column)| {
+            let mut cells = table.rows.iter().map(|row| &row[*index]);
+            heads.contains(&column.head.as_str()) && cells.all(is_empty)
+        })
+        .map(|(_, column)| column.head.clone())
+        .collect();
+    omit_columns(&mut table, |head| empty.iter().any(|empty| empty == head));
+    table
+}
+
+/// A count with its noun, which takes an s: `1 mode`, `3 modes`.
+fn counted(count: usize, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Column;
+
+    fn table() -> Table {
+        Table {
+            columns: ["mode", "std (Hz)", "MAC"].map(Column::number).to_vec(),
+            rows: vec![
+                vec![Cell::text("f1"), Cell::text("0.12"), Cell::count(0)],
+                vec![Cell::text("f2"), Cell::Missing, Cell::count(0)],
+            ],
+            ..Table::default()
+        }
+    }
+
+    fn heads(table: &Table) -> Vec<&str> {
+        table.columns.iter().map(|c| c.head.as_str()).collect()
+    }
+
+    #[test]
+    fn columns_are_omitted_in_the_stated_order_until_the_table_fits() {
+        let width = table_width(&table());
+        for (width, expected) in [
+            (width, &["mode", "std (Hz)", "MAC"][..]),
+            (width - 1, &["mode", "MAC"]),
+            (1, &["mode"]),
+        ] {
+            let fitted = fitted(table(), &["std (Hz)", "MAC"], width);
+            assert_eq!(heads(&fitted), expected);
+            assert!(fitted.rows.iter().all(|row| row.len() == expected.len()));
+        }
+    }
+
+    #[test]
+    fn only_named_columns_without_values_are_omitted() {
+        let shown = without_empty_columns(table(), &["std (Hz)", "MAC"]);
+        assert_eq!(heads(&shown), ["mode", "std (Hz)"]);
+        let shown = without_empty_columns(table(), &["std (Hz)"]);
+        assert_eq!(heads(&shown).len(), 3);
+    }
+}

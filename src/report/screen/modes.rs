@@ -1,0 +1,110 @@
+//! Identified modes and the roots of a model on the screen.
+
+use std::f64::consts::TAU;
+
+use crate::axis::Band;
+use crate::modal::{ModalModel, Mode};
+use crate::report::modes::{largest_energy_fractions, remarks};
+use crate::report::{Block, Cell, Column, Table};
+use crate::theory::ModelRoot;
+
+use super::{MAX_ROWS, counted, fitted, without_empty_columns};
+
+/// Number of roots on the screen where no band is stated.
+const MAX_ROOTS: usize = 20;
+/// Width at which remarks are wrapped.
+const REMARK_WIDTH: usize = 32;
+
+/// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks.
+pub fn modes_screen(test: &str, model: &ModalModel, width: usize) -> Vec<Block> {
+    if model.modes.is_empty() {
+        let band = model.band.map_or(String::new(), |band| {
+            format!(" between {} and {} Hz", band.lo_hz, band.hi_hz)
+        });
+        let advice = "Try another band (--band), a higher model order (--order) or --method lscf with --stabilization; check coherence and units with inspect.";
+        let sentence = format!("{test}: no modes were found{band}.");
+        return vec![Block::Text(format!("{sentence}\n{advice}"))];
+    }
+    let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
+    let row = |(number, mode): (usize, &Mode)| {
+        let (damping, damping_std) = (percent(mode.damping_ratio), percent(mode.damping_std));
+        vec![
+            Cell::text(number.to_string()),
+            Cell::measured(Some(mode.frequency_hz), mode.frequency_std_hz),
+            Cell::std(mode.frequency_std_hz, 0),
+            Cell::measured(damping, damping_std),
+            Cell::std(damping_std, 0),
+            Cell::mac(mode.mpc),
+            Cell::text(textwrap::fill(&remarks(model, mode), REMARK_WIDTH)),
+        ]
+    };
+    let numbers = [
+        "mode",
+        "f (Hz)",
+        "std (Hz)",
+        "damping (%)",
+        "std (%)",
+        "MPC",
+    ];
+    let mut columns: Vec<Column> = numbers.map(Column::number).to_vec();
+    columns.push(Column::text("remark"));
+    let omitted = model.modes.get(MAX_ROWS).map(|first| {
+        let modes = counted(model.modes.len() - MAX_ROWS, "further mode");
+        format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
+    });
+    let table = Table {
+        caption: format!("Identified modes: {test}"),
+        columns,
+        rows: (1..).zip(&model.modes).take(MAX_ROWS).map(row).collect(),
+        footnotes: omitted.into_iter().collect(),
+    };
+    let table = without_empty_columns(table, &["std (Hz)", "std (%)", "MPC", "remark"]);
+    vec![Block::Table(fitted(
+        table,
+        &["std (%)", "std (Hz)", "remark"],
+        width,
+    ))]
+}
+
+/// Natural frequencies of a model in the band, or the lowest ones, with the bodies that move most.
+pub fn roots_screen(
+    caption: &str,
+    roots: &[ModelRoot],
+    band: Option<Band>,
+    width: usize,
+) -> Vec<Block> {
+    let hz = |root: &ModelRoot| root.omega_rad_s / TAU;
+    let inside = |root: &ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
+    let numbered = (1_usize..).zip(roots).filter(|(_, root)| inside(root));
+    let numbered: Vec<(usize, &ModelRoot)> = numbered.collect();
+    let most = if band.is_some() { MAX_ROWS } else { MAX_ROOTS };
+    let row = |(number, root): &(usize, &ModelRoot)| {
+        vec![
+            Cell::text(number.to_string()),
+            Cell::text(root.modes.len().to_string()),
+            Cell::measured(Some(hz(root)), None),
+            root.class.clone().map_or(Cell::Missing, Cell::Text),
+            Cell::text(largest_energy_fractions(root)),
+        ]
+    };
+    let omitted = numbered.get(most).map(|(_, first)| {
+        let more = counted(numbered.len() - most, "further root");
+        format!("{more} from {:.2} Hz: --full, or --band LO:HI.", hz(first))
+    });
+    let mut columns: Vec<Column> = ["root", "multiplicity", "f (Hz)"]
+        .map(Column::number)
+        .to_vec();
+    columns.extend(["class", "kinetic energy"].map(Column::text));
+    let table = Table {
+        caption: caption.to_owned(),
+        columns,
+        rows: numbered.iter().take(most).map(row).collect(),
+        footnotes: omitted.into_iter().collect(),
+    };
+    let table = without_empty_columns(table, &["class", "kinetic energy"]);
+    vec![Block::Table(fitted(
+        table,
+        &["class", "kinetic energy"],
+        width,
+    ))]
+}

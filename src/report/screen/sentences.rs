@@ -1,0 +1,125 @@
+//! Sentences of a screen: limits, synthetic recordings, assumptions, published results and the
+//! points to measure next.
+
+use crate::correlate::published::ClaimVerdict;
+use crate::report::Cell;
+use crate::report::table::significant;
+use crate::scene::{ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory};
+use crate::theory::ParameterStatus;
+
+use super::counted;
+
+/// Maximum number of missed limits that a sentence names.
+const MAX_NAMED_LIMITS: usize = 4;
+/// Maximum number of steps of a recommendation that a sentence names.
+const MAX_NAMED_STEPS: usize = 3;
+
+/// Whether the limits of a scene are met, and the missed ones with their values.
+pub(super) fn limits(checks: &[LimitCheck]) -> String {
+    let missed: Vec<&LimitCheck> = checks.iter().filter(|check| !check.is_met()).collect();
+    if checks.is_empty() {
+        return "Limits: none stated.".to_owned();
+    }
+    if missed.is_empty() {
+        return format!("Limits: all met ({}).", checks.len());
+    }
+    let named = missed.iter().take(MAX_NAMED_LIMITS).map(|check| {
+        let value = check
+            .value
+            .map_or("none".to_owned(), |value| significant(value, 4));
+        let relation = if check.upper { "at most" } else { "at least" };
+        format!("{} {value} ({relation} {})", check.what, check.limit)
+    });
+    let further = missed.len().saturating_sub(MAX_NAMED_LIMITS);
+    let further = (further > 0).then(|| format!("{further} more"));
+    let named: Vec<String> = named.chain(further).collect();
+    format!(
+        "Limits: {} of {} MISSED ({}).",
+        missed.len(),
+        checks.len(),
+        named.join("; ")
+    )
+}
+
+/// The tests whose recordings are synthetic; `None` without any.
+pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
+    let synthetic = tests.iter().filter(|test| test.is_synthetic());
+    let names: Vec<&str> = synthetic.map(|test| test.name.as_str()).collect();
+    let which = match names.len() {
+        0 => return None,
+        all if all == tests.len() => "all tests".to_owned(),
+        _ => names.join(", "),
+    };
+    Some(format!(
+        "Synthetic recordings, computed from a model and not measured: {which}."
+    ))
+}
+
+/// What the model assumes beyond printed or measured values; `None` where it assumes nothing.
+pub(super) fn assumptions(theory: &Theory) -> Option<String> {
+    let parameters = theory.parameters.iter();
+    let assumed = parameters.filter(|(spec, _)| spec.status == ParameterStatus::Assumed);
+    let assumed: Vec<&str> = assumed.map(|(spec, _)| spec.name.as_str()).collect();
+    let mut parts = Vec::new();
+    if !theory.assumptions.is_empty() {
+        parts.push(counted(theory.assumptions.len(), "statement"));
+    }
+    if !assumed.is_empty() {
+        let parameters = counted(assumed.len(), "parameter");
+        parts.push(format!("{parameters} ({})", assumed.join(", ")));
+    }
+    (!parts.is_empty()).then(|| format!("Assumed in the model: {}.", parts.join(" and ")))
+}
+
+/// Published results against the model and one another.
+pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
+    let roots = expected
+        .roots
+        .as_ref()
+        .and_then(|roots| roots.simple.as_ref());
+    let roots = roots.map(|errors| {
+        format!(
+            "Published natural frequencies: {} against the model, rms error {:.3} %, largest {} % at {}.",
+            counted(errors.count, "single root"),
+            errors.rms_percent,
+            Cell::signed(Some(errors.largest_percent), 3).display(),
+            errors.largest_at
+        )
+    });
+    let count = |confirmed: Option<bool>| {
+        let claims = expected.verdicts.iter();
+        claims
+            .filter(|claim: &&ClaimVerdict| claim.confirmed == confirmed)
+            .count()
+    };
+    let claims = (!expected.verdicts.is_empty()).then(|| {
+        format!(
+            "Published statements: {} reproduced, {} not reproduced, {} not checkable.",
+            count(Some(true)),
+            count(Some(false)),
+            count(None)
+        )
+    });
+    roots.into_iter().chain(claims).collect()
+}
+
+/// The points to measure next; `None` where none makes a further mode observable.
+pub(super) fn next_points(placed: &PlacedTest) -> Option<String> {
+    let placement = placed.placement.as_ref().ok()?;
+    let steps = placement.steps.iter().take(MAX_NAMED_STEPS).map(|step| {
+        let hit = step
+            .hit
+            .as_ref()
+            .map(|dof| format!("excitation point {dof}"));
+        let sensor = step.sensor.as_ref().map(|dof| format!("sensor {dof}"));
+        let points: Vec<String> = hit.into_iter().chain(sensor).collect();
+        let modes: usize = step.shown.iter().map(|(_, modes)| modes).sum();
+        format!(
+            "{} ({})",
+            points.join(" with "),
+            counted(modes, "further mode")
+        )
+    });
+    let steps: Vec<String> = steps.collect();
+    (!steps.is_empty()).then(|| format!("Measure next, {}: {}.", placed.test, steps.join("; ")))
+}

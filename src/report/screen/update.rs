@@ -1,0 +1,52 @@
+//! The screen of `update`: parameters, misfit before and after, and whether it converged.
+
+use crate::report::table::significant;
+use crate::report::update::{convergence_text, fit_summary, misfit_footnote, parameter_verdict};
+use crate::report::{Block, Cell, Column, Table};
+use crate::scene::SceneUpdate;
+
+use super::{fitted, sentences};
+
+/// The parameters before and after with standard deviation and verdict, the fit before and after,
+/// and the end of the iteration.
+pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> Vec<Block> {
+    let row = |parameter: &crate::update::UpdatedParameter| {
+        let change = 100.0 * (parameter.updated / parameter.initial - 1.0);
+        vec![
+            Cell::text(&parameter.name),
+            Cell::text(&parameter.unit),
+            Cell::text(significant(parameter.initial, 5)),
+            Cell::text(significant(parameter.updated, 5)),
+            Cell::text(significant(parameter.std, 2)),
+            Cell::signed(Some(change).filter(|change| change.is_finite()), 2),
+            Cell::text(parameter_verdict(parameter)),
+        ]
+    };
+    let numbers = ["before", "after", "std", "change (%)"];
+    let mut columns = vec![Column::text("parameter"), Column::text("unit")];
+    columns.extend(numbers.map(Column::number));
+    columns.push(Column::text("verdict"));
+    let result = &scene_update.result;
+    let parameters = Table {
+        columns,
+        rows: result.parameters.iter().map(row).collect(),
+        footnotes: vec![misfit_footnote(result)],
+        ..Table::default()
+    };
+    let fits = [
+        fit_summary("Before", &result.before),
+        fit_summary("After", &result.after),
+        convergence_text(result),
+    ];
+    let mut blocks = vec![Block::Heading(title.to_owned())];
+    blocks.extend(sentences::synthetic(&scene_update.tests).map(Block::Text));
+    blocks.push(Block::Table(fitted(
+        parameters,
+        &["unit", "change (%)"],
+        width,
+    )));
+    blocks.push(Block::Text(fits.join("\n")));
+    let proposed = scene_update.explanation.as_ref();
+    blocks.extend(proposed.map(crate::report::update::proposal));
+    blocks
+}

@@ -1,0 +1,302 @@
+//! What a verb prints fits a screen, and `--full` prints all that its JSON has.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+use crate::command::{json, modalign, succeed};
+
+/// Files of a synthetic test on the free-free beam, made by the verbs that are tested.
+struct Files {
+    folder: tempfile::TempDir,
+}
+
+impl Files {
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn made() -> &'static Files {
+        static FILES: OnceLock<Files> = OnceLock::new();
+        FILES.get_or_init(|| {
+            let folder = tempfile::tempdir().unwrap();
+            let files = Files { folder };
+            let path = |name: &str| files.path(name).display().to_string();
+            let (hits, frfs, modes) = (path("hits.uff"), path("frfs.uff"), path("modes.json"));
+            let out = path("out");
+            succeed(["synth", &format!("{BEAM}/synth.toml"), "-o", &hits]);
+            succeed(["frf", &hits, "-o", &frfs]);
+            succeed(["identify", &frfs, "-o", &modes]);
+            succeed(["run", BEAM, "-o", &out]);
+            succeed(["update", BEAM, "-o", &out]);
+            files
+        })
+    }
+}
+
+const BEAM: &str = "measurements/free-free-beam";
+const BEAM_MODEL: &str = "measurements/free-free-beam/model.toml";
+
+/// A command on an example for each verb; `{}` is the folder of the files.
+const EXAMPLES: &[&[&str]] = &[
+    &["run", BEAM],
+    &["run", "measurements/helical-planetary"],
+    &["run", "measurements/torsional-planetary"],
+    &["inspect", "{}/hits.uff"],
+    &["inspect", "{}/frfs.uff", "{}/modes.json"],
+    &["convert", "{}/hits.uff", "-o", "{}/hits.h5"],
+    &["frf", "{}/hits.uff"],
+    &["frf", "{}/hits.uff", "--reject", "2,3,5"],
+    &["identify", "{}/frfs.uff"],
+    &["identify", "{}/frfs.uff", "--method", "circle"],
+    &["theory", "cycloid-ball"],
+    &["theory", "cycloid-ball/A", "--band", "0:2000", "--energies"],
+    &["theory", "cycloid-ball", "--sensitivities"],
+    &["theory", "torsional-planetary", "--quantities"],
+    &["theory", "torsional-planetary", "--sweep", "k_s=1e8:1e9:8"],
+    &["theory", "helical-planetary", "--compare"],
+    &["theory", BEAM_MODEL],
+    &["theory", "{}/modes.json"],
+    &[
+        "correlate",
+        "--test",
+        "{}/out/roving-hammer.modes.json",
+        "--theory",
+        BEAM,
+    ],
+    &[
+        "correlate",
+        "--test",
+        "{}/out/roving-hammer.modes.json",
+        "--theory",
+        BEAM,
+        "--measures",
+    ],
+    &["correlate", "--test", "{}/modes.json"],
+    &[
+        "correlate",
+        "--test",
+        "{}/frfs.uff",
+        "--theory",
+        "{}/frfs.uff",
+    ],
+    &["update", BEAM],
+    &[
+        "synth",
+        "measurements/free-free-beam/synth.toml",
+        "-o",
+        "{}/again.uff",
+    ],
+    &[
+        "check",
+        "{}/out/comparison.json",
+        "--against",
+        "measurements/free-free-beam/scene.toml",
+    ],
+    &[
+        "check",
+        "{}/out/update.json",
+        "--against",
+        "{}/out/update.json",
+    ],
+    &["report", "{}/out"],
+    &["new", "{}/scene", "{}/frfs.uff", "--model", BEAM_MODEL],
+];
+
+fn arguments(example: &[&str], folder: &Path) -> Vec<String> {
+    let folder = folder.display().to_string();
+    example
+        .iter()
+        .map(|part| part.replace("{}", &folder))
+        .collect()
+}
+
+/// Asserts that a text has at most these lines of these characters.
+pub fn assert_fits(text: &str, lines: usize, characters: usize, what: &str) {
+    let count = text.lines().count();
+    assert!(
+        count <= lines,
+        "{what}: {count} lines, expected at most {lines}\n{text}"
+    );
+    for line in text.lines() {
+        let width = line.chars().count();
+        assert!(width <= characters, "{what}: {width} characters\n{line}");
+    }
+}
+
+#[test]
+fn every_verb_prints_at_most_one_screen_of_its_example() {
+    let files = Files::made();
+    for example in EXAMPLES {
+        let output = modalign(arguments(example, files.folder.path()));
+        let what = example.join(" ");
+        let text = String::from_utf8(output.stdout).unwrap();
+        let findings = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{what}: {findings}");
+        assert_fits(&text, 40, 100, &what);
+        assert_fits(&findings, 12, 200, &what);
+        assert!(!text.trim().is_empty(), "{what}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_screen_of_eighty_columns_is_not_exceeded() {
+    let files = Files::made();
+    for example in EXAMPLES
+        .iter()
+        .filter(|example| !["convert", "synth", "new"].contains(&example[0]))
+    {
+        let arguments = arguments(example, files.folder.path()).join(" ");
+        let line = format!("stty cols 80 rows 40; modalign {arguments} 2>/dev/null");
+        let text = crate::manners::on_a_terminal(&line, &[("NO_COLOR", "1")]);
+        let text = text.replace('\r', "");
+        // Paths of temporary folders are as long as they are.
+        let text = text.replace(&files.folder.path().display().to_string(), "");
+        assert_fits(&text, 46, 80, &arguments);
+    }
+}
+
+/// Text of `--full` and JSON of the same command.
+fn full_and_json(example: &[&str]) -> (String, String, Value) {
+    let files = Files::made();
+    let mut wanted = arguments(example, files.folder.path());
+    wanted.push("--full".to_owned());
+    let output = modalign(&wanted);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let findings = String::from_utf8(output.stderr).unwrap();
+    *wanted.last_mut().unwrap() = "--json".to_owned();
+    let json = serde_json::from_str(&succeed(&wanted)).unwrap();
+    (text, findings, json)
+}
+
+fn list<'v>(value: &'v Value, key: &str) -> &'v [Value] {
+    value[key].as_array().map_or(&[], Vec::as_slice)
+}
+
+/// Asserts that the text has a number of the JSON in these decimals.
+fn assert_number(text: &str, value: &Value, decimals: usize) {
+    if let Some(value) = value.as_f64() {
+        let printed = format!("{value:.decimals$}");
+        assert!(text.contains(&printed), "{printed} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn full_output_has_every_mode_and_finding_of_the_json() {
+    let (text, findings, json) = full_and_json(&["identify", "{}/frfs.uff", "--method", "circle"]);
+    let modes = list(&json, "modes");
+    assert!(modes.len() >= 6);
+    for mode in modes {
+        assert_number(&text, &mode["frequency_hz"], 3);
+        let percent = mode["damping_ratio"].as_f64().map(|ratio| 100.0 * ratio);
+        assert_number(&text, &Value::from(percent), 4);
+        assert_number(&text, &mode["mpc"], 4);
+    }
+    assert!(!list(&json, "findings").is_empty());
+    for finding in list(&json, "findings") {
+        let code = format!("[{}]", finding["code"].as_str().unwrap());
+        let of_code = |finding: &&Value| format!("[{}]", finding["code"].as_str().unwrap()) == code;
+        let count = list(&json, "findings").iter().filter(of_code).count();
+        assert_eq!(
+            findings.matches(&code).count(),
+            count,
+            "{code} in\n{findings}"
+        );
+    }
+}
+
+#[test]
+fn full_output_has_every_row_of_the_comparison() {
+    let (text, _, json) = full_and_json(&["run", BEAM]);
+    for row in list(&json, "rows") {
+        let cells = list(row, "tests");
+        if cells.iter().all(|cell| cell["status"] == "outside-band") {
+            continue;
+        }
+        assert!(text.contains(&format!(" {} ", row["label"].as_str().unwrap())));
+        assert_number(&text, &row["theory"]["hz"], 2);
+        for cell in cells {
+            assert_number(&text, &cell["hz"], 2);
+            assert_number(&text, &cell["mac"], 4);
+            let error = cell["error_percent"].as_f64().map(f64::abs);
+            assert_number(&text, &Value::from(error), 3);
+        }
+    }
+    for limit in list(&json, "limits") {
+        assert!(text.contains(limit["what"].as_str().unwrap()), "{limit}");
+    }
+}
+
+#[test]
+fn full_output_has_every_root_record_function_and_parameter() {
+    let (text, _, json) = full_and_json(&["theory", BEAM_MODEL]);
+    for mode in list(&json, "modes") {
+        assert_number(&text, &mode["frequency_hz"], 6);
+    }
+    let (text, _, json) = full_and_json(&["inspect", "{}/hits.uff"]);
+    let entries = list(&json["files"][0], "entries");
+    assert_eq!(entries.len(), 66);
+    let rows = text.lines().filter(|line| line.contains("s at 8192 Hz"));
+    assert_eq!(rows.count(), entries.len());
+    let (text, _, json) = full_and_json(&["frf", "{}/hits.uff"]);
+    let (hits, functions) = (list(&json, "hits"), list(&json, "functions"));
+    assert!(!hits.is_empty() && !functions.is_empty());
+    let used = text.lines().filter(|line| line.contains("  used"));
+    assert_eq!(used.count(), hits.len());
+    let rows = text.lines().filter(|line| line.contains("accelerance"));
+    assert_eq!(rows.count(), functions.len());
+    let (text, _, json) = full_and_json(&["update", BEAM]);
+    for parameter in list(&json, "parameters") {
+        assert!(text.contains(parameter["name"].as_str().unwrap()));
+        assert!(text.contains(parameter["verdict"].as_str().unwrap()));
+    }
+    let checked = [
+        "check",
+        "{}/out/comparison.json",
+        "--against",
+        "{}/out/comparison.json",
+    ];
+    let (text, _, json) = full_and_json(&checked);
+    for check in list(&json, "checks") {
+        assert!(text.contains(check["what"].as_str().unwrap()), "{check}");
+    }
+}
+
+#[test]
+fn a_missed_limit_is_the_first_line_of_the_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["scene.toml", "model.toml", "synth.toml", "expected.toml"] {
+        let from = crate::command::root().join(BEAM).join(name);
+        std::fs::copy(from, folder.path().join(name)).unwrap();
+    }
+    let scene = folder.path().join("scene.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let limit = text
+        .lines()
+        .find(|line| line.starts_with("max_frequency_error_percent"));
+    let stricter = text.replace(limit.unwrap(), "max_frequency_error_percent = 0.5");
+    std::fs::write(&scene, stricter).unwrap();
+    let output = modalign(["run".as_ref(), folder.path().as_os_str()]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let verdict = text.lines().nth(3).unwrap();
+    assert!(verdict.starts_with("Limits: 1 of 6 MISSED ("), "{text}");
+    assert!(verdict.contains("at most 0.5"), "{text}");
+    let json = json(&{
+        let out = folder.path().join("out");
+        let arguments = [
+            "run".as_ref(),
+            folder.path().as_os_str(),
+            "-o".as_ref(),
+            out.as_os_str(),
+        ];
+        assert_eq!(modalign(arguments).status.code(), Some(1));
+        out.join("comparison.json")
+    });
+    let missed = list(&json, "limits")
+        .iter()
+        .filter(|limit| limit["met"] == false);
+    assert_eq!(missed.count(), 1);
+}
