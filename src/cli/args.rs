@@ -600,7 +600,7 @@ fn code(text: &str) -> Result<Code, String> {
 fn method_help() -> String {
     let names: Vec<&str> = ESTIMATORS.iter().map(|entry| entry.name).collect();
     format!(
-        "auto (= ml) or one of {}; lscf is the polyreference LSCF (PolyMAX)",
+        "auto (= ml) or one of {}; polymax is lscf, the polyreference LSCF",
         names.join(", ")
     )
 }

@@ -160,7 +160,11 @@ fn record_window(options: &EstimateOptions) -> Option<Window> {
 }
 
 fn no_records() -> Error {
-    argument_error("INPUT", "files without time records", "recorded hits")
+    argument_error(
+        "INPUT",
+        "files whose headers describe no time records",
+        "recorded hits; a scene states what columns hold: `modalign new DIR FILE...` drafts one",
+    )
 }
 
 /// Options of the command line, else of the scene, else the defaults.

@@ -125,15 +125,20 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
 fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
     let mut units = StatedUnits::default();
     for text in &args.unit {
-        let is_force = |unit: &Unit| unit.quantity == Quantity::Force;
-        if text.parse::<FrfUnit>().is_ok() {
-            units.frf = Some(text);
-        } else if text.parse().is_ok_and(|unit| is_force(&unit)) {
-            units.force = Some(text);
-        } else if let Err(error) = text.parse::<Unit>() {
-            return Err(argument_error("--unit", text.clone(), &error.to_string()));
-        } else {
-            units.response = Some(text);
+        let place = match (text.parse::<FrfUnit>(), text.parse::<Unit>()) {
+            (Ok(_), _) => &mut units.frf,
+            (_, Ok(unit)) if unit.quantity == Quantity::Force => &mut units.force,
+            (_, Ok(_)) => &mut units.response,
+            (Err(_), Err(error)) => {
+                let message = error.to_string();
+                let expected = message.split_once("expected ").map_or("a unit", |(_, e)| e);
+                return Err(argument_error("--unit", text.clone(), expected));
+            }
+        };
+        if let Some(first) = place.replace(text) {
+            let got = format!("{first} and {text}");
+            let expected = "one unit of forces, one of responses and one of FRFs";
+            return Err(argument_error("--unit", got, expected));
         }
     }
     Ok(units)

@@ -211,10 +211,11 @@ impl IdentifyOptions {
                 expected: "1 or more",
             });
         }
-        let name = if self.method == "auto" {
-            AUTO
-        } else {
-            &self.method
+        let name = match self.method.as_str() {
+            "auto" => AUTO,
+            // The trade name that users look for.
+            "polymax" => "lscf",
+            name => name,
         };
         let entry = ESTIMATORS.iter().find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| IdentifyError::UnknownMethod {

@@ -5,6 +5,7 @@ use crate::io::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, Table
 use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
 
 use super::SceneError;
+use super::error::value_error;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
 /// Errors of the keys of one channel.
@@ -15,12 +16,8 @@ struct ChannelErrors<'a> {
 
 impl ChannelErrors<'_> {
     fn at_key(&self, key: &str, got: impl Into<String>, expected: impl Into<String>) -> SceneError {
-        SceneError::Value {
-            path: self.path.to_owned(),
-            key: format!("[[test.channel]] {} {key}", self.column),
-            got: got.into(),
-            expected: expected.into(),
-        }
+        let key = format!("[[test.channel]] {} {key}", self.column);
+        value_error(self.path, &key, &got.into(), &expected.into())
     }
 }
 

@@ -13,12 +13,14 @@ use crate::update::UpdateError;
 #[non_exhaustive]
 pub enum SceneError {
     /// TOML that does not parse or does not follow its schema.
-    #[error("{}", fault_lines(path, faults))]
+    #[error("{}", fault_lines(path, faults, *all_found))]
     Toml {
         /// Path as given.
         path: String,
         /// Its faults, by place.
         faults: Vec<TomlFault>,
+        /// Whether there are no others.
+        all_found: bool,
     },
     /// A line of a drafted file that is not filled in yet.
     #[error(
@@ -110,8 +112,11 @@ pub struct TomlFault {
     pub message: String,
 }
 
+/// Maximum number of faults that a message lists.
+const MAX_LISTED_FAULTS: usize = 20;
+
 /// `scene.toml:3:1: got ...`; of several faults a line each, below their number.
-fn fault_lines(path: &str, faults: &[TomlFault]) -> String {
+fn fault_lines(path: &str, faults: &[TomlFault], all_found: bool) -> String {
     let line = |fault: &TomlFault| {
         let TomlFault {
             line,
@@ -123,8 +128,16 @@ fn fault_lines(path: &str, faults: &[TomlFault]) -> String {
     match faults {
         [only] => line(only),
         _ => {
-            let lines: Vec<String> = faults.iter().map(line).collect();
-            format!("{path}: {} faults\n  {}", faults.len(), lines.join("\n  "))
+            let lines = faults.iter().take(MAX_LISTED_FAULTS).map(line);
+            let further = faults.len().saturating_sub(MAX_LISTED_FAULTS);
+            let further = (further > 0).then(|| format!("and {further} more"));
+            let lines: Vec<String> = lines.chain(further).collect();
+            let least = if all_found { "" } else { "at least " };
+            format!(
+                "{path}: {least}{} faults\n  {}",
+                faults.len(),
+                lines.join("\n  ")
+            )
         }
     }
 }
@@ -146,8 +159,13 @@ fn further_lines(lines: &[usize]) -> String {
     }
 }
 
-/// The error of a key, with the value got and the accepted ones.
+/// The error of a key, with the value got and the accepted ones; of a message with both,
+/// `expected` is its second part.
 pub(super) fn value_error(path: &str, key: &str, got: &str, expected: &str) -> SceneError {
+    let second_part = expected
+        .strip_prefix("got ")
+        .and_then(|text| text.split_once(", expected "));
+    let expected = second_part.map_or(expected, |(_, expected)| expected);
     SceneError::Value {
         path: path.to_owned(),
         key: key.to_owned(),

@@ -357,7 +357,7 @@ fn overrides_of(
     let Some(test) = options.typed.filter(|test| !test.channel.is_empty()) else {
         let units = (1..).zip(options.record_units);
         let of_unit = |(number, unit): (usize, &Unit)| ChannelOverride {
-            unit: Some(*unit),
+            missing_unit: Some(*unit),
             ..ChannelOverride::of_record(number)
         };
         return Ok(units.map(of_unit).collect());
@@ -464,6 +464,7 @@ fn channel_override(channel: &ChannelTable, path: &str) -> Result<ChannelOverrid
         role,
         dof: channel.dof.clone(),
         unit,
+        missing_unit: None,
         scale: channel.scale,
         full_scale: channel.full_scale,
     })

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::geometry::Geometry;
 use crate::io::{
-    Hints, IoError, Need, check_damage, format_of, modal_model_of, modes_from_json, open_path,
-    sha256_hex,
+    Catalog, Hints, IoError, Need, check_damage, format_of, modal_model_of, modes_from_json,
+    open_path, sha256_hex,
 };
 use crate::modal::{InputFile, ModalModel};
 
@@ -90,11 +90,9 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
     if catalog.modes.is_empty() {
         return Err(SceneError::Io(IoError::NotStated {
             path: name,
-            what: format!(
-                "a mode (the file holds {} records and functions)",
-                catalog.entries.len()
-            ),
-            expected: "mode shapes, such as universal datasets 55 or 2414 or a modes.json"
+            what: format!("a mode ({})", held(catalog)),
+            expected: "mode shapes, such as universal datasets 55 or 2414, a modes.json, or a \
+                       table whose heading begins with frequency_hz,damping_ratio"
                 .to_owned(),
         }));
     }
@@ -108,4 +106,17 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
         geometry: catalog.geometry.clone(),
         partly_bad,
     })
+}
+
+/// Contents of a file without modes: its columns or arrays by name, else the number of its records
+/// and functions.
+fn held(catalog: &Catalog) -> String {
+    let names: Vec<&str> = catalog.arrays.iter().map(|a| a.name.as_str()).collect();
+    match names.as_slice() {
+        [] => format!(
+            "the file holds {} records and functions",
+            catalog.entries.len()
+        ),
+        _ => format!("the file holds the columns {}", names.join(", ")),
+    }
 }

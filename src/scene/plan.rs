@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
-use crate::correlate::PairOptions;
+use crate::correlate::{CorrelateError, PairOptions};
 use crate::frf::{EstimateOptions, Estimator, HammerOptions, ResponseWindow};
 use crate::geometry::Sensor;
+use crate::identify::{IdentifyError, IdentifyOptions};
 use crate::signal::{ForceWindow, Offset};
 
 use super::SceneError;
@@ -17,7 +18,9 @@ use super::model_name::named_model;
 use super::placement::{PlacementPlan, placement_plans};
 use super::test_plan::{TestPlan, test_plan};
 use super::toml_text::{check_schema, parse, read_text};
-use super::typed::{FrfTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, UpdateTable};
+use super::typed::{
+    FrfTable, IdentifyTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, UpdateTable,
+};
 
 /// The flank of a force window as a fraction of its hold.
 const FLANK_OF_HOLD: f64 = 0.5;
@@ -99,14 +102,20 @@ impl Scene {
             .map(|test| test_plan(test, &folder, &name))
             .collect::<Result<Vec<_>, _>>()?;
         check_tests(&tests, typed.model.is_some(), &name)?;
-        typed.pair.validate().map_err(|error| {
-            value_error(
+        typed.pair.validate().map_err(|error| match error {
+            CorrelateError::Option {
+                name: option,
+                got,
+                expected,
+            } => value_error(
                 &name,
-                "[pair]",
-                &error.to_string(),
-                "options in their ranges",
-            )
+                &format!("[pair] {option}"),
+                &got.to_string(),
+                expected,
+            ),
+            other => other.into(),
         })?;
+        check_method(&typed.identify, &name)?;
         if let Some(table) = &typed.model {
             named_model(table, &folder, &name)?;
         }
@@ -137,6 +146,23 @@ impl Scene {
             folder,
         })
     }
+}
+
+/// Checks the options of `[identify]` before any file is read.
+fn check_method(table: &IdentifyTable, path: &str) -> Result<(), SceneError> {
+    let mut options = IdentifyOptions::default();
+    options.method = table.method.clone().unwrap_or(options.method);
+    options.estimator.max_order = table.order;
+    let checked = options.validate().map_err(|error| {
+        let (got, expected) = (format!("{:?}", options.method), error.to_string());
+        match error {
+            IdentifyError::OptionOutOfRange { got, expected, .. } => {
+                value_error(path, "[identify] order", &got.to_string(), expected)
+            }
+            _ => value_error(path, "[identify] method", &got, &expected),
+        }
+    });
+    checked.map(|_| ())
 }
 
 /// From 0 Hz to the highest root whose energy is printed.

@@ -81,7 +81,11 @@ pub(super) fn test_plan(
     folder: &Path,
     path: &str,
 ) -> Result<TestPlan, SceneError> {
-    let key = |name: &str| format!("[[test]] {:?} {name}", test.name);
+    let key = |name: &str| {
+        format!("[[test]] {:?} {name}", test.name)
+            .trim_end()
+            .to_owned()
+    };
     let band = test.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
     let band = band.map_err(|error| {
         value_error(

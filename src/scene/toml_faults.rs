@@ -13,7 +13,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::toml_value::{TomlError, deserialized};
 
-/// Maximum number of times a document is deserialised.
+/// Maximum number of times a document is deserialised: a fault takes one to nine attempts,
+/// and a message lists twenty.
 const MAX_ATTEMPTS: usize = 400;
 
 /// Values that are tried in the place of a faulty or missing one.
@@ -35,14 +36,17 @@ const FIRST_SUBSTITUTE: usize = usize::MAX / 2;
 ///
 /// # Errors
 /// Every fault that the search finds, in the order of their places; at least one.
-pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, Vec<TomlError>> {
+pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlFaults> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
         let faults = errors.iter().map(|error| TomlError {
             message: error.message().to_owned(),
             span: error.span(),
         });
-        return Err(faults.collect());
+        return Err(TomlFaults {
+            faults: faults.collect(),
+            all_found: true,
+        });
     }
     let span = table.span();
     let root = Spanned::new(span, DeValue::Table(table.into_inner()));
@@ -51,6 +55,14 @@ pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, Vec<TomlEr
         Err(error) => error,
     };
     Err(Search::of(root).faults::<T>(first))
+}
+
+/// Faults of a document, in the order of their places.
+#[derive(Debug)]
+pub(super) struct TomlFaults {
+    pub faults: Vec<TomlError>,
+    /// Whether the search ended with a document without a fault.
+    pub all_found: bool,
 }
 
 /// The document with its repairs.
@@ -66,14 +78,14 @@ impl<'de> Search<'de> {
         Self { root, tried }
     }
 
-    fn faults<T: DeserializeOwned>(mut self, first: TomlError) -> Vec<TomlError> {
+    fn faults<T: DeserializeOwned>(mut self, first: TomlError) -> TomlFaults {
         let mut faults: Vec<TomlError> = Vec::new();
         let mut next = Some(first);
         for _ in 0..MAX_ATTEMPTS {
-            let Some(fault) = next.take() else { break };
+            let Some(fault) = &next else { break };
             let span = fault.span.clone().unwrap_or(self.root.span());
             let of_document = span.start < FIRST_SUBSTITUTE;
-            let is_known = faults.contains(&fault);
+            let is_known = faults.contains(fault);
             if of_document && !is_known {
                 faults.push(fault.clone());
             }
@@ -84,7 +96,10 @@ impl<'de> Search<'de> {
         }
         let start = |fault: &TomlError| fault.span.as_ref().map_or(0, |span| span.start);
         faults.sort_by_key(start);
-        faults
+        TomlFaults {
+            faults,
+            all_found: next.is_none(),
+        }
     }
 
     /// Repairs the fault at a place; false where no repair is known.
@@ -233,12 +248,14 @@ mod tests {
     }
 
     fn messages(text: &str) -> Vec<(usize, String)> {
-        let faults = from_text::<Model>(text).expect_err("a faulty document");
+        let found = from_text::<Model>(text).expect_err("a faulty document");
+        assert!(found.all_found, "{:?}", found.faults);
         let line = |fault: &TomlError| {
             let start = fault.span.as_ref().map_or(0, |span| span.start);
             text[..start].matches('\n').count() + 1
         };
-        faults
+        found
+            .faults
             .into_iter()
             .map(|fault| (line(&fault), fault.message))
             .collect()
@@ -300,5 +317,17 @@ mod tests {
         let text = "kind = \"lumped\"\ntitle = \"a\"\ndof = \"1:+X\"\n";
         let model: Model = from_text(text).expect("a valid document");
         assert!(matches!(model.kind, Kind::Lumped) && model.title == "a");
+    }
+
+    #[test]
+    fn a_search_that_is_given_up_says_so() {
+        let many = "[[spring]]\nname = 1\nstiffness = true\nplace = 3\n".repeat(200);
+        let text = format!("kind = \"beam\"\ntitle = \"a\"\ndof = \"1:+X\"\n{many}");
+        let found = from_text::<Model>(&text).expect_err("a faulty document");
+        assert!(
+            !found.all_found && found.faults.len() > 20,
+            "{}",
+            found.faults.len()
+        );
     }
 }

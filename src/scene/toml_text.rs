@@ -102,29 +102,44 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             others: open[1..].iter().map(|header| header.line).collect(),
         });
     }
-    from_text(text).map_err(|faults| SceneError::Toml {
+    from_text(text).map_err(|found| SceneError::Toml {
         path: path.to_owned(),
-        faults: without_misspelt(faults)
+        faults: without_misspelt(text, found.faults)
             .iter()
             .map(|fault| toml_fault(text, fault))
             .collect(),
+        all_found: found.all_found,
     })
 }
 
 /// The faults without missing keys that are misspelt in their table: the unknown key says it.
-fn without_misspelt(mut faults: Vec<TomlError>) -> Vec<TomlError> {
+fn without_misspelt(text: &str, mut faults: Vec<TomlError>) -> Vec<TomlError> {
     let start = |fault: &TomlError| fault.span.as_ref().map_or(0, |span| span.start);
     let misspelt = faults
         .iter()
         .filter_map(|fault| Some((start(fault), nearest_key(&fault.message)?)));
     for (place, key) in misspelt.collect::<Vec<_>>() {
         let missing = format!("missing field `{key}`");
-        let is_missing = |fault: &TomlError| start(fault) <= place && fault.message == missing;
+        let is_missing = |fault: &TomlError| {
+            fault.message == missing && is_same_table(text, start(fault), place)
+        };
         if let Some(index) = faults.iter().rposition(is_missing) {
             faults.remove(index);
         }
     }
     faults
+}
+
+/// Whether a key at a place belongs to the table that begins at another: no line between them is
+/// the head of a table.
+fn is_same_table(text: &str, table: usize, key: usize) -> bool {
+    let between = text.get(table..key);
+    // The first line is the head of the table itself, which the document has none of.
+    let skipped = usize::from(text[table.min(text.len())..].starts_with('['));
+    between.is_some_and(|between| {
+        let mut lines = between.lines().skip(skipped);
+        !lines.any(|line| line.trim_start().starts_with('['))
+    })
 }
 
 fn toml_fault(text: &str, error: &TomlError) -> TomlFault {
@@ -160,11 +175,14 @@ fn nearest_key(message: &str) -> Option<String> {
         .step_by(2)
         .collect();
     let (got, known) = quoted.split_first()?;
-    let distance = |key: &&&str| strsim::damerau_levenshtein(got, key);
-    known
-        .iter()
-        .min_by_key(distance)
-        .map(|key| (*key).to_owned())
+    // A key without its unit, `mass` for `mass_kg`, is nearer than any other.
+    let distance = |key: &&&str| match key.strip_prefix(got) {
+        Some(unit) if unit.starts_with('_') => 0,
+        _ => strsim::damerau_levenshtein(got, key),
+    };
+    let nearest = known.iter().min_by_key(distance)?;
+    let is_near = 3 * distance(&nearest) <= got.chars().count().max(3);
+    is_near.then(|| (*nearest).to_owned())
 }
 
 #[cfg(test)]

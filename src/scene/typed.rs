@@ -135,7 +135,7 @@ pub struct TriggerTable {
 
 /// A column by heading or number.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number from 1 or a heading")]
 pub enum ColumnKey {
     /// Number from 1.
     Number(usize),

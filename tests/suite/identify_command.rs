@@ -171,3 +171,85 @@ fn windows_are_stated_by_name_and_another_name_is_refused() {
     assert!(error.contains("window") && accepted(&error), "{error}");
     assert!(scene("none").contains("absent.uff"));
 }
+
+#[test]
+fn polymax_is_another_name_of_lscf() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let modes = |method: &str| succeed(["identify", &frfs, "--method", method, "--json"]);
+    assert_eq!(modes("polymax"), modes("lscf"));
+}
+
+#[test]
+fn identifying_no_mode_is_exit_code_1_with_advice() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let output = modalign(["identify", &frfs, "--band", "120:150", "--method", "peak"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(
+        text.contains("no modes were found between 120 and 150 Hz"),
+        "{text}"
+    );
+    assert!(text.contains("Try another band (--band)"), "{text}");
+}
+
+#[test]
+fn units_that_files_lack_are_stated_by_an_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = frfs(folder.path());
+    let at = |name: &str| text(&folder.path().join(name));
+    let expected =
+        frequencies(&serde_json::from_str(&succeed(["identify", &frfs, "--json"])).unwrap());
+    // Universal files of text, with an unknown quantity in the place of acceleration and force.
+    let without_units = |text: &str| -> String {
+        let line = |line: &str| {
+            let is_quantity = ["        12    0", "        13    0"]
+                .iter()
+                .any(|code| line.starts_with(code));
+            match is_quantity {
+                true => "         0    0    0    0 NONE                 NONE",
+                false => line,
+            }
+            .to_owned()
+        };
+        text.lines().map(line).collect::<Vec<_>>().join("\n") + "\n"
+    };
+    for (from, to, verb, unit) in [
+        (frfs.as_str(), "frfs.uff", "identify", "(m/s2)/N"),
+        (at("hits.uff").as_str(), "hits-text.uff", "frf", "N,m/s2"),
+    ] {
+        succeed(["convert", from, "-o", &at(to), "--text"]);
+        let bare = without_units(&std::fs::read_to_string(at(to)).unwrap());
+        std::fs::write(at(to), bare).unwrap();
+        let error = fail([verb, &at(to)]);
+        let expected_words = if verb == "frf" {
+            "force record"
+        } else {
+            "unit"
+        };
+        assert!(error.contains(expected_words), "{verb}: {error}");
+        let out = at(&format!("{verb}.h5"));
+        match verb {
+            "frf" => {
+                succeed([verb, &at(to), "--unit", unit, "-o", &out]);
+                // Units that the file states stay.
+                let again = at("again.h5");
+                succeed([verb, from, "--unit", "lbf,g", "-o", &again]);
+                let plain = at("plain.h5");
+                succeed([verb, from, "-o", &plain]);
+                assert_eq!(std::fs::read(again).unwrap(), std::fs::read(plain).unwrap());
+                let modes: Value =
+                    serde_json::from_str(&succeed(["identify", &out, "--json"])).unwrap();
+                assert_eq!(frequencies(&modes), expected);
+            }
+            _ => {
+                let modes = succeed([verb, &at(to), "--unit", unit, "--json"]);
+                let found = frequencies(&serde_json::from_str(&modes).unwrap());
+                for (hz, expected) in found.iter().zip(&expected) {
+                    assert!((hz / expected - 1.0).abs() < 1e-4, "{hz} {expected}");
+                }
+            }
+        }
+    }
+}

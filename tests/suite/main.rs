@@ -57,3 +57,4 @@ mod twins;
 mod unneeded;
 mod updating;
 mod vocabulary;
+mod wrong_files;

@@ -42,6 +42,8 @@ pub struct ChannelOverride {
     pub dof: Option<Dof>,
     /// Unit of its numbers; its quantity is the channel's.
     pub unit: Option<Unit>,
+    /// Unit where the file states none.
+    pub missing_unit: Option<Unit>,
     /// Calibration: value in the stated unit = `scale` × number in the file.
     pub scale: Option<f64>,
     /// Largest magnitude that the converter can hold, in the stated unit.
@@ -56,6 +58,7 @@ impl ChannelOverride {
             role: None,
             dof: None,
             unit: None,
+            missing_unit: None,
             scale: None,
             full_scale: None,
         }

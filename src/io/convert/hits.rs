@@ -332,9 +332,12 @@ fn calibration(
     channel: Option<&ChannelOverride>,
 ) -> Option<(Quantity, f64)> {
     let scale = channel.and_then(|channel| channel.scale).unwrap_or(1.0);
-    let (quantity, to_si) = match channel.and_then(|channel| channel.unit) {
-        Some(unit) => (unit.quantity, unit.to_si),
-        None => (entry.quantity?, entry.to_si?),
+    let stated = channel.and_then(|channel| channel.unit);
+    let missing = channel.and_then(|channel| channel.missing_unit);
+    let (quantity, to_si) = match (stated, entry.quantity.zip(entry.to_si)) {
+        (Some(unit), _) => (unit.quantity, unit.to_si),
+        (None, Some(of_file)) => of_file,
+        (None, None) => missing.map(|unit| (unit.quantity, unit.to_si))?,
     };
     ((quantity == Quantity::Force) == (role == Role::Force)).then_some((quantity, scale * to_si))
 }

@@ -209,6 +209,7 @@ fn overrides_name_roles_points_and_units_by_the_number_within_the_hit() {
         role: Some(role),
         dof: dof(at),
         unit: Some(unit.parse().unwrap()),
+        missing_unit: None,
         scale: Some(2.0),
         full_scale: None,
     };

@@ -1,0 +1,460 @@
+//! Wrong scenes, models and tables: one run names every fault with its place, what was got and
+//! expected, and the nearest right name.
+
+use std::path::Path;
+
+use crate::command::{modalign_in, write};
+
+const SCENE: &str = r#"schema = "modalign-scene/1"
+title = "a table"
+[[test]]
+name = "table"
+files = ["hits.csv"]
+sampling_rate_hz = 1000
+[[test.channel]]
+column = "force"
+role = "force"
+dof = "1:+Z"
+unit = "N"
+[[test.channel]]
+column = "acceleration"
+role = "response"
+dof = "2:+Z"
+unit = "m/s2"
+"#;
+
+const HITS: &str = "force,acceleration\n1,2\n3,4\n";
+
+const MODEL: &str = r#"schema = "modalign-model/1"
+title = "two masses"
+[[parameter]]
+name = "mount"
+unit = "N/m"
+nominal = 1.0e6
+lower = 5.0e5
+upper = 2.0e6
+status = "assumed"
+[[body]]
+name = "a"
+mass_kg = 1.0
+at_m = [0.0, 0.0, 0.0]
+free = ["z"]
+[[body]]
+name = "b"
+mass_kg = 2.0
+at_m = [0.1, 0.0, 0.0]
+free = ["z"]
+[[point]]
+name = "pa"
+body = "a"
+at_m = [0.0, 0.0, 0.0]
+[[point]]
+name = "pb"
+body = "b"
+at_m = [0.1, 0.0, 0.0]
+[[spring]]
+name = "s1"
+from = "pa"
+to = "ground"
+direction = [0.0, 0.0, 1.0]
+parameter = "mount"
+[[spring]]
+name = "s2"
+from = "pa"
+to = "pb"
+direction = [0.0, 0.0, 1.0]
+stiffness_n_per_m = 1.0e6
+"#;
+
+const MODES: &str = "frequency_hz,damping_ratio,1:+Z,2:+Z\n12.25,0.004,1,0.62\n31.5,,0.3,-0.8\n";
+
+/// A file that is made wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wrong {
+    Scene,
+    Hits,
+    Model,
+    Modes,
+}
+
+use Wrong::{Hits, Model, Modes, Scene};
+
+/// The file, its replacements, and what the message says.
+type Case = (
+    Wrong,
+    &'static [(&'static str, &'static str)],
+    &'static [&'static str],
+);
+
+const CASES: &[Case] = &[
+    // Several faults.
+    (
+        Scene,
+        &[
+            ("title = \"a table\"\n", ""),
+            ("sampling_rate_hz", "samplng_rate_hz"),
+            ("files = [\"hits.csv\"]", "files = \"hits.csv\""),
+        ],
+        &[
+            "3 faults",
+            "scene.toml:1:1: got no key `title`",
+            "scene.toml:4:9: invalid type: string \"hits.csv\", expected a sequence",
+            "scene.toml:5:1: got unknown key `samplng_rate_hz`",
+            "did you mean `sampling_rate_hz`?",
+        ],
+    ),
+    (
+        Scene,
+        &[
+            ("name = \"table\"\n", ""),
+            ("dof = \"1:+Z\"", "dof = \"1:+Q\""),
+            ("unit = \"N\"", "unit = 3"),
+        ],
+        &[
+            "3 faults",
+            "scene.toml:3:1: got no key `name`",
+            "scene.toml:9:7: got degree of freedom `1:+Q`, expected POINT:±AXIS",
+            "scene.toml:10:8: invalid type: integer `3`, expected a string",
+        ],
+    ),
+    (
+        Scene,
+        &[(
+            "title = \"a table\"",
+            "title = \"a table\"\n[identify]\nmetod = \"ml\"\n[pair]\nmin_mca = 0.5\n[limits]\nmax_mised = 0",
+        )],
+        &[
+            "3 faults",
+            ":4:1: got unknown key `metod`",
+            "did you mean `method`?",
+            ":6:1: got unknown key `min_mca`",
+            "did you mean `min_mac`?",
+            ":8:1: got unknown key `max_mised`",
+            "did you mean `max_missed`?",
+        ],
+    ),
+    (
+        Model,
+        &[
+            ("nominal = 1.0e6\n", ""),
+            ("status = \"assumed\"", "status = \"guessed\""),
+            ("mass_kg = 1.0", "mass = 1.0"),
+            ("to = \"ground\"\n", ""),
+        ],
+        &[
+            "4 faults",
+            "model.toml:3:1: got no key `nominal`",
+            "model.toml:8:10: unknown variant `guessed`, expected one of `printed`",
+            "model.toml:11:1: got unknown key `mass`",
+            "did you mean `mass_kg`?",
+            "model.toml:27:1: got no key `to`",
+        ],
+    ),
+    (
+        Model,
+        &[
+            ("unit = \"N/m\"\n", ""),
+            ("nominal = 1.0e6\n", ""),
+            ("status = \"assumed\"\n", ""),
+            ("from = \"pa\"\nto = \"pb\"\n", ""),
+        ],
+        &[
+            "5 faults",
+            "model.toml:3:1: got no key `unit`",
+            "model.toml:3:1: got no key `nominal`",
+            "model.toml:3:1: got no key `status`",
+            "got no key `from`",
+            "got no key `to`",
+        ],
+    ),
+    (
+        Model,
+        &[
+            ("mass_kg = 2.0", "mass_kg = true"),
+            ("at_m = [0.1, 0.0, 0.0]\nfree", "at_m = [0.1, 0.0]\nfree"),
+            (
+                "direction = [0.0, 0.0, 1.0]\nparameter",
+                "direction = 3\nparameter",
+            ),
+        ],
+        &[
+            "3 faults",
+            "model.toml:17:11: ",
+            "model.toml:18:8: invalid length 2, expected an array of length 3",
+            "model.toml:32:13: invalid type: integer `3`",
+        ],
+    ),
+    // Scenes.
+    (
+        Scene,
+        &[("[[test]]", "[[tests]]")],
+        &[":3:3: got unknown key `tests`", "did you mean `test`?"],
+    ),
+    (
+        Scene,
+        &[("title = \"a table\"", "title = \"a table")],
+        &["scene.toml:2:17: invalid basic string, expected `\"`"],
+    ),
+    (
+        Scene,
+        &[("modalign-scene/1", "modalign-scene/2")],
+        &["schema: got \"modalign-scene/2\", expected \"modalign-scene/1\""],
+    ),
+    (
+        Scene,
+        &[("hits.csv", "hit.csv")],
+        &["hit.csv: cannot open", "did you mean `./hits.csv`?"],
+    ),
+    (
+        Scene,
+        &[("role = \"force\"", "role = \"forse\"")],
+        &["[[test.channel]] \"force\" role: got \"forse\", expected time, frequency, force"],
+    ),
+    (
+        Scene,
+        &[("unit = \"N\"", "unit = \"furlong\"")],
+        &["[[test.channel]] \"force\" unit: got \"furlong\", expected one of N mN"],
+    ),
+    (
+        Scene,
+        &[("unit = \"m/s2\"\n", "")],
+        &["\"acceleration\" unit: got nothing, expected a unit of acceleration"],
+    ),
+    (
+        Scene,
+        &[("sampling_rate_hz = 1000\n", "")],
+        &["hits.csv: the sampling rate is not stated: expected a column with role = \"time\""],
+    ),
+    (
+        Scene,
+        &[("sampling_rate_hz = 1000", "sampling_rate_hz = -5")],
+        &["[[test]] sampling_rate_hz: got -5, expected a positive number"],
+    ),
+    (
+        Scene,
+        &[("dof = \"2:+Z\"\n", "")],
+        &[
+            "the response point of record 2 is not stated: expected",
+            "`dof` in [[test.channel]]",
+        ],
+    ),
+    (
+        Scene,
+        &[("column = \"acceleration\"", "column = \"acc\"")],
+        &["hits.csv:1: got columns force, acceleration, expected a column \"acc\""],
+    ),
+    (
+        Scene,
+        &[(
+            "files = [\"hits.csv\"]",
+            "files = [\"hits.csv\"]\nband_hz = [400, 20]",
+        )],
+        &["[[test]] \"table\" band_hz: got [400.0, 20.0], expected 0 <= lower edge < upper edge"],
+    ),
+    (
+        Scene,
+        &[("files = [\"hits.csv\"]", "files = []")],
+        &["[[test]] \"table\": got none or several of files, synth, modes, expected exactly one"],
+    ),
+    (
+        Scene,
+        &[(
+            "[[test.channel]]\ncolumn = \"force\"",
+            "[model]\nname = \"cycloid-bal\"\n[[test.channel]]\ncolumn = \"force\"",
+        )],
+        &["[model] name: got \"cycloid-bal\", expected cycloid-ball, torsional-planetary"],
+    ),
+    (
+        Scene,
+        &[(
+            "title = \"a table\"",
+            "title = \"a table\"\n[identify]\nmethod = \"mle\"",
+        )],
+        &["[identify] method: got \"mle\", expected one of auto peak circle"],
+    ),
+    (
+        Scene,
+        &[(
+            "title = \"a table\"",
+            "title = \"a table\"\n[identify]\norder = 2",
+        )],
+        &["[identify] order: got 2, expected 4 or more"],
+    ),
+    (
+        Scene,
+        &[(
+            "title = \"a table\"",
+            "title = \"a table\"\n[pair]\nmin_mac = 1.5",
+        )],
+        &["[pair] min_mac: got 1.5, expected 0 to below 1"],
+    ),
+    // Tables of numbers.
+    (
+        Hits,
+        &[("3,4", "3,oops")],
+        &["hits.csv:3: number: got \"oops\", expected a finite number"],
+    ),
+    (
+        Hits,
+        &[("3,4", "3")],
+        &["hits.csv:3: number: got \"1 columns\", expected"],
+    ),
+    (
+        Hits,
+        &[("force,acceleration", "force,accel")],
+        &["hits.csv:1: got columns force, accel, expected a column \"acceleration\""],
+    ),
+    (
+        Hits,
+        &[("1,2\n3,4\n", "")],
+        &["hits.csv:1: rows of numbers: got \"none\", expected rows"],
+    ),
+    // Models.
+    (
+        Model,
+        &[("mass_kg = 2.0", "mass_kg = -2.0")],
+        &["body `b`: got mass_kg -2, expected a finite number of 0 or more"],
+    ),
+    (
+        Model,
+        &[("from = \"pa\"\nto = \"pb\"", "from = \"px\"\nto = \"pb\"")],
+        &["spring `s2`: got point `px`, expected the name of a [[point]] or `ground`"],
+    ),
+    (
+        Model,
+        &[("parameter = \"mount\"", "parameter = \"mont\"")],
+        &["spring `s1`: got parameter `mont`", "did you mean `mount`?"],
+    ),
+    (
+        Model,
+        &[("lower = 5.0e5", "lower = 5.0e6")],
+        &["parameter `mount`: got 1000000 N/m, expected a finite value from 5000000 to 2000000"],
+    ),
+    (
+        Model,
+        &[("unit = \"N/m\"", "unit = \"N m\"")],
+        &["spring `s1`: got parameter `mount` in N m for stiffness_n_per_m, expected N/m"],
+    ),
+    (
+        Model,
+        &[("[0.0, 0.0, 1.0]\nparameter", "[0.0, 0.0, 0.0]\nparameter")],
+        &["spring `s1`: got direction [0.0, 0.0, 0.0], expected three finite numbers"],
+    ),
+    (
+        Model,
+        &[("free = [\"z\"]\n[[body]]", "free = [\"w\"]\n[[body]]")],
+        &["model.toml:14:9: unknown variant `w`, expected one of `x`, `y`, `z`"],
+    ),
+    (
+        Model,
+        &[("body = \"b\"", "body = \"c\"")],
+        &["point `pb`: got body `c`, expected one of a, b"],
+    ),
+    (
+        Model,
+        &[("name = \"b\"", "name = \"a\"")],
+        &["got body `a` twice, expected a distinct name"],
+    ),
+    (
+        Model,
+        &[("stiffness_n_per_m = 1.0e6\n", "")],
+        &["spring `s2`: got no stiffness or several, expected one of stiffness_n_per_m"],
+    ),
+    (
+        Model,
+        &[("modalign-model/1", "modalign-scene/1")],
+        &["got schema `modalign-scene/1`, expected `modalign-model/1`"],
+    ),
+    (
+        Model,
+        &[("[[spring]]\nname = \"s2\"", "[[sprng]]\nname = \"s2\"")],
+        &["got unknown key `sprng`", "did you mean `spring`?"],
+    ),
+    // Tables of modes.
+    (
+        Modes,
+        &[("frequency_hz", "frequency")],
+        &[
+            "the file holds the columns frequency, damping_ratio, 1:+Z, 2:+Z",
+            "begins with frequency_hz",
+        ],
+    ),
+    (
+        Modes,
+        &[("12.25,0.004", "12.25,-")],
+        &["modes.csv:2: damping_ratio: got \"-\", expected"],
+    ),
+    (
+        Modes,
+        &[("31.5,,", "31.5,")],
+        &["modes.csv:3: row: got \"3 cells\", expected 4 as in the heading"],
+    ),
+    (
+        Modes,
+        &[("1:+Z", "1:+Q")],
+        &["modes.csv:1: column: got \"1:+Q\", expected frequency_hz"],
+    ),
+    (
+        Modes,
+        &[("12.25", "-12.25")],
+        &["modes.csv:2: frequency_hz: got \"-12.25\", expected"],
+    ),
+    (
+        Modes,
+        &[("2:+Z", "1:+Z")],
+        &["modes.csv:1: column: got \"1:+Z\", expected each column once"],
+    ),
+];
+
+/// Standard error of the command that reads the wrong file.
+fn message(folder: &Path, wrong: Wrong, replacements: &[(&str, &str)]) -> String {
+    let text = |file: Wrong, right: &str| {
+        let mut text = right.to_owned();
+        for (from, to) in replacements.iter().filter(|_| file == wrong) {
+            assert!(text.contains(from), "{from} is in the right file");
+            text = text.replacen(from, to, 1);
+        }
+        text
+    };
+    let files = [
+        ("scene.toml", text(Scene, SCENE)),
+        ("hits.csv", text(Hits, HITS)),
+        ("model.toml", text(Model, MODEL)),
+        ("modes.csv", text(Modes, MODES)),
+    ];
+    let files = files.each_ref().map(|(name, text)| (*name, text.as_str()));
+    write(folder, &files);
+    let arguments = match wrong {
+        Scene | Hits => ["run", "."],
+        Model => ["theory", "model.toml"],
+        Modes => ["theory", "modes.csv"],
+    };
+    let output = modalign_in(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{replacements:?}: {message}");
+    assert!(output.stdout.is_empty(), "an error prints no result");
+    message
+}
+
+#[test]
+fn every_fault_of_a_wrong_file_is_named_with_place_and_expectation() {
+    assert!(CASES.len() >= 40, "{}", CASES.len());
+    let several = CASES
+        .iter()
+        .filter(|(_, _, said)| said[0].ends_with(" faults"));
+    assert!(several.count() >= 5);
+    for (wrong, replacements, expected) in CASES {
+        let folder = tempfile::tempdir().unwrap();
+        let message = message(folder.path(), *wrong, replacements);
+        for part in *expected {
+            assert!(
+                message.contains(part),
+                "{replacements:?}: {part} is missing in\n{message}"
+            );
+        }
+        assert!(
+            message.contains("expected") || message.contains("cannot open"),
+            "{message}"
+        );
+    }
+}
