@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::Instant;
 
 use crate::error::Error;
 use crate::io::write_all_whole;
@@ -13,9 +12,7 @@ use crate::report::{
     Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_svg,
     breakdown_times, breakdown_user_modes, figure_files, stability_cells, stability_svg,
 };
-use crate::scene::{
-    ModesOptions, Observer, load_modes, lost_part_findings, read_text, run_observed,
-};
+use crate::scene::{ModesOptions, load_modes, lost_part_findings, read_text, run_observed};
 use crate::study::breakdown::{
     BreakdownResults, BreakdownTable, CellStore, Part, Plan, SliceResult, UserMode, compute, merge,
     user_modes,
@@ -103,8 +100,7 @@ fn compute_slices(
         None => Box::new(MemoryStore::default()),
     };
     if args.merge.is_empty() {
-        let observer = TimeLeft::new(output.observer());
-        let computed = compute(plan, part, &*cells, &observer, &ProcessMeter);
+        let computed = compute(plan, part, &*cells, output.observer(), &ProcessMeter);
         return Ok(computed.map_err(StudyError::from)?);
     }
     let folder = |path: &PathBuf| FolderStore {
@@ -254,41 +250,6 @@ impl CellStore for MemoryStore {
         let mut kept = self.0.lock().map_err(|error| error.to_string())?;
         kept.insert(name.to_owned(), text.to_owned());
         Ok(())
-    }
-}
-
-/// Adds the remaining time of a pass to its steps.
-struct TimeLeft<'a> {
-    inner: &'a dyn Observer,
-    pass: Mutex<(String, Instant)>,
-}
-
-impl<'a> TimeLeft<'a> {
-    fn new(inner: &'a dyn Observer) -> Self {
-        Self {
-            inner,
-            pass: Mutex::new((String::new(), Instant::now())),
-        }
-    }
-}
-
-impl Observer for TimeLeft<'_> {
-    fn step(&self, what: &str, number: usize, count: usize) {
-        let Ok(mut pass) = self.pass.lock() else {
-            return;
-        };
-        if pass.0 != what {
-            *pass = (what.to_owned(), Instant::now());
-        }
-        let done = number.saturating_sub(1);
-        let text = match done {
-            0 => what.to_owned(),
-            _ => {
-                let left = pass.1.elapsed().as_secs_f64() / done as f64 * (count - done) as f64;
-                format!("{what}, {left:.0} s left")
-            }
-        };
-        self.inner.step(&text, number, count);
     }
 }
 
