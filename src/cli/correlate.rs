@@ -145,8 +145,14 @@ fn compare_with_theory(
     );
     let further = blocks[comparison_count..].to_vec();
     let screen = |width: usize| {
-        let table = comparison_screen(&comparison.table, width).into_iter();
-        abridged(table.chain(further.clone()).collect(), width)
+        let mut table = comparison_screen(&comparison.table, width);
+        if further.is_empty() {
+            return table;
+        }
+        // The requested measures have the room of the modes.
+        table.truncate(1);
+        table.extend(further.clone());
+        abridged(table, width)
     };
     let printed = CorrelationOutput::of_blocks(blocks, json);
     print(args, printed, Some(&screen), output);

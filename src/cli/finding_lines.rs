@@ -48,7 +48,7 @@ pub(super) fn screen_lines(findings: &[NamedFinding], language: Language) -> Vec
         names.collect::<Vec<_>>().join(", ")
     };
     if !further.is_empty() {
-        let (severity, names) = (language.severity(Severity::Warning), names(further));
+        let (severity, names) = (language.severity(further[0].severity), names(further));
         lines.push(cut(&match language {
             Language::English => format!("{severity}: further kinds (all: --full): {names}"),
             Language::Chinese => format!("{severity}: 其他类别 (全部：--full)：{names}"),
@@ -101,11 +101,7 @@ impl Kind<'_> {
     fn screen_lines(&self, language: Language) -> Vec<String> {
         match (self.severity, self.findings.as_slice()) {
             (Severity::Error, _) => self.error_lines(language),
-            (_, [(_, only)]) => {
-                let tag = self.tag();
-                let text = only.strip_suffix(&tag).unwrap_or(only);
-                vec![cut_before(text, &tag)]
-            }
+            (_, [(_, only)]) => vec![self.single_line(only, language)],
             _ => vec![self.counted_line(language)],
         }
     }
@@ -131,17 +127,34 @@ impl Kind<'_> {
         lines
     }
 
+    /// A finding; where it is longer than a line, its numbers stand before its sentence.
+    fn single_line(&self, line: &str, language: Language) -> String {
+        let tag = self.tag();
+        let text = line.strip_suffix(&tag).unwrap_or(line);
+        let sentence = language.sentence(self.code);
+        let sentence = sentence.trim_end_matches(['.', '。']);
+        let parts = text.split_once(sentence).filter(|_| !is_line(text, &tag));
+        match parts {
+            Some((place, numbers)) if !numbers.trim().is_empty() => {
+                let numbers = numbers.trim_start_matches([' ', ';']);
+                cut_before(&format!("{place}{numbers}: {sentence}"), &tag)
+            }
+            _ => cut_before(text, &tag),
+        }
+    }
+
     /// Their number, the sentence of the code, and their places.
     fn counted_line(&self, language: Language) -> String {
         let severity = language.severity(self.severity);
         let sentence = language.sentence(self.code);
         let sentence = sentence.trim_end_matches(['.', '。']);
         let count = self.findings.len();
-        let places = places(self.findings.iter().map(|(named, _)| *named));
-        cut_before(
-            &format!("{severity}: {count}× {sentence}: {places}"),
-            &self.tag(),
-        )
+        let places = match places(self.findings.iter().map(|(named, _)| *named)) {
+            none if none.is_empty() => none,
+            places => format!(": {places}"),
+        };
+        let text = format!("{severity}: {count}× {sentence}{places}");
+        cut_before(&text, &self.tag())
     }
 }
 
@@ -160,20 +173,27 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
         }
     }
     let texts = tests.into_iter().map(|(test, mut places)| {
+        places.retain(|place| !place.is_empty());
         places.dedup();
         format!("{test} {}", places.join(", ")).trim().to_owned()
     });
-    texts.collect::<Vec<_>>().join("; ")
+    let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
+    texts.join("; ")
 }
 
 /// A text and its tag, the text cut where both are longer than a line.
 fn cut_before(text: &str, tag: &str) -> String {
-    let room = MAX_LINE_CHARS.saturating_sub(tag.chars().count());
-    if text.chars().count() <= room {
+    if is_line(text, tag) {
         return format!("{text}{tag}");
     }
+    let room = MAX_LINE_CHARS.saturating_sub(tag.chars().count());
     let kept: String = text.chars().take(room.saturating_sub(1)).collect();
     format!("{}…{tag}", kept.trim_end())
+}
+
+/// Whether a text and its tag fit a line.
+fn is_line(text: &str, tag: &str) -> bool {
+    text.chars().count() + tag.chars().count() <= MAX_LINE_CHARS
 }
 
 fn cut(text: &str) -> String {
@@ -209,6 +229,22 @@ mod tests {
         assert!(few.is_some_and(|line| line.contains("ring: mode at 40.00 Hz")));
         assert_eq!(lines[2], "info: 1 note (all: --full): repeated-root");
         assert_eq!(all_lines(&findings, Language::English).len(), 5);
+    }
+
+    #[test]
+    fn a_long_finding_keeps_its_numbers() {
+        let finding = Finding::new(
+            Severity::Warning,
+            Code::DampingBiasedHigh,
+            Location::Mode(12.0),
+        );
+        let named = (
+            "a test with a long name".to_owned(),
+            finding.value(89.0, "%"),
+        );
+        let lines = screen_lines(&[named], Language::English);
+        let beginning = "warning: a test with a long name: mode at 12.00 Hz: (89 %): The resonance";
+        assert!(lines[0].starts_with(beginning), "{}", lines[0]);
     }
 
     #[test]

@@ -21,6 +21,9 @@ use super::outcome::Outcome;
 use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::targets::{check_targets, targets};
 
+/// What to try where there are no modes.
+const ADVICE: &str = "Try another band (--band), method (--method) or a higher order (--order); check units and coherence with inspect.";
+
 /// Prints the modes; writes them with `-o`. Exit code 1 when part of the input was bad and left
 /// out, a chosen pole was not found, or there is no mode.
 pub fn identify(
@@ -82,7 +85,7 @@ pub fn identify(
         output.add_modes(path, &modes, &geometry, &json)?;
     }
     output.add_result(
-        |width| modes_screen(&name, &modes, width),
+        |width| modes_screen(&name, &modes, ADVICE, width),
         || vec![modes_block(&name, &modes)],
     );
     output.add_rest_note(match args.output {

@@ -22,7 +22,8 @@ use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
 use super::test_stem::test_stem;
 
-/// Runs the scene; exit code 1 when a stated limit is missed or part of the input was bad.
+/// Runs the scene; exit code 1 when a stated limit is missed, part of the input was bad or a test
+/// has no modes.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
@@ -41,9 +42,17 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         add_folder_files(folder, files, &scene, output)?;
     }
     output.add_result(|width| run_screen(&scene.title, &result, width), || blocks);
-    output.add_rest_note(match &args.output {
+    let rest = match &args.output {
         Some(_) => "All tables, columns and notes: --full, or report.html in the folder.",
         None => "All tables, columns and notes: --full; with report and files: -o DIR.",
+    };
+    let scene = args.scene.display();
+    let next =
+        format!("Next, the parameters that bring the model to the test: modalign update {scene}.");
+    let can_update = result.table.is_some() && !result.theory.parameters.is_empty();
+    output.add_rest_note(&match can_update {
+        true => format!("{next}\n{rest}"),
+        false => rest.to_owned(),
     });
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result)),
@@ -55,7 +64,9 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (test, findings) in result.findings_by_test() {
         output.add_findings_of(&test, &findings);
     }
-    let missed = result.limits.iter().any(|check| !check.is_met());
+    let without_modes = |test: &TestResult| test.modes.modes.is_empty();
+    let missed =
+        result.limits.iter().any(|check| !check.is_met()) || result.tests.iter().any(without_modes);
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
 

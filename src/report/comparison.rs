@@ -272,7 +272,7 @@ fn full_cells(cell: &TestCell) -> Vec<Cell> {
         Cell::std(cell.hz_std, 3),
         Cell::signed(cell.error_percent, 3),
         Cell::number(cell.damping_ratio.map(|zeta| 100.0 * zeta), 3),
-        Cell::number(cell.mac, 4),
+        Cell::mac(cell.mac, 4),
         Cell::number(cell.chance_level.map(|level| level.mac), 3),
         basis_cell(cell),
         Cell::text(verdict(cell).text()),
@@ -370,7 +370,7 @@ fn summary_table(table: &ComparisonTable) -> Table {
             Cell::number(summary.max_error_percent, 3),
             Cell::number(summary.mean_error_percent, 3),
             Cell::number(summary.rms_error_percent, 3),
-            Cell::number(summary.min_mac, 4),
+            Cell::mac(summary.min_mac, 4),
             count(summary.dofs_used),
         ]
     };

@@ -37,7 +37,7 @@ fn escape(text: &str) -> String {
             'ζ' => escaped.push_str("$\\zeta$"),
             '²' => escaped.push_str("$^2$"),
             '≥' => escaped.push_str("$\\ge$"),
-            '|' => escaped.push_str("$|$"),
+            '|' | '<' | '>' => escaped.extend(['$', c, '$']),
             'ω' => escaped.push_str("$\\omega$"),
             'λ' => escaped.push_str("$\\lambda$"),
             'π' => escaped.push_str("$\\pi$"),

@@ -46,7 +46,7 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
             cells.push(Cell::std(percent(mode.damping_bias), 4));
         }
         cells.extend([
-            Cell::number(mode.mpc, 4),
+            Cell::mac(mode.mpc, 4),
             Cell::number(mode.mean_phase_deviation_rad.map(f64::to_degrees), 1),
             Cell::number(mode.mean_phase_rad.map(f64::to_degrees), 1),
             Cell::number(mode.modal_overlap, 3),

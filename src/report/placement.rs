@@ -22,7 +22,7 @@ pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) ->
 }
 
 /// Label of the natural frequency in the comparison, such as `f9`.
-fn label(root: &PlannedRoot, table: Option<&ComparisonTable>) -> String {
+pub(super) fn label(root: &PlannedRoot, table: Option<&ComparisonTable>) -> String {
     let numbers: Vec<usize> = root.modes.iter().map(|j| j + 1).collect();
     let rows = table.iter().flat_map(|table| &table.rows);
     let is_row_of_root = |row: &&crate::correlate::Row| {

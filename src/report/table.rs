@@ -42,8 +42,6 @@ impl Column {
 const MAX_STD_DECIMALS: i32 = 9;
 /// The last printed digit of a value is at least this part of it.
 const FINEST_RELATIVE_DIGIT: f64 = 1e-5;
-/// Decimals of a MAC on the screen.
-const MAC_DECIMALS: usize = 3;
 /// Normalised deviations beyond this are all the same to a reader.
 const LARGEST_NORMALISED: f64 = 1000.0;
 
@@ -60,6 +58,13 @@ pub enum Cell {
         decimals: usize,
         /// Whether a positive value carries its sign.
         signed: bool,
+    },
+    /// A measure of correlation up to 1, which prints as 1 only where it is 1.
+    Correlation {
+        /// The value.
+        value: f64,
+        /// Digits after the point in rendered text; CSV keeps them all.
+        decimals: usize,
     },
     /// A deviation over its standard deviation, in one decimal and with its sign; beyond a thousand
     /// only that is said.
@@ -114,17 +119,9 @@ impl Cell {
         Cell::number(value, decimals)
     }
 
-    /// A MAC in three decimals; below 1 it never prints as 1.
-    pub fn mac(value: Option<f64>) -> Self {
-        let largest_below_one = 1.0 - 0.1_f64.powi(MAC_DECIMALS as i32);
-        let shown = |mac: f64| {
-            if mac < 1.0 {
-                mac.min(largest_below_one)
-            } else {
-                mac
-            }
-        };
-        Cell::number(value.map(shown), MAC_DECIMALS)
+    /// A MAC, an MPC or a coherence, or missing.
+    pub fn mac(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Cell::Missing, |value| Cell::Correlation { value, decimals })
     }
 
     /// The text for people, with a dash for what is missing.
@@ -147,6 +144,14 @@ impl Cell {
                     false => text,
                 }
             }
+            Cell::Correlation { value, decimals } => {
+                let largest_below_one = 1.0 - 0.1_f64.powi(*decimals as i32);
+                let shown = match *value < 1.0 {
+                    true => value.min(largest_below_one),
+                    false => *value,
+                };
+                Cell::number(Some(shown), *decimals).display()
+            }
             Cell::Normalised(value) if value.abs() > LARGEST_NORMALISED => {
                 let (relation, sign) = if *value > 0.0 { (">", "") } else { ("<", "-") };
                 format!("{relation} {sign}{LARGEST_NORMALISED}")
@@ -160,7 +165,9 @@ impl Cell {
     pub fn exact(&self) -> String {
         match self {
             Cell::Text(text) => text.clone(),
-            Cell::Number { value, .. } | Cell::Normalised(value) => value.to_string(),
+            Cell::Number { value, .. }
+            | Cell::Correlation { value, .. }
+            | Cell::Normalised(value) => value.to_string(),
             Cell::Missing => String::new(),
         }
     }
@@ -233,7 +240,7 @@ impl Table {
     /// The same table with this many digits after the point of every number.
     pub fn with_decimals(mut self, wanted: usize) -> Self {
         for cell in self.rows.iter_mut().flatten() {
-            if let Cell::Number { decimals, .. } = cell {
+            if let Cell::Number { decimals, .. } | Cell::Correlation { decimals, .. } = cell {
                 *decimals = wanted;
             }
         }
@@ -279,9 +286,10 @@ mod tests {
     #[test]
     fn mac_below_one_is_not_printed_as_one() {
         for (mac, expected) in [(0.9995, "0.999"), (0.99999, "0.999"), (1.0, "1.000")] {
-            assert_eq!(Cell::mac(Some(mac)).display(), expected);
+            assert_eq!(Cell::mac(Some(mac), 3).display(), expected);
         }
-        assert_eq!(Cell::mac(Some(0.8766)).display(), "0.877");
+        assert_eq!(Cell::mac(Some(0.8766), 3).display(), "0.877");
+        assert_eq!(Cell::mac(Some(0.99999), 3).exact(), "0.99999");
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl Terminal {
 
     fn wrapped(&self, text: &str) -> String {
         match self.width {
-            Some(width) => textwrap::fill(text, width),
+            Some(width) => textwrap::fill(text, wrapping(width)),
             None => text.to_owned(),
         }
     }
@@ -81,6 +81,13 @@ impl Terminal {
         }
         text
     }
+}
+
+/// Words, such as paths and commands, stay whole, even where they are longer than a line.
+pub(super) fn wrapping(width: usize) -> textwrap::Options<'static> {
+    textwrap::Options::new(width)
+        .break_words(false)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation)
 }
 
 /// Characters in the widest line of a table.
@@ -146,5 +153,18 @@ fn push_row<T: AsRef<str>>(
         }
         line.truncate(line.trim_end().len());
         lines.push(line);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_longer_than_the_line_stays_whole() {
+        let path = "measurements/a-machine-with-a-name/of-more-than-twenty-characters";
+        let text = format!("Then: modalign run {path} prints the modes.");
+        let printed = Terminal { width: Some(20) }.render(&[Block::Text(text)]);
+        assert!(printed.lines().any(|line| line.contains(path)), "{printed}");
     }
 }

@@ -189,11 +189,11 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
             Cell::number(Some(b.test_hz), 3),
             Cell::number(b.model_hz, 3),
             Cell::signed(b.error_percent, 3),
-            Cell::number(b.mac, 4),
+            Cell::mac(b.mac, 4),
             Cell::number(a.model_hz, 3),
             Cell::std(a.model_std_hz, 3),
             Cell::signed(a.error_percent, 3),
-            Cell::number(a.mac, 4),
+            Cell::mac(a.mac, 4),
         ]
     };
     let heads = [

@@ -51,7 +51,11 @@ impl Section {
             for cell in table.rows.iter_mut().flatten() {
                 let text = cell.display();
                 match cell {
-                    Cell::Number { value, .. } | Cell::Normalised(value) if !value.is_finite() => {
+                    Cell::Number { value, .. }
+                    | Cell::Correlation { value, .. }
+                    | Cell::Normalised(value)
+                        if !value.is_finite() =>
+                    {
                         *cell = Cell::Text(text);
                     }
                     _ => {}

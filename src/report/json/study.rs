@@ -196,7 +196,9 @@ fn rows(table: &Table) -> Value {
 fn value(cell: &Cell) -> Value {
     match cell {
         Cell::Text(text) => json!(text),
-        Cell::Number { value, .. } | Cell::Normalised(value) => json!(value),
+        Cell::Number { value, .. } | Cell::Correlation { value, .. } | Cell::Normalised(value) => {
+            json!(value)
+        }
         Cell::Missing => Value::Null,
     }
 }

@@ -1,7 +1,7 @@
 //! Blocks of the report cut to a screen: rows, columns, notes and whole tables are omitted, and
 //! each place says so.
 
-use crate::report::terminal::table_width;
+use crate::report::terminal::{table_width, wrapping};
 use crate::report::{Align, Block, Cell, Renderer, Table, Terminal};
 
 use super::{MAX_ROWS, counted, omit_column};
@@ -12,6 +12,8 @@ const MAX_LINES: usize = 32;
 const MIN_ROWS: usize = 4;
 /// Notes below a table.
 const MAX_NOTES: usize = 2;
+/// Omitted columns that a note names.
+const MAX_NAMED_COLUMNS: usize = 4;
 /// Characters to which texts in cells are wrapped where a table is too wide.
 const TEXT_CELL_WIDTH: usize = 30;
 
@@ -23,12 +25,12 @@ pub fn abridged(blocks: Vec<Block>, width: usize) -> Vec<Block> {
     for block in blocks {
         let block = match block {
             Block::Table(table) => {
+                let caption = table.caption.clone();
                 let room = MAX_LINES.saturating_sub(lines);
-                match (abridged_table(table.clone(), width, room), shown.is_empty()) {
-                    (Some(table), _) => Block::Table(table),
-                    (None, true) => Block::Table(cut_rows(table, MIN_ROWS)),
-                    (None, false) => {
-                        omitted.push(table.caption);
+                match abridged_table(table, width, room, shown.is_empty()) {
+                    Some(table) => Block::Table(table),
+                    None => {
+                        omitted.push(caption);
                         continue;
                     }
                 }
@@ -53,24 +55,39 @@ fn line_count(block: &Block, width: usize) -> usize {
 }
 
 /// The table with as many notes, columns and rows as there is room for; `None` where few rows are
-/// left.
-fn abridged_table(mut table: Table, width: usize, room: usize) -> Option<Table> {
+/// left, unless it `is_first`.
+fn abridged_table(mut table: Table, width: usize, room: usize, is_first: bool) -> Option<Table> {
     let notes = table.footnotes.len().saturating_sub(MAX_NOTES);
     if notes > 0 {
         table.footnotes.truncate(MAX_NOTES);
-        table
-            .footnotes
-            .push(format!("{}: --full.", counted(notes, "further note")));
+        let notes = counted(notes, "further note");
+        table.footnotes.push(format!("{notes}: --full."));
     }
     let mut table = narrowed(table, width);
     let rows = std::mem::take(&mut table.rows);
     let overhead = line_count(&Block::Table(table.clone()), width) + 1;
     table.rows = rows;
-    let most = MAX_ROWS.min(room.saturating_sub(overhead));
-    if table.rows.len() <= most {
+    let room = room.saturating_sub(overhead);
+    let mut used = 0;
+    let fitting = table.rows.iter().take(MAX_ROWS).take_while(|row| {
+        used += row_lines(row);
+        used <= room
+    });
+    let fitting = fitting.count();
+    if table.rows.len() <= fitting {
         return Some(table);
     }
-    (most > MIN_ROWS).then(|| cut_rows(table, most - 1))
+    // A line says how many rows are omitted.
+    match (fitting > MIN_ROWS, is_first) {
+        (true, _) => Some(cut_rows(table, fitting - 1)),
+        (false, true) => Some(cut_rows(table, MIN_ROWS)),
+        (false, false) => None,
+    }
+}
+
+fn row_lines(row: &[Cell]) -> usize {
+    let lines = row.iter().map(|cell| cell.display().lines().count());
+    lines.max().unwrap_or(0).max(1)
 }
 
 /// The first rows of a table, with the number of the others.
@@ -78,59 +95,73 @@ fn cut_rows(mut table: Table, most: usize) -> Table {
     let further = table.rows.len().saturating_sub(most);
     if further > 0 {
         table.rows.truncate(most);
-        table
-            .footnotes
-            .push(format!("{}: --full.", counted(further, "further row")));
+        let further = counted(further, "further row");
+        table.footnotes.push(format!("{further}: --full."));
     }
     table
 }
 
-/// The table in this width: its texts wrapped, then its columns of numbers omitted, those with the
-/// smallest numbers first.
+/// The table in this width: its texts wrapped, then its columns of numbers omitted, those of
+/// percentages with the smallest numbers first, others from the right. Names of omitted columns
+/// are in a note.
 fn narrowed(mut table: Table, width: usize) -> Table {
     if table_width(&table) <= width {
         return table;
     }
     for cell in table.rows.iter_mut().flatten() {
         if let Cell::Text(text) = cell {
-            *text = textwrap::fill(text, TEXT_CELL_WIDTH);
+            *text = textwrap::fill(text, wrapping(TEXT_CELL_WIDTH));
         }
     }
-    let mut omitted = 0;
+    let mut omitted: Vec<String> = Vec::new();
     while table_width(&table) > width {
-        let Some(column) = least_column(&table) else {
+        let Some(column) = omissible_column(&table) else {
             break;
         };
+        omitted.insert(0, table.columns[column].head.replace('\n', " "));
         omit_column(&mut table, column);
-        omitted += 1;
     }
-    if omitted > 0 {
+    if !omitted.is_empty() {
+        let further = counted(omitted.len(), "further column");
+        let more = match omitted.len() > MAX_NAMED_COLUMNS {
+            true => ", ...",
+            false => "",
+        };
+        omitted.truncate(MAX_NAMED_COLUMNS);
+        let names = omitted.join(", ");
         table
             .footnotes
-            .push(format!("{}: --full.", counted(omitted, "further column")));
+            .push(format!("{further} ({names}{more}): --full."));
     }
     table
 }
 
-/// The column of numbers, but not the first, with the smallest largest magnitude; the last one of
-/// equal ones. Where there are no numbers, the last column of several.
-fn least_column(table: &Table) -> Option<usize> {
+/// The next column to omit: of columns in percent, but not the first of the table, that with the
+/// smallest largest magnitude; else the last column of numbers.
+fn omissible_column(table: &Table) -> Option<usize> {
+    let numbers = (1..table.columns.len())
+        .filter(|column| table.columns[*column].align == Align::Right)
+        .collect::<Vec<usize>>();
+    let percent = numbers
+        .iter()
+        .copied()
+        .filter(|column| table.columns[*column].head.ends_with("(%)"));
+    let percent: Vec<usize> = percent.collect();
+    if percent.len() + 1 < numbers.len() || percent.len() < 3 {
+        return numbers.last().copied();
+    }
     let largest = |column: usize| {
         let cells = table.rows.iter().map(|row| &row[column]);
-        cells
-            .filter_map(|cell| match cell {
-                Cell::Number { value, .. } | Cell::Normalised(value) => Some(value.abs()),
-                _ => None,
-            })
-            .reduce(f64::max)
+        let values = cells.filter_map(|cell| match cell {
+            Cell::Number { value, .. } => Some(value.abs()),
+            _ => None,
+        });
+        values.fold(0.0, f64::max)
     };
-    let count = table.columns.len();
-    let numbers = (1..count).filter(|column| table.columns[*column].align == Align::Right);
-    let numbers = numbers.filter_map(|column| Some((column, largest(column)?)));
-    let least = numbers.min_by(|(i, a), (j, b)| a.total_cmp(b).then(j.cmp(i)));
-    least
-        .map(|(column, _)| column)
-        .or((count > 1).then(|| count - 1))
+    percent.into_iter().min_by(|&i, &j| {
+        let by_magnitude = largest(i).total_cmp(&largest(j));
+        by_magnitude.then(j.cmp(&i))
+    })
 }
 
 #[cfg(test)]
@@ -143,7 +174,7 @@ mod tests {
         Table {
             caption: format!("{rows} by {columns}"),
             columns: (0..columns)
-                .map(|c| Column::number(format!("column {c}")))
+                .map(|c| Column::number(format!("column {c} (%)")))
                 .collect(),
             rows: (0..rows)
                 .map(|r| (0..columns).map(|c| cell(r, c)).collect())
@@ -177,13 +208,13 @@ mod tests {
             panic!("a table stays one");
         };
         let heads: Vec<&str> = shown.columns.iter().map(|c| c.head.as_str()).collect();
-        assert_eq!(heads[0], "column 0");
-        assert_eq!(heads.last(), Some(&"column 11"));
+        assert_eq!(heads[0], "column 0 (%)");
+        assert_eq!(heads.last(), Some(&"column 11 (%)"));
         assert!(
             shown
                 .footnotes
                 .iter()
-                .any(|note| note.contains("further columns: --full."))
+                .any(|note| note.contains("further columns (column 1 (%), "))
         );
     }
 

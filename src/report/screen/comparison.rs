@@ -1,6 +1,8 @@
 //! The comparison on the screen: counts and errors by test, and the modes of all tests side by
 //! side.
 
+use std::collections::BTreeSet;
+
 use crate::correlate::{
     Basis, ComparisonTable, ErrorReference, Row, Status, TestCell, TestSummary,
 };
@@ -8,12 +10,12 @@ use crate::report::comparison::label_with_multiplicity;
 use crate::report::terminal::table_width;
 use crate::report::{Block, Cell, Column, Table};
 
-use super::{MAX_ROWS, counted, fitted, without_empty_columns};
+use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Maximum number of reasons of unmatched and ambiguous modes on the screen.
-const MAX_REASONS: usize = 4;
-/// Part of the width of the screen, one over it, that the names of tests have in the first column.
-const NAME_SHARE: usize = 5;
+const MAX_REASONS: usize = 3;
+/// The names of tests in the first column have at most the width of the screen over this.
+const SCREEN_OVER_NAME_WIDTH: usize = 5;
 /// Width at which the name of a test is wrapped in a head.
 const NAME_WIDTH: usize = 10;
 
@@ -22,32 +24,53 @@ const NAME_WIDTH: usize = 10;
 pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
     let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
     let mut blocks = vec![Block::Table(counts_table(table, width))];
+    blocks.extend(empty_band_block(table));
     let tables = ModeTables { table, width }.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
     blocks.extend(reasons_block(table));
     blocks
 }
 
+/// A warning where no natural frequency of the model lies in the band of any test.
+fn empty_band_block(table: &ComparisonTable) -> Option<Block> {
+    let theory = table.rows.iter().filter(|row| row.theory.is_some());
+    let cells = theory.clone().flat_map(|row| &row.tests);
+    let lowest = theory
+        .filter_map(|row| Some(row.theory.as_ref()?.hz))
+        .reduce(f64::min)?;
+    let is_empty = cells
+        .into_iter()
+        .all(|cell| cell.status == Status::OutsideBand);
+    is_empty.then(|| {
+        Block::Text(format!(
+            "No mode of the model lies in the band of a test; its lowest is at {lowest:.2} Hz. Bands are in Hz."
+        ))
+    })
+}
+
 /// Modes and pairs in numbers, a row for each test.
 fn counts_table(table: &ComparisonTable, width: usize) -> Table {
     let heads = [
-        "modes\nin band",
+        "model\nmodes",
         "paired",
         "by\nshape",
-        "by\nfrequency",
-        "ambiguous",
-        "unmatched",
-        "not\nobservable",
-        "unmatched\ntest modes",
+        "by fre-\nquency",
+        "ambi-\nguous",
+        "un-\npaired",
+        "not ob-\nservable",
+        "unpaired\ntest modes",
         "rms\nerror (%)",
         "largest\nerror (%)",
-        "at",
+        "worst\nmode",
         "lowest\nMAC",
     ];
     let row = |summary: &TestSummary| {
         let in_band = summary.paired + summary.ambiguous + summary.missed + summary.not_observable;
         let largest = largest_error(table, &summary.test);
-        let mut cells = vec![Cell::text(wrapped(&summary.test, width / NAME_SHARE))];
+        let mut cells = vec![Cell::text(wrapped(
+            &summary.test,
+            width / SCREEN_OVER_NAME_WIDTH,
+        ))];
         cells.extend(
             [
                 in_band,
@@ -65,30 +88,34 @@ fn counts_table(table: &ComparisonTable, width: usize) -> Table {
             Cell::number(summary.rms_error_percent, 3),
             Cell::signed(largest.map(|(_, percent)| percent), 3),
             largest.map_or(Cell::Missing, |(label, _)| Cell::text(label)),
-            Cell::mac(summary.min_mac),
+            Cell::mac(summary.min_mac, MAC_DECIMALS),
         ]);
         cells
     };
     let columns = std::iter::once(Column::text("test")).chain(heads.map(Column::number));
+    let note = "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.";
     let table = Table {
         columns: columns.collect(),
         rows: table.summary.iter().map(row).collect(),
+        footnotes: vec![note.to_owned()],
         ..Table::default()
     };
     let table = without_empty_columns(
         table,
         &[
-            "ambiguous",
-            "not\nobservable",
-            "unmatched\ntest modes",
+            "ambi-\nguous",
+            "not ob-\nservable",
+            "unpaired\ntest modes",
             "lowest\nMAC",
         ],
     );
-    fitted(
-        table,
-        &["at", "not\nobservable", "by\nfrequency", "by\nshape"],
-        width,
-    )
+    let omissible = [
+        "by fre-\nquency",
+        "worst\nmode",
+        "not ob-\nservable",
+        "by\nshape",
+    ];
+    fitted(table, &omissible, width)
 }
 
 /// The largest error of a test, percent, with the label of its mode.
@@ -144,16 +171,14 @@ impl ModeTables<'_> {
                 Cell::text(label_with_multiplicity(row)),
                 Cell::measured(theory, None),
             ];
-            cells.extend(cell.map_or([const { Cell::Missing }; 7], |cell| {
+            cells.extend(cell.map_or([const { Cell::Missing }; 6], |cell| {
                 let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
                 [
                     Cell::measured(cell.hz, cell.hz_std),
                     Cell::std(cell.hz_std, 0),
                     Cell::signed(cell.error_percent, 3),
-                    cell.normalised_error
-                        .map_or(Cell::Missing, Cell::Normalised),
                     Cell::measured(percent(cell.damping_ratio), percent(cell.damping_std)),
-                    Cell::mac(cell.mac),
+                    Cell::mac(cell.mac, MAC_DECIMALS),
                     Cell::text(verdict(cell)),
                 ]
             }));
@@ -164,7 +189,6 @@ impl ModeTables<'_> {
             "test (Hz)",
             "std (Hz)",
             "error (%)",
-            "error/std",
             "damping (%)",
             "MAC",
         ];
@@ -179,8 +203,8 @@ impl ModeTables<'_> {
                 .collect(),
             ..Table::default()
         };
-        let table = without_empty_columns(table, &["std (Hz)", "error/std", "damping (%)", "MAC"]);
-        fitted(table, &["error/std", "damping (%)", "std (Hz)"], self.width)
+        let table = without_empty_columns(table, &["std (Hz)", "damping (%)", "MAC"]);
+        fitted(table, &["damping (%)", "std (Hz)"], self.width)
     }
 
     fn error_definition(&self) -> &'static str {
@@ -245,47 +269,42 @@ impl ModeTables<'_> {
         }
     }
 
-    /// The rows with a mode of one of the tests in its band. Of many, the paired ones with the
-    /// smallest errors are omitted, which a sentence says.
+    /// The rows with a mode of one of the tests in its band. Of many, those are omitted that say
+    /// least, which a sentence counts: not observable modes, then pairs with the smallest errors.
     fn rows(&self, tests: &[&str]) -> (Vec<&Row>, Option<String>) {
-        let cells = |row: &Row| -> Vec<TestCell> {
+        let cells = |row: &Row| -> Vec<f64> {
             let cells = row.tests.iter();
+            let cells = cells.filter(|cell| tests.contains(&&*cell.test));
             cells
-                .filter(|cell| tests.contains(&&*cell.test))
-                .cloned()
+                .filter(|cell| cell.status != Status::OutsideBand)
+                .map(importance)
                 .collect()
         };
-        let is_in_band = |cell: &TestCell| cell.status != Status::OutsideBand;
         let all = self.table.rows.iter();
-        let all: Vec<&Row> = all
-            .filter(|row| cells(row).iter().any(is_in_band))
+        let mut all: Vec<(f64, &Row)> = all
+            .filter_map(|row| Some((cells(row).into_iter().reduce(f64::max)?, row)))
             .collect();
-        // Infinite where the row says more than an error.
-        let importance = |row: &Row| {
-            let of_cell = |cell: &TestCell| match cell.status {
-                Status::OutsideBand | Status::NotObservable => 0.0,
-                Status::Paired => cell.error_percent.map_or(0.0, f64::abs),
-                _ => f64::INFINITY,
-            };
-            cells(row).iter().map(of_cell).fold(0.0, f64::max)
-        };
-        let mut sorted: Vec<f64> = all.iter().map(|row| importance(row)).collect();
-        sorted.sort_by(|a, b| b.total_cmp(a));
-        let Some(least) = sorted
-            .get(MAX_ROWS)
-            .copied()
-            .filter(|least| least.is_finite())
-        else {
-            return (all, None);
-        };
-        let shown: Vec<&Row> = all
-            .iter()
-            .copied()
-            .filter(|row| importance(row) > least)
-            .collect();
-        let omitted = counted(all.len() - shown.len(), "further mode");
-        let sentence = format!("{omitted} with errors of at most {least:.3} %: --full.");
-        (shown, Some(sentence))
+        let omitted = all.len().saturating_sub(MAX_ROWS);
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|&a, &b| all[b].0.total_cmp(&all[a].0));
+        let kept: BTreeSet<usize> = order.into_iter().take(MAX_ROWS).collect();
+        let mut index = 0..;
+        all.retain(|_| index.next().is_some_and(|index| kept.contains(&index)));
+        let sentence = (omitted > 0).then(|| {
+            let modes = counted(omitted, "further mode");
+            format!("{modes}, those with the smallest errors first: --full.")
+        });
+        (all.into_iter().map(|(_, row)| row).collect(), sentence)
+    }
+}
+
+/// Importance of a cell for a reader: of a pair the magnitude of its error; infinite where the cell
+/// says more than an error.
+fn importance(cell: &TestCell) -> f64 {
+    match cell.status {
+        Status::OutsideBand | Status::NotObservable => 0.0,
+        Status::Paired => cell.error_percent.map_or(0.0, f64::abs),
+        _ => f64::INFINITY,
     }
 }
 
@@ -311,7 +330,7 @@ impl Detail {
         match self {
             Detail::Frequency => Cell::measured(cell.hz, cell.hz_std),
             Detail::Error => Cell::text(marked_error(cell, mark_width)),
-            Detail::Mac => Cell::mac(cell.mac),
+            Detail::Mac => Cell::mac(cell.mac, MAC_DECIMALS),
         }
     }
 }

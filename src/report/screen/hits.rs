@@ -9,7 +9,7 @@ use crate::report::table::significant;
 use crate::report::{Block, Cell};
 use crate::signal::{Check, Outcome};
 
-use super::{abridged, counted};
+use super::{MAC_DECIMALS, abridged, counted};
 
 /// Counts of hits and FRFs, the coherence in the usable band, and the rejected hits.
 pub fn hits_screen(hits: &[HitReport], set: &FrfSet, usable: Band, width: usize) -> Vec<Block> {
@@ -95,10 +95,14 @@ fn coherence_sentence(set: &FrfSet, usable: Band) -> String {
     let lowest = all.clone().min_by(|(_, a), (_, b)| a.total_cmp(b));
     let highest = all.map(|(_, median)| median).max_by(f64::total_cmp);
     let Some(((index, lowest), highest)) = lowest.zip(highest) else {
-        return "Coherence: none, which takes two averages or more.".to_owned();
+        let why = match (0..set.len()).any(|index| set.coherence(index).is_some()) {
+            true => "no line is in the usable band",
+            false => "it takes two averages or more",
+        };
+        return format!("Coherence: none, {why}.");
     };
     let function = &set.functions()[index];
-    let text = |coherence: f64| Cell::mac(Some(coherence)).display();
+    let text = |coherence: f64| Cell::mac(Some(coherence), MAC_DECIMALS).display();
     format!(
         "Coherence in that band, median of each FRF: {} to {}, lowest at {}/{}.",
         text(lowest),

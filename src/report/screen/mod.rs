@@ -2,8 +2,8 @@
 //! columns and rows, and what to do next.
 //!
 //! `--full` prints the blocks of the report in their place; files and JSON never depend on this
-//! choice. A screen is at most as wide as the terminal where its content allows, and omits columns
-//! and rows in a fixed order of importance. It says how many rows it omits.
+//! choice. A screen is at most as wide as the terminal where its content allows. It omits columns
+//! and rows in a stated order, and says so.
 
 mod abridged;
 mod comparison;
@@ -25,6 +25,8 @@ pub use regression_check::regression_check_screen;
 pub use run::run_screen;
 pub use update::update_screen;
 
+/// Decimals of MAC, MPC and coherence on the screen.
+const MAC_DECIMALS: usize = 3;
 /// Maximum number of rows of a table on the screen.
 const MAX_ROWS: usize = 30;
 
@@ -35,7 +37,10 @@ fn fitted(mut table: Table, omissible: &[&str], width: usize) -> Table {
         if table_width(&table) <= width {
             break;
         }
-        omit_columns(&mut table, |column| column == *head);
+        let index = table.columns.iter().position(|column| column.head == *head);
+        if let Some(index) = index {
+            omit_column(&mut table, index);
+        }
     }
     table
 }
@@ -48,33 +53,19 @@ fn omit_column(table: &mut Table, index: usize) {
     }
 }
 
-/// Removes the columns whose head meets a condition.
-fn omit_columns(table: &mut Table, is_omitted: impl Fn(&str) -> bool) {
-    for index in (0..table.columns.len()).rev() {
-        if is_omitted(&table.columns[index].head) {
-            omit_column(table, index);
-        }
-    }
-}
-
-/// The table without its columns of these heads that hold no value or only zeros.
+/// The table without its columns of these heads that hold no value or, as counts, only zeros.
 fn without_empty_columns(mut table: Table, heads: &[&str]) -> Table {
     let is_empty = |cell: &Cell| match cell {
         Cell::Missing => true,
         Cell::Text(text) => text.trim().is_empty() || text == "0",
-        Cell::Number { value, .. } | Cell::Normalised(value) => *value == 0.0,
+        _ => false,
     };
-    let empty: Vec<String> = table
-        .columns
-        .iter()
-        .enumerate()
-        .filter(|(index, column)| {
-            let mut cells = table.rows.iter().map(|row| &row[*index]);
-            heads.contains(&column.head.as_str()) && cells.all(is_empty)
-        })
-        .map(|(_, column)| column.head.clone())
-        .collect();
-    omit_columns(&mut table, |head| empty.iter().any(|empty| empty == head));
+    for index in (0..table.columns.len()).rev() {
+        let is_named = heads.contains(&table.columns[index].head.as_str());
+        if is_named && table.rows.iter().all(|row| is_empty(&row[index])) {
+            omit_column(&mut table, index);
+        }
+    }
     table
 }
 
@@ -93,8 +84,8 @@ mod tests {
         Table {
             columns: ["mode", "std (Hz)", "MAC"].map(Column::number).to_vec(),
             rows: vec![
-                vec![Cell::text("f1"), Cell::text("0.12"), Cell::count(0)],
-                vec![Cell::text("f2"), Cell::Missing, Cell::count(0)],
+                vec![Cell::text("f1"), Cell::text("0.12"), Cell::text("0")],
+                vec![Cell::text("f2"), Cell::Missing, Cell::text("0")],
             ],
             ..Table::default()
         }

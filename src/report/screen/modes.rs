@@ -8,20 +8,31 @@ use crate::report::modes::{largest_energy_fractions, remarks};
 use crate::report::{Block, Cell, Column, Table};
 use crate::theory::ModelRoot;
 
-use super::{MAX_ROWS, counted, fitted, without_empty_columns};
+use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Number of roots on the screen where no band is stated.
 const MAX_ROOTS: usize = 20;
 /// Width at which remarks are wrapped.
 const REMARK_WIDTH: usize = 32;
 
-/// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks.
-pub fn modes_screen(test: &str, model: &ModalModel, width: usize) -> Vec<Block> {
+/// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks, of
+/// at most so many modes. Without modes the advice says what to try.
+pub fn modes_screen(test: &str, model: &ModalModel, advice: &str, width: usize) -> Vec<Block> {
+    listed_modes(test, model, advice, width, MAX_ROWS)
+}
+
+/// As [`modes_screen`], with this number of modes.
+pub(super) fn listed_modes(
+    test: &str,
+    model: &ModalModel,
+    advice: &str,
+    width: usize,
+    most: usize,
+) -> Vec<Block> {
     if model.modes.is_empty() {
         let band = model.band.map_or(String::new(), |band| {
             format!(" between {} and {} Hz", band.lo_hz, band.hi_hz)
         });
-        let advice = "Try another band (--band), a higher model order (--order) or --method lscf with --stabilization; check coherence and units with inspect.";
         let sentence = format!("{test}: no modes were found{band}.");
         return vec![Block::Text(format!("{sentence}\n{advice}"))];
     }
@@ -34,7 +45,7 @@ pub fn modes_screen(test: &str, model: &ModalModel, width: usize) -> Vec<Block> 
             Cell::std(mode.frequency_std_hz, 0),
             Cell::measured(damping, damping_std),
             Cell::std(damping_std, 0),
-            Cell::mac(mode.mpc),
+            Cell::mac(mode.mpc, MAC_DECIMALS),
             Cell::text(textwrap::fill(&remarks(model, mode), REMARK_WIDTH)),
         ]
     };
@@ -48,14 +59,14 @@ pub fn modes_screen(test: &str, model: &ModalModel, width: usize) -> Vec<Block> 
     ];
     let mut columns: Vec<Column> = numbers.map(Column::number).to_vec();
     columns.push(Column::text("remark"));
-    let omitted = model.modes.get(MAX_ROWS).map(|first| {
-        let modes = counted(model.modes.len() - MAX_ROWS, "further mode");
+    let omitted = model.modes.get(most).map(|first| {
+        let modes = counted(model.modes.len() - most, "further mode");
         format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
     });
     let table = Table {
         caption: format!("Identified modes: {test}"),
         columns,
-        rows: (1..).zip(&model.modes).take(MAX_ROWS).map(row).collect(),
+        rows: (1..).zip(&model.modes).take(most).map(row).collect(),
         footnotes: omitted.into_iter().collect(),
     };
     let table = without_empty_columns(table, &["std (Hz)", "std (%)", "MPC", "remark"]);
@@ -77,6 +88,11 @@ pub fn roots_screen(
     let inside = |root: &ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
     let numbered = (1_usize..).zip(roots).filter(|(_, root)| inside(root));
     let numbered: Vec<(usize, &ModelRoot)> = numbered.collect();
+    if let (Some(band), true) = (band, numbered.is_empty()) {
+        let (lo, hi) = (band.lo_hz, band.hi_hz);
+        let sentence = format!("{caption}: none between {lo} and {hi} Hz.");
+        return vec![Block::Text(sentence)];
+    }
     let most = if band.is_some() { MAX_ROWS } else { MAX_ROOTS };
     let row = |(number, root): &(usize, &ModelRoot)| {
         vec![

@@ -1,11 +1,17 @@
 //! The screen of `run`: verdict, comparison, published results, and what to do next.
 
 use crate::report::Block;
-use crate::scene::SceneResult;
+use crate::scene::{SceneResult, TestResult};
 
+use super::MAX_ROWS;
 use super::comparison::comparison_screen;
-use super::modes::{modes_screen, roots_screen};
+use super::modes::{listed_modes, roots_screen};
 use super::sentences::{assumptions, limits, next_points, published, synthetic};
+
+/// What to try where a test has no modes.
+const ADVICE: &str = "Try another band (band_hz of [[test]]) or method or order ([identify]); check units and coherence.";
+/// Modes that are listed of each of many tests.
+const MIN_MODES_OF_TEST: usize = 5;
 
 /// The result of a scene: limits, synthetic data and assumptions; the comparison, or the modes of
 /// the tests, or the roots of the model; published results; recommended points.
@@ -25,12 +31,17 @@ pub fn run_screen(title: &str, result: &SceneResult, width: usize) -> Vec<Block>
             blocks.extend(roots_screen("Roots of the model", roots, None, width));
         }
         None => {
-            let tests = result.tests.iter();
-            blocks.extend(tests.flat_map(|test| modes_screen(&test.name, &test.modes, width)));
+            let sentence = "No [model] is stated, so that nothing is compared.";
+            blocks.push(Block::Text(sentence.to_owned()));
+            let most = (MAX_ROWS / result.tests.len()).max(MIN_MODES_OF_TEST);
+            let of_test =
+                |test: &TestResult| listed_modes(&test.name, &test.modes, ADVICE, width, most);
+            blocks.extend(result.tests.iter().flat_map(of_test));
         }
     }
     let published = result.expected.iter().flat_map(published);
-    let points = result.placements.iter().filter_map(next_points);
+    let points = result.placements.iter();
+    let points = points.filter_map(|placed| next_points(placed, result.table.as_ref()));
     let last: Vec<String> = published.chain(points).collect();
     blocks.push(Block::Text(last.join("\n")));
     blocks

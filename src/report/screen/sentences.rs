@@ -1,8 +1,10 @@
 //! Sentences of a screen: limits, synthetic recordings, assumptions, published results and the
 //! points to measure next.
 
+use crate::correlate::ComparisonTable;
 use crate::correlate::published::ClaimVerdict;
 use crate::report::Cell;
+use crate::report::placement::label;
 use crate::report::table::significant;
 use crate::scene::{ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory};
 use crate::theory::ParameterStatus;
@@ -24,11 +26,18 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         return format!("Limits: all met ({}).", checks.len());
     }
     let named = missed.iter().take(MAX_NAMED_LIMITS).map(|check| {
-        let value = check
-            .value
-            .map_or("none".to_owned(), |value| significant(value, 4));
+        let limit = check.limit.to_string();
+        let value = check.value.map_or("none".to_owned(), |value| {
+            // Rounded, a missed limit could read as met.
+            let rounded = significant(value, 4);
+            if rounded == limit {
+                value.to_string()
+            } else {
+                rounded
+            }
+        });
         let relation = if check.upper { "at most" } else { "at least" };
-        format!("{} {value} ({relation} {})", check.what, check.limit)
+        format!("{} {value} ({relation} {limit})", check.what)
     });
     let further = missed.len().saturating_sub(MAX_NAMED_LIMITS);
     let further = (further > 0).then(|| format!("{further} more"));
@@ -79,7 +88,7 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
         .and_then(|roots| roots.simple.as_ref());
     let roots = roots.map(|errors| {
         format!(
-            "Published natural frequencies: {} against the model, rms error {:.3} %, largest {} % at {}.",
+            "Published frequencies: {}, rms error of the model {:.3} %, largest {} % at {}.",
             counted(errors.count, "single root"),
             errors.rms_percent,
             Cell::signed(Some(errors.largest_percent), 3).display(),
@@ -103,9 +112,13 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
     roots.into_iter().chain(claims).collect()
 }
 
-/// The points to measure next; `None` where none makes a further mode observable.
-pub(super) fn next_points(placed: &PlacedTest) -> Option<String> {
-    let placement = placed.placement.as_ref().ok()?;
+/// The points to measure next, or why they are unknown; `None` where none makes a further mode
+/// observable.
+pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Option<String> {
+    let placement = match &placed.placement {
+        Ok(placement) => placement,
+        Err(why) => return Some(format!("Measure next, {}: unknown, {why}.", placed.test)),
+    };
     let steps = placement.steps.iter().take(MAX_NAMED_STEPS).map(|step| {
         let hit = step
             .hit
@@ -113,12 +126,10 @@ pub(super) fn next_points(placed: &PlacedTest) -> Option<String> {
             .map(|dof| format!("excitation point {dof}"));
         let sensor = step.sensor.as_ref().map(|dof| format!("sensor {dof}"));
         let points: Vec<String> = hit.into_iter().chain(sensor).collect();
-        let modes: usize = step.shown.iter().map(|(_, modes)| modes).sum();
-        format!(
-            "{} ({})",
-            points.join(" with "),
-            counted(modes, "further mode")
-        )
+        let shown = step.shown.iter();
+        let modes = shown.map(|(root, _)| label(&placement.roots[*root], table));
+        let modes: Vec<String> = modes.collect();
+        format!("{} (shows {})", points.join(" with "), modes.join(", "))
     });
     let steps: Vec<String> = steps.collect();
     (!steps.is_empty()).then(|| format!("Measure next, {}: {}.", placed.test, steps.join("; ")))
