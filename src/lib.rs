@@ -147,6 +147,7 @@
 //! | stage | may use |
 //! |---|---|
 //! | `dof` | — |
+//! | `guide` | — |
 //! | `quantity` | — |
 //! | `axis` | — |
 //! | `linalg` | — |
@@ -195,6 +196,7 @@ pub mod error;
 pub mod finding;
 pub mod frf;
 pub mod geometry;
+pub mod guide;
 pub mod identify;
 pub mod io;
 pub mod modal;

@@ -1,8 +1,8 @@
-//! Every command of the README and every example of `--help` runs, in a folder that holds the files
-//! that they name; of studies that differ in scene and output folder alone, the first.
+//! Every command of README and guide and every example of `--help` runs, in a folder that holds the
+//! files that they name; of studies that differ in scene and output folder alone, the first.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::command::{root, write};
@@ -42,11 +42,42 @@ fn command_of(line: &str) -> Option<&str> {
     is_known.then_some(line)
 }
 
-/// Commands in blocks of the README.
-fn readme_commands() -> Vec<String> {
-    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let blocks = text.lines().filter(|line| line.starts_with("    "));
-    blocks.filter_map(command_of).map(str::to_owned).collect()
+/// The README and the pages of the guide.
+fn pages() -> Vec<(String, String)> {
+    let guide = std::fs::read_dir(root().join("src/guide")).unwrap();
+    let mut paths: Vec<PathBuf> = guide.map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|kind| kind == "md"));
+    paths.sort();
+    paths.insert(0, root().join("README.md"));
+    let page = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        (path.display().to_string(), text)
+    };
+    paths.into_iter().map(page).collect()
+}
+
+/// Commands in the blocks of a page, which are indented or fenced; not those of fences of plain
+/// text.
+fn commands(page: &str) -> Vec<String> {
+    let mut fence: Option<&str> = None;
+    let mut found = Vec::new();
+    for line in page.lines() {
+        let text = line.trim_start();
+        if let Some(language) = text.strip_prefix("```") {
+            fence = if fence.is_some() {
+                None
+            } else {
+                Some(language)
+            };
+            continue;
+        }
+        let is_code = match fence {
+            Some(language) => language != "text",
+            None => line.starts_with("    "),
+        };
+        found.extend(command_of(line).filter(|_| is_code).map(str::to_owned));
+    }
+    found
 }
 
 /// Words of a line as a shell parts them, quotes taken off, and the file that standard output goes
@@ -180,7 +211,7 @@ fn study_key(words: &[String]) -> Option<Vec<String>> {
 }
 
 #[test]
-fn every_command_of_the_readme_and_every_example_runs() {
+fn every_command_of_readme_and_guide_and_every_example_runs() {
     let folder = prepared();
     let mut lines = Vec::new();
     for verb in verbs() {
@@ -206,9 +237,14 @@ fn every_command_of_the_readme_and_every_example_runs() {
         );
         lines.extend(commands);
     }
-    let readme = readme_commands();
-    assert!(readme.len() >= 12, "the README was read: {readme:?}");
-    lines.extend(readme);
+    for (path, text) in pages() {
+        let commands = commands(&text);
+        let at_least = if path.ends_with("README.md") { 8 } else { 0 };
+        assert!(commands.len() >= at_least, "{path} was read: {commands:?}");
+        lines.extend(commands);
+    }
+    let mut known = BTreeSet::new();
+    lines.retain(|line| known.insert(line.clone()));
     // Names that several commands write: each begins as it was prepared.
     let model = std::fs::read(folder.path().join("model.toml")).unwrap();
     let modes = std::fs::read(folder.path().join("modes.json")).unwrap();
@@ -230,6 +266,33 @@ fn every_command_of_the_readme_and_every_example_runs() {
         assert_eq!(output.status.code(), Some(0), "{line}\n{error}");
         if let Some(name) = target {
             std::fs::write(folder.path().join(name), &output.stdout).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_readme_is_short_and_its_example_is_what_is_printed() {
+    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
+    assert!(text.len() <= 10_000, "{} bytes", text.len());
+    for line in text.lines() {
+        assert!(line.chars().count() <= 120, "{line}");
+    }
+    let (_, after) = text.split_once("```text\n").unwrap();
+    let (example, _) = after.split_once("```").unwrap();
+    let words = ["run", "measurements/free-free-beam"].map(str::to_owned);
+    let printed = String::from_utf8(run(root(), &words).stdout).unwrap();
+    assert_eq!(example, printed);
+}
+
+#[test]
+fn links_between_pages_lead_to_files() {
+    for (path, text) in pages() {
+        let folder = Path::new(&path).parent().unwrap();
+        for link in text.split("](").skip(1) {
+            let target = link.split([')', '#']).next().unwrap();
+            if !target.is_empty() && !target.contains("://") {
+                assert!(folder.join(target).exists(), "{path}: {target}");
+            }
         }
     }
 }
