@@ -89,6 +89,7 @@ fn a_models_energies_and_quantities_are_printed_on_request() {
         "torsional-planetary",
         "--energies",
         "--quantities",
+        "--full",
     ]);
     for part in ["T carrier (%)", "U k_r (%)", "98.755", "planet_mode"] {
         assert!(text.contains(part), "{part}:\n{text}");
@@ -99,6 +100,7 @@ fn a_models_energies_and_quantities_are_printed_on_request() {
         "--sensitivities",
         "--band",
         "110:120",
+        "--full",
     ]);
     // Half of its share in the strain energy, 22.509 %; mode 3 alone is in the band.
     let row = text

@@ -102,9 +102,12 @@ impl RecordGrouper<'_> {
                 .role
                 .or(channel.unit.map(|unit| by_quantity(unit.quantity)))
         });
+        let missing_unit = stated.and_then(|channel| channel.missing_unit);
+        let missing_quantity = missing_unit.map(|unit| unit.quantity);
+        let quantity = entry.quantity.or(missing_quantity);
         stated_role
             .or(entry.role)
-            .unwrap_or_else(|| entry.quantity.map_or(Role::Response, by_quantity))
+            .unwrap_or_else(|| quantity.map_or(Role::Response, by_quantity))
     }
 
     pub fn whole_file_as_hit(&self) -> Result<Vec<RecordGroup>, IoError> {

@@ -14,8 +14,9 @@ const MIN_ROWS: usize = 4;
 const MAX_NOTES: usize = 2;
 /// Omitted columns that a note names.
 const MAX_NAMED_COLUMNS: usize = 4;
-/// Characters to which texts in cells are wrapped where a table is too wide.
-const TEXT_CELL_WIDTH: usize = 30;
+/// Characters to which texts in cells are wrapped where a table is too wide, the latter where no
+/// column of numbers is left to omit.
+const TEXT_CELL_WIDTHS: [usize; 3] = [30, 20, 14];
 
 /// The blocks as far as a screen of this width has room for them, in their order.
 pub fn abridged(blocks: Vec<Block>, width: usize) -> Vec<Block> {
@@ -108,11 +109,7 @@ fn narrowed(mut table: Table, width: usize) -> Table {
     if table_width(&table) <= width {
         return table;
     }
-    for cell in table.rows.iter_mut().flatten() {
-        if let Cell::Text(text) = cell {
-            *text = textwrap::fill(text, wrapping(TEXT_CELL_WIDTH));
-        }
-    }
+    wrap_texts(&mut table, TEXT_CELL_WIDTHS[0]);
     let mut omitted: Vec<String> = Vec::new();
     while table_width(&table) > width {
         let Some(column) = omissible_column(&table) else {
@@ -120,6 +117,11 @@ fn narrowed(mut table: Table, width: usize) -> Table {
         };
         omitted.insert(0, table.columns[column].head.replace('\n', " "));
         omit_column(&mut table, column);
+    }
+    for cell_width in &TEXT_CELL_WIDTHS[1..] {
+        if table_width(&table) > width {
+            wrap_texts(&mut table, *cell_width);
+        }
     }
     if !omitted.is_empty() {
         let further = counted(omitted.len(), "further column");
@@ -134,6 +136,14 @@ fn narrowed(mut table: Table, width: usize) -> Table {
             .push(format!("{further} ({names}{more}): --full."));
     }
     table
+}
+
+fn wrap_texts(table: &mut Table, cell_width: usize) {
+    for cell in table.rows.iter_mut().flatten() {
+        if let Cell::Text(text) = cell {
+            *text = textwrap::fill(text, wrapping(cell_width));
+        }
+    }
 }
 
 /// The next column to omit: of columns in percent, but not the first of the table, that with the
