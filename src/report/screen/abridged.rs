@@ -2,7 +2,7 @@
 //! each place says so.
 
 use crate::report::terminal::{table_width, wrapping};
-use crate::report::{Align, Block, Cell, Renderer, Table, Terminal};
+use crate::report::{Align, Block, Cell, Column, Renderer, Table, Terminal};
 
 use super::{MAX_ROWS, counted, omit_column};
 
@@ -110,14 +110,17 @@ fn narrowed(mut table: Table, width: usize) -> Table {
         return table;
     }
     wrap_texts(&mut table, TEXT_CELL_WIDTHS[0]);
-    let mut omitted: Vec<String> = Vec::new();
+    let all = table.columns.clone();
     while table_width(&table) > width {
         let Some(column) = omissible_column(&table) else {
             break;
         };
-        omitted.insert(0, table.columns[column].head.replace('\n', " "));
         omit_column(&mut table, column);
     }
+    let mut kept = table.columns.iter().peekable();
+    let is_omitted = |column: &&Column| kept.next_if(|kept| *kept == *column).is_none();
+    let omitted = all.iter().filter(is_omitted);
+    let mut omitted: Vec<String> = omitted.map(|c| c.head.replace('\n', " ")).collect();
     for cell_width in &TEXT_CELL_WIDTHS[1..] {
         if table_width(&table) > width {
             wrap_texts(&mut table, *cell_width);
@@ -177,7 +180,6 @@ fn omissible_column(table: &Table) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Column;
 
     fn table(rows: usize, columns: usize) -> Table {
         let cell = |row: usize, column: usize| Cell::number(Some((row + 10 * column) as f64), 1);
