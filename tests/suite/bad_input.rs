@@ -89,7 +89,8 @@ fn a_partly_bad_recording_runs_on_its_good_part_on_request() {
     );
 }
 
-const TABLE_SCENE: &str = r#"schema = "modalign-scene/1"
+/// A scene of a table whose columns it describes.
+pub const TABLE_SCENE: &str = r#"schema = "modalign-scene/1"
 title = "a table"
 [[test]]
 name = "table"

@@ -3,25 +3,8 @@
 
 use std::path::Path;
 
+use crate::bad_input::TABLE_SCENE;
 use crate::command::{modalign_in, write};
-
-const SCENE: &str = r#"schema = "modalign-scene/1"
-title = "a table"
-[[test]]
-name = "table"
-files = ["hits.csv"]
-sampling_rate_hz = 1000
-[[test.channel]]
-column = "force"
-role = "force"
-dof = "1:+Z"
-unit = "N"
-[[test.channel]]
-column = "acceleration"
-role = "response"
-dof = "2:+Z"
-unit = "m/s2"
-"#;
 
 const HITS: &str = "force,acceleration\n1,2\n3,4\n";
 
@@ -417,7 +400,7 @@ fn message(folder: &Path, wrong: Wrong, replacements: &[(&str, &str)]) -> String
         text
     };
     let files = [
-        ("scene.toml", text(Scene, SCENE)),
+        ("scene.toml", text(Scene, TABLE_SCENE)),
         ("hits.csv", text(Hits, HITS)),
         ("model.toml", text(Model, MODEL)),
         ("modes.csv", text(Modes, MODES)),
