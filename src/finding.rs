@@ -392,6 +392,9 @@ codes! {
     /// A derived quantity of a model that does not exist.
     QuantityAbsent: "A derived quantity does not exist at these values of the parameters, or needs values that the model does not allow.",
         "Some models define quantities that need other parameter values, such as a doubled stiffness or the values at a crossing. Where a bound or the sign of a parameter forbids these, or where nothing crosses, the quantity is left out (—). Move the parameters away from their bounds.";
+    /// A parameter that no part of its model uses.
+    ParameterUnused: "No part of the model uses this parameter.",
+        "Neither mass, damping nor stiffness depends on it, so that no value of it changes a mode and no update can determine it. A body or a spring probably states a number where it should name the parameter (`stiffness_n_per_m = \"NAME\"` or `parameter = \"NAME\"`), or the name is misspelt. Use the parameter, or delete it.";
     /// A parameter that the data do not determine.
     ParameterNotSupported: "The data do not determine this parameter individually.",
         "Its posterior standard deviation is more than half of its prior one. A parameter that the test does not see at all keeps its value. One that the test sees only together with others moves with their combination; the table of identifiable combinations lists these. The value is posterior over prior standard deviation. Measure at other points or more modes, or state prior knowledge as prior_std.";

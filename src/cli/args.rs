@@ -98,6 +98,8 @@ pub enum Verb {
     New(NewArgs),
     /// Print a script that completes this command line in a shell.
     Completions(CompletionsArgs),
+    /// Print the manual page, or write the pages of all verbs.
+    Man(ManArgs),
 }
 
 /// `run`.
@@ -242,7 +244,7 @@ pub struct IdentifyArgs {
     /// FRF files.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
+    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     #[arg(long, value_name = "NAME", help = method_help())]
@@ -297,7 +299,7 @@ pub struct TheoryArgs {
     /// a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or
     /// a file of finished modes.
     pub model: PathBuf,
-    /// Write the modes here (.json, .csv, or .uff for universal dataset 55).
+    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Set a parameter; may be repeated.
@@ -530,6 +532,15 @@ pub struct NewArgs {
 pub struct CompletionsArgs {
     /// The shell.
     pub shell: Shell,
+}
+
+/// `man`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  modalign man -o man1      # then: man man1/modalign-run.1")]
+pub struct ManArgs {
+    /// Write modalign.1 and a page for each verb, such as modalign-run.1, into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -9,8 +9,9 @@ use crate::error::Error;
 use crate::io::write_all_whole;
 use crate::report::json::{self, BreakdownFile};
 use crate::report::{
-    Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_svg,
-    breakdown_times, breakdown_user_modes, figure_files, stability_cells, stability_svg,
+    Block, CsvText, Renderer, breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_screen,
+    breakdown_svg, breakdown_times, breakdown_user_modes, figure_files, stability_cells,
+    stability_svg,
 };
 use crate::scene::{ModesOptions, load_modes, lost_part_findings, read_text, run_observed};
 use crate::study::breakdown::{
@@ -25,6 +26,10 @@ use super::output::Output;
 use super::scene_reading::SceneReading;
 use super::study_args::BreakdownArgs;
 
+/// Where the rest of the result is.
+const REST: &str =
+    "Ranges with intervals, failure modes, numerical stability: --full. Maps: -o DIR.";
+
 /// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when
 /// a file of the modes that are marked in the maps was partly bad.
 pub fn breakdown(
@@ -37,27 +42,21 @@ pub fn breakdown(
     let plan = spec.table.plan().map_err(StudyError::from)?;
     let part = args.cells.unwrap_or(Part::WHOLE);
     let finished = compute_slices(args, &plan, part, output)?;
-    for name in &finished.outdated {
-        output.add_text(&format!(
-            "{name}: the kept cells are of another spec; computed again"
-        ));
-    }
-    for name in &finished.reused {
-        output.add_text(&format!("{name}: found finished"));
-    }
+    let kept = kept_slices(&finished);
     if part.count > 1 {
         let names = finished
             .slices
             .iter()
             .map(|result| result.slice.name.as_str());
         let names: Vec<&str> = names.collect();
-        output.add_text(&format!(
+        let done = format!(
             "part {} of {}: {}; --merge joins the parts",
             part.number,
             part.count,
             names.join(", ")
-        ));
-        output.add_blocks(breakdown_rates(&finished).into_iter().collect());
+        );
+        let blocks = kept.into_iter().chain([Block::Text(done)]);
+        output.add_blocks(blocks.chain(breakdown_rates(&finished)).collect());
         return Ok(Outcome::Done);
     }
     let MarkedModes {
@@ -80,10 +79,32 @@ pub fn breakdown(
             output.add_file(folder.join(name), bytes);
         }
     }
-    let blocks: Vec<Block> = breakdown_blocks(&file).into_iter().chain(rates).collect();
-    output.add_blocks(blocks);
+    output.add_result(
+        |width| {
+            let mut blocks = breakdown_screen(&file, width);
+            blocks.extend(kept.clone());
+            blocks
+        },
+        || {
+            let blocks = breakdown_blocks(&file).into_iter();
+            blocks.chain(rates).chain(kept.clone()).collect()
+        },
+    );
+    output.add_rest_note(REST);
     output.add_json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
+}
+
+/// The slices that were found finished in the folder, and those whose cells there are of another
+/// spec.
+fn kept_slices(finished: &BreakdownResults) -> Option<Block> {
+    let reused = finished.reused.iter();
+    let reused = reused.map(|name| format!("{name}: found finished"));
+    let outdated = finished.outdated.iter();
+    let outdated =
+        outdated.map(|name| format!("{name}: the kept cells are of another spec; computed again"));
+    let lines: Vec<String> = reused.chain(outdated).collect();
+    (!lines.is_empty()).then(|| Block::Text(lines.join("\n")))
 }
 
 fn compute_slices(

@@ -15,8 +15,9 @@ use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
-    abridged, alignment_block, auto_mac_blocks, comparison_of_all_tests, comparison_screen, json,
-    measures_blocks, orthogonality_blocks, reversed_sensors_block,
+    abridged, alignment_block, auto_mac_blocks, comparison_of_all_tests,
+    comparison_page_of_all_tests, comparison_screen, json, measures_blocks, orthogonality_blocks,
+    reversed_sensors_block,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
@@ -154,7 +155,9 @@ fn compare_with_theory(
         table.extend(further.clone());
         abridged(table, width)
     };
-    let printed = CorrelationOutput::of_blocks(blocks, json);
+    let mut page = comparison_page_of_all_tests(&comparison.table, &theory);
+    page.extend(further.clone());
+    let printed = CorrelationOutput::of_blocks(blocks, json).with_page(page);
     print(args, printed, Some(&screen), output);
     let named_models = args.test.iter().chain(&args.theory);
     let taken: Vec<Finding> = named_models

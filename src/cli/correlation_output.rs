@@ -11,6 +11,8 @@ use super::targets::numbered_path;
 /// A result as text and as JSON.
 pub(super) struct CorrelationOutput {
     blocks: Vec<Block>,
+    /// Blocks of a LaTeX file, where these are others.
+    page: Option<Vec<Block>>,
     /// Indices of the blocks that become a CSV file each.
     tables: Vec<usize>,
     json: String,
@@ -22,9 +24,16 @@ impl CorrelationOutput {
         let tables = vec![0];
         Self {
             blocks,
+            page: None,
             tables,
             json,
         }
+    }
+
+    /// With other blocks for a LaTeX file.
+    pub(super) fn with_page(mut self, page: Vec<Block>) -> Self {
+        self.page = Some(page);
+        self
     }
 
     /// Blocks of several tests, of each of which the first is the table.
@@ -36,6 +45,7 @@ impl CorrelationOutput {
         }
         Self {
             blocks,
+            page: None,
             tables,
             json,
         }
@@ -75,7 +85,12 @@ pub(super) fn print(
     output: &mut Output,
 ) {
     if let Some(path) = &args.output {
-        let translated = output.language().translated(printed.blocks.clone());
+        let is_latex = path
+            .extension()
+            .is_some_and(|kind| kind.eq_ignore_ascii_case("tex"));
+        let page = printed.page.as_ref().filter(|_| is_latex);
+        let blocks = page.unwrap_or(&printed.blocks).clone();
+        let translated = output.language().translated(blocks);
         let blocks = format_blocks(args, translated);
         for (path, text) in printed.files(path, &blocks) {
             output.add_file(path, text);

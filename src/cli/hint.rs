@@ -8,16 +8,18 @@ use crate::io::IoError;
 use crate::scene::SceneError;
 use crate::theory::BUILT_IN;
 
-/// `; did you mean ...?` for a file that does not exist beside one of nearly that name, or a model
-/// of nearly that name; the way to a scene for what files do not state.
+/// A line `hint: did you mean ...?` for a file that does not exist beside one of nearly that name,
+/// or a model of nearly that name; the way to a scene for what files do not state.
 pub fn hint(error: &Error) -> String {
     if let Error::Scene(SceneError::Io(IoError::NotStated { .. }))
     | Error::Io(IoError::NotStated { .. }) = error
     {
-        return "; a scene states it: `modalign new DIR FILE...` drafts one".to_owned();
+        return "\nhint: a scene states it; `modalign new DIR FILE...` drafts one".to_owned();
     }
     let found = missing_path(error).and_then(nearest_path);
-    found.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+    found.map_or_else(String::new, |name| {
+        format!("\nhint: did you mean `{name}`?")
+    })
 }
 
 fn missing_path(error: &Error) -> Option<&Path> {

@@ -12,6 +12,7 @@ use crate::io::{
     open_path,
 };
 use crate::report::{Block, Cell, Column, Table, abridged};
+use crate::study::counted;
 
 use super::args::InspectArgs;
 use super::outcome::Outcome;
@@ -188,16 +189,16 @@ fn dofs_text<'d>(dofs: impl Iterator<Item = &'d Dof>) -> String {
 /// The contents of the geometry, when it has any.
 fn geometry_text(geometry: &Geometry) -> Option<String> {
     let counts = [
-        (geometry.nodes.len(), "nodes"),
-        (geometry.lines.len(), "trace lines"),
-        (geometry.elements.len(), "elements"),
-        (geometry.systems.len(), "coordinate systems"),
-        (geometry.groups.len(), "groups"),
+        (geometry.nodes.len(), "node"),
+        (geometry.lines.len(), "trace line"),
+        (geometry.elements.len(), "element"),
+        (geometry.systems.len(), "coordinate system"),
+        (geometry.groups.len(), "group"),
     ];
     let held: Vec<String> = counts
         .iter()
         .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
+        .map(|(count, what)| counted(*count, what))
         .collect();
     (!held.is_empty()).then(|| format!("geometry: {}", held.join(", ")))
 }
@@ -246,7 +247,7 @@ fn array_table(arrays: &[ArrayInfo]) -> Table {
         ]
     };
     Table {
-        caption: format!("{} arrays", arrays.len()),
+        caption: counted(arrays.len(), "array"),
         columns: vec![
             Column::number("no."),
             Column::text("name"),

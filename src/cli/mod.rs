@@ -17,6 +17,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod junit;
+mod man;
 mod meter;
 mod new;
 mod order;
@@ -171,6 +172,7 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Check(args)) => check::check(args, output),
         Some(Verb::New(args)) => new::new(args, format, output),
         Some(Verb::Completions(args)) => Ok(completions::completions(args, output)),
+        Some(Verb::Man(args)) => man::man(args, output),
         None => {
             output.add_text(&Cli::command().render_help().to_string());
             Ok(Outcome::Done)

@@ -11,9 +11,11 @@ use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    DraftFile, DraftModel, DraftPlan, ModelKind, StatedUnits, draft_scene, load_model, model_kind,
-    open_lines, read_text,
+    DraftFile, DraftModel, DraftPlan, ModelKind, OpenLine, StatedUnits, draft_scene, load_model,
+    model_kind, open_lines, read_text,
 };
+
+use crate::study::counted;
 
 use super::args::NewArgs;
 use super::outcome::Outcome;
@@ -85,6 +87,11 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         .file_name()
         .unwrap_or_default()
         .to_string_lossy();
+    let has_positions = points.is_some()
+        || model.is_some()
+        || files
+            .iter()
+            .any(|file| !file.catalog.geometry.nodes.is_empty());
     let plan = DraftPlan {
         title: &title.unwrap_or_else(|| folder_name.into_owned()),
         geometry: points.as_ref(),
@@ -109,7 +116,11 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     for (source, _) in &opened {
         output.add_findings(&source.catalog().findings);
     }
-    output.add_blocks(vec![Block::Text(next_steps(args, &draft.scene))]);
+    output.add_blocks(vec![Block::Text(next_steps(
+        args,
+        &draft.scene,
+        has_positions,
+    ))]);
     output.add_json(|| {
         let open: Vec<_> = open_lines(&draft.scene)
             .into_iter()
@@ -144,31 +155,75 @@ fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
     Ok(units)
 }
 
-/// The open lines of the scene, and the next commands.
-fn next_steps(args: &NewArgs, scene: &str) -> String {
+/// Options that fill in lines of a draft, by the key of the line.
+const OPTIONS_OF_KEYS: &[(&str, &str)] = &[
+    ("response", "--response DOF"),
+    ("dof", "--response DOF"),
+    ("reference", "--reference DOF,..."),
+    ("unit", "--unit UNIT,..."),
+    ("sampling_rate_hz", "--sampling-rate HZ"),
+    ("at_m", "--points FILE"),
+];
+
+/// The open lines of the scene, the options that fill them in, and the next command.
+fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
     let path = args.folder.join("scene.toml");
     let open = open_lines(scene);
-    let mut text = format!("{}: ", path.display());
-    if open.is_empty() {
-        text += "nothing is left to fill in.";
-    } else {
-        text += &format!("{} lines are to be filled in:", open.len());
-        for open_line in &open {
-            text += &format!(
-                "\n  line {}: {}: {}",
-                open_line.line, open_line.key, open_line.expected
-            );
+    let mut paragraphs = vec![match open.is_empty() {
+        true => format!("{}: nothing is left to fill in.", path.display()),
+        false => {
+            let lines = open_text(&open);
+            let count = counted(open.len(), "line");
+            format!("{}: {count} to be filled in:{lines}", path.display())
         }
+    }];
+    let is_open = |key: &str| open.iter().any(|line| line.key == key);
+    let mut options: Vec<&str> = Vec::new();
+    for (key, option) in OPTIONS_OF_KEYS {
+        if is_open(key) && !options.contains(option) {
+            options.push(option);
+        }
+    }
+    if !options.is_empty() {
+        paragraphs.push(format!(
+            "Options of `modalign new` fill in such lines: {}.",
+            options.join(", ")
+        ));
+    }
+    if !has_positions {
+        paragraphs.push("No positions are stated, so that shapes are drawn with the points in a row. --points FILE states them.".to_owned());
     }
     let next = if args.model.is_some() {
         "the comparison table"
     } else {
         "the modes; a [model] makes them a comparison"
     };
-    text + &format!(
-        "\nThen: modalign run {} prints {next}.",
+    paragraphs.push(format!(
+        "Then: modalign run {} prints {next}.",
         shell_quoted(&args.folder)
-    )
+    ));
+    paragraphs.join("\n")
+}
+
+/// The open lines, those of one key and expectation together.
+fn open_text(open: &[OpenLine]) -> String {
+    let mut alike: Vec<(&OpenLine, Vec<String>)> = Vec::new();
+    for line in open {
+        let number = line.line.to_string();
+        let same = |(first, _): &&mut (&OpenLine, Vec<String>)| {
+            (&first.key, &first.expected) == (&line.key, &line.expected)
+        };
+        match alike.iter_mut().find(same) {
+            Some((_, numbers)) => numbers.push(number),
+            None => alike.push((line, vec![number])),
+        }
+    }
+    let text = |(line, numbers): &(&OpenLine, Vec<String>)| {
+        let lines = if numbers.len() == 1 { "line" } else { "lines" };
+        let numbers = numbers.join(", ");
+        format!("\n  {lines} {numbers}: {}: {}", line.key, line.expected)
+    };
+    alike.iter().map(text).collect()
 }
 
 /// A path quoted for a shell.
@@ -213,7 +268,7 @@ fn check_new_files(args: &NewArgs) -> Result<(), Error> {
         Some(path) => Err(argument_error(
             "DIR",
             format!("{}, which exists", path.display()),
-            "a folder without it: nothing is written over",
+            "another folder, or the same without these files: nothing is written over",
         )),
     }
 }
@@ -314,7 +369,7 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
                 &relative_path(&args.folder, path).unwrap_or_default(),
             ),
             bodies: Vec::new(),
-            has_sensors: true,
+            has_sensors: false,
         });
     }
     let loaded = load_model(path, &BTreeMap::new())?;

@@ -2,7 +2,8 @@
 
 use crate::error::Error;
 use crate::report::{
-    CsvText, Markdown, Renderer, figure_files, json, order_blocks, order_figures, order_table,
+    CsvText, Markdown, Renderer, figure_files, json, order_blocks, order_figures, order_screen,
+    order_table,
 };
 use crate::study::order;
 
@@ -10,6 +11,10 @@ use super::outcome::Outcome;
 use super::output::Output;
 use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::OrderArgs;
+
+/// Where the rest of the result is.
+const REST: &str =
+    "Reasons, and each mode with each method: --full. With figures and files: -o DIR.";
 
 /// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was
 /// bad.
@@ -34,7 +39,8 @@ pub fn needs(
             output.add_file(folder.join(name), bytes);
         }
     }
-    output.add_blocks(blocks);
+    output.add_result(|width| order_screen(&analysis, width), || blocks);
+    output.add_rest_note(REST);
     output.add_json(|| json::order_to_json(&analysis));
     let is_bad = report_damage(&scene, output)?;
     Ok(Outcome::missed_if(is_bad || !analysis.failed.is_empty()))

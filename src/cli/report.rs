@@ -237,6 +237,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
         energies.extend(energies_block(
             caption,
             &result.theory.roots,
+            scene.first_root,
             scene.energies,
         ));
     }

@@ -8,9 +8,9 @@ use crate::finding::Finding;
 use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs};
 use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
-    comparison_of_all_tests, energies_block, json, limits_block, modes_block, parameters_block,
-    placement_blocks, published_comparison_block, published_roots_block, quantities_block,
-    run_screen,
+    comparison_of_all_tests, comparison_page, energies_block, json, limits_block, modes_block,
+    modes_page, parameters_block, placement_blocks, published_comparison_block,
+    published_roots_block, quantities_block, run_screen,
 };
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
@@ -28,10 +28,12 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let result = run_scene(&scene, output.observer())?;
-    let blocks = blocks(&scene, &result);
+    let blocks = blocks(&scene, &result, Columns::All);
     if let Some(folder) = &args.output {
-        let translated = output.language().translated(blocks.clone());
-        let mut files = files(&result, &translated, output.language())?;
+        let translated = |blocks| output.language().translated(blocks);
+        let page = translated(self::blocks(&scene, &result, Columns::Page));
+        let all = translated(blocks.clone());
+        let mut files = files(&result, &TableBlocks { all, page }, output.language())?;
         files.extend(report_files(
             &scene,
             &result,
@@ -41,7 +43,7 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         )?);
         add_folder_files(folder, files, &scene, output)?;
     }
-    output.add_result(|width| run_screen(&scene.title, &result, width), || blocks);
+    output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
         Some(_) => "All tables, columns and notes: --full, or report.html in the folder.",
         None => "All tables, columns and notes: --full; with report and files: -o DIR.",
@@ -109,30 +111,51 @@ fn modes_of_tests(result: &SceneResult) -> String {
     }
 }
 
-fn blocks(scene: &Scene, result: &SceneResult) -> Vec<Block> {
+/// The columns of a table.
+#[derive(Clone, Copy)]
+enum Columns {
+    All,
+    /// The essential ones, as a page of a paper has them.
+    Page,
+}
+
+/// The tables of a scene.
+struct TableBlocks {
+    all: Vec<Block>,
+    /// Their essential columns.
+    page: Vec<Block>,
+}
+
+fn blocks(scene: &Scene, result: &SceneResult, columns: Columns) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(scene.title.clone())];
     let expected = result.expected.as_ref();
     blocks.extend(expected.and_then(|e| published_roots_block(e, &result.theory)));
     if scene.energies.is_some() {
         let (caption, roots) = ("Energy of the model's roots", &result.theory.roots);
-        blocks.extend(energies_block(caption, roots, scene.energies));
+        blocks.extend(energies_block(
+            caption,
+            roots,
+            scene.first_root,
+            scene.energies,
+        ));
     }
     for table in expected.iter().flat_map(|expected| &expected.quantities) {
         let model = table.model.as_deref().unwrap_or("the scene's model");
         blocks.extend(quantities_block(model, &table.quantities));
     }
-    blocks.extend(
-        result
-            .tests
-            .iter()
-            .map(|test| modes_block(&test.name, &test.modes)),
-    );
+    blocks.extend(result.tests.iter().flat_map(|test| match columns {
+        Columns::All => vec![modes_block(&test.name, &test.modes)],
+        Columns::Page => modes_page(&test.name, &test.modes),
+    }));
     if result.tests.is_empty() {
         blocks.extend(parameters_block(&result.theory.parameters));
     }
     if let Some(table) = &result.table {
         let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(table_group).collect();
-        blocks.extend(comparison_blocks(table, &groups, &result.theory));
+        blocks.extend(match columns {
+            Columns::All => comparison_blocks(table, &groups, &result.theory),
+            Columns::Page => comparison_page(table, &groups, &result.theory),
+        });
     }
     for placed in &result.placements {
         blocks.extend(placement_blocks(placed, result.table.as_ref()));
@@ -163,7 +186,7 @@ fn findings_blocks(result: &SceneResult, language: Language) -> Vec<Block> {
 /// The files of the folder other than the report.
 fn files(
     result: &SceneResult,
-    blocks: &[Block],
+    blocks: &TableBlocks,
     language: Language,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
@@ -200,29 +223,30 @@ fn files(
         }
     }
     files.extend(published_tables(result));
-    let Some(table) = &result.table else {
-        return Ok(files);
-    };
-    files.push((
-        "comparison.json".to_owned(),
-        comparison_json(table, result).into_bytes(),
-    ));
-    let with_findings: Vec<Block> = blocks
-        .iter()
-        .cloned()
-        .chain(findings_blocks(result, language))
-        .collect();
-    for renderer in RENDERERS {
+    if let Some(table) = &result.table {
+        files.push((
+            "comparison.json".to_owned(),
+            comparison_json(table, result).into_bytes(),
+        ));
         // A program that reads CSV expects one table, with its heads as they always are.
         let comparison = comparison_of_all_tests(table, &result.theory);
-        let part = if renderer.name() == "csv" {
-            &comparison[..1]
-        } else {
-            with_findings.as_slice()
+        let text = CsvText.render(&comparison[..1]);
+        files.push(("comparison.csv".to_owned(), text.into_bytes()));
+    }
+    let stem = match result.table {
+        Some(_) => "comparison",
+        None => "tables",
+    };
+    let findings = findings_blocks(result, language);
+    for renderer in RENDERERS.iter().filter(|renderer| renderer.name() != "csv") {
+        let tables = match renderer.name() {
+            "latex" => &blocks.page,
+            _ => &blocks.all,
         };
+        let with_findings = [tables.as_slice(), findings.as_slice()].concat();
         files.push((
-            format!("comparison.{}", renderer.extension()),
-            renderer.render(part).into_bytes(),
+            format!("{stem}.{}", renderer.extension()),
+            renderer.render(&with_findings).into_bytes(),
         ));
     }
     Ok(files)

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::report::{
     CsvText, Renderer, figure_files, json, speed_accuracy_blocks, speed_accuracy_figures,
-    speed_accuracy_table, times_table,
+    speed_accuracy_screen, speed_accuracy_table, times_table,
 };
 use crate::study::{SpeedAccuracy, speed_accuracy};
 
@@ -12,6 +12,10 @@ use super::outcome::Outcome;
 use super::output::Output;
 use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::SpeedAccuracyArgs;
+
+/// Where the rest of the result is.
+const REST: &str =
+    "Recommendations and the Pareto front: --full. All rows, times and figures: -o DIR.";
 
 /// Runs the study; exit code 1 when part of the files was bad.
 pub fn study(
@@ -28,7 +32,11 @@ pub fn study(
             output.add_file(folder.join(name), bytes);
         }
     }
-    output.add_blocks(speed_accuracy_blocks(&result));
+    output.add_result(
+        |width| speed_accuracy_screen(&result, width),
+        || speed_accuracy_blocks(&result),
+    );
+    output.add_rest_note(REST);
     output.add_json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }

@@ -38,13 +38,13 @@ pub fn theory(
     )?;
     let named = ModelInput::load(args, format)?;
     let mut result = match &named {
-        ModelInput::Model(model) => model.solve(&model.sensors, &options(args))?,
+        ModelInput::Model { model, .. } => model.solve(&model.sensors, &options(args))?,
         ModelInput::Finished(theory) => {
             check_effect(args)?;
             modes_in_band(args, theory)
         }
     };
-    if let (ModelInput::Model(model), true) = (&named, args.damped) {
+    if let (ModelInput::Model { model, .. }, true) = (&named, args.damped) {
         let undamped = std::mem::take(&mut result.modes.findings);
         result.modes = model.solve_damped(&model.sensors, args.band)?;
         result.modes.findings = undamped;
@@ -58,7 +58,8 @@ pub fn theory(
     blocks.push(if result.roots.is_empty() {
         theory_block(&format!("Modes of {name}"), &result.modes)
     } else {
-        roots_block(&format!("Roots of {name}"), &result.roots, args.band)
+        let caption = format!("Roots of {name}");
+        roots_block(&caption, &result.roots, named.first_root(), args.band)
     });
     if args.damped {
         blocks.push(theory_block(
@@ -68,9 +69,9 @@ pub fn theory(
     }
     let basic_count = blocks.len();
     let json = match &named {
-        ModelInput::Model(model) => {
-            let part = details(args, model, &result, &mut blocks, output)?;
-            let special = separate_results(args, model, &mut blocks)?.unwrap_or(json);
+        ModelInput::Model { model, first_root } => {
+            let part = details(args, model, *first_root, &result, &mut blocks, output)?;
+            let special = separate_results(args, model, *first_root, &mut blocks)?.unwrap_or(json);
             if part.is_empty() {
                 special
             } else {
@@ -85,7 +86,13 @@ pub fn theory(
             (false, ..) => abridged(requested, width),
             (true, false, false) => {
                 let caption = format!("Roots of {name}");
-                roots_screen(&caption, &result.roots, args.band, width)
+                roots_screen(
+                    &caption,
+                    &result.roots,
+                    named.first_root(),
+                    args.band,
+                    width,
+                )
             }
             (true, _, true) => {
                 let caption = format!("Damped modes of {name}");
@@ -115,7 +122,11 @@ pub fn theory(
 /// The meaning of MODEL.
 enum ModelInput {
     /// A model that can be solved; its sensors are those of the scene, too.
-    Model(LoadedModel),
+    Model {
+        model: LoadedModel,
+        /// Number of its first elastic root in tables.
+        first_root: usize,
+    },
     /// Finished modes.
     Finished(Box<Theory>),
 }
@@ -135,7 +146,13 @@ impl ModelInput {
                 let loaded = load_modes(&args.model, &options)?;
                 return Ok(ModelInput::Finished(Box::new(loaded.into())));
             }
-            _ => return load_model(&args.model, &settings).map(ModelInput::Model),
+            _ => {
+                let model = load_model(&args.model, &settings)?;
+                return Ok(ModelInput::Model {
+                    model,
+                    first_root: 1,
+                });
+            }
         }
         let scene = SceneReading { format, partial }.scene(&args.model)?;
         let mut table = scene.model.clone().unwrap_or_default();
@@ -147,7 +164,18 @@ impl ModelInput {
             return Ok(ModelInput::Finished(Box::new(theory)));
         };
         model.sensors = model.sensors_with(&scene.sensors);
-        Ok(ModelInput::Model(model))
+        Ok(ModelInput::Model {
+            model,
+            first_root: scene.first_root,
+        })
+    }
+
+    /// Number of the first elastic root in tables.
+    fn first_root(&self) -> usize {
+        match self {
+            ModelInput::Model { first_root, .. } => *first_root,
+            ModelInput::Finished(_) => 1,
+        }
     }
 }
 
@@ -192,6 +220,7 @@ fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
 fn details<'a>(
     args: &TheoryArgs,
     model: &LoadedModel,
+    first_root: usize,
     result: &'a Theory,
     blocks: &mut Vec<Block>,
     output: &mut Output,
@@ -204,7 +233,12 @@ fn details<'a>(
     };
     if args.energies {
         let caption = format!("Energy of the roots of {name}");
-        blocks.extend(energies_block(&caption, &result.roots, args.band));
+        blocks.extend(energies_block(
+            &caption,
+            &result.roots,
+            first_root,
+            args.band,
+        ));
         part.energies = Some(&result.roots);
     }
     if args.sensitivities {
@@ -239,6 +273,7 @@ fn details<'a>(
 fn separate_results(
     args: &TheoryArgs,
     model: &LoadedModel,
+    first_root: usize,
     blocks: &mut Vec<Block>,
 ) -> Result<Option<String>, SceneError> {
     let name = &args.model.display().to_string();
@@ -251,7 +286,7 @@ fn separate_results(
     }
     if let Some(within) = within {
         let found = model.compare_details()?;
-        blocks.extend(details_blocks(name, &found, within));
+        blocks.extend(details_blocks(name, &found, first_root, within));
         return Ok(Some(details_to_json(&found, within)));
     }
     let mut sweeps = Vec::new();

@@ -1,7 +1,7 @@
 //! `modalign update`: the model of a scene brought to its test.
 
 use crate::error::Error;
-use crate::report::{RENDERERS, json, update_blocks, update_screen};
+use crate::report::{RENDERERS, json, update_blocks, update_page, update_screen};
 use crate::scene::{TestResult, update_scene};
 
 use super::args::UpdateArgs;
@@ -35,9 +35,13 @@ pub fn update(
         }
         // A reader of CSV expects one table; update.json has them all.
         for renderer in RENDERERS.iter().filter(|renderer| renderer.name() != "csv") {
+            let blocks = match renderer.name() {
+                "latex" => update_page(&scene.title, &outcome),
+                _ => blocks.clone(),
+            };
             files.push((
                 format!("update.{}", renderer.extension()),
-                renderer.render(&output.language().translated(blocks.clone())),
+                renderer.render(&output.language().translated(blocks)),
             ));
         }
         let mut files: Vec<(String, Vec<u8>)> = files

@@ -3,7 +3,7 @@
 
 use crate::study::breakdown::{
     BreakdownResults, FAILURE_MODES, Factor, MethodTime, SliceResult, Stability, SuccessRange,
-    UserMode, UserModePosition, ranges_text, short_number, wilson_interval,
+    UserMode, UserModePosition, breakdown_verdict, ranges_text, short_number, wilson_interval,
 };
 
 use super::json::BreakdownFile;
@@ -67,11 +67,14 @@ fn cell_rows(result: &SliceResult) -> Vec<Vec<Cell>> {
     rows
 }
 
-/// Failure boundaries of every slice, and the digits lost by order.
+/// The verdict, failure boundaries of every slice, and the digits lost by order.
 pub fn breakdown_blocks(file: &BreakdownFile) -> Vec<Block> {
     let slices = file.slices.iter();
     let slices = slices.map(|slice| slice_block(slice, &file.user_modes));
-    slices
+    let verdict = breakdown_verdict(&file.slices, &file.user_modes).map(Block::Text);
+    verdict
+        .into_iter()
+        .chain(slices)
         .chain(file.stability.as_ref().map(stability_block))
         .collect()
 }

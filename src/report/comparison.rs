@@ -22,6 +22,17 @@ pub struct TableGroup<'a> {
     pub notes: &'a [String],
 }
 
+impl<'a> TableGroup<'a> {
+    /// The group of all tests.
+    pub(super) fn of_all(tests: &'a [String]) -> Self {
+        Self {
+            caption: "Theory and test compared",
+            tests,
+            notes: &[],
+        }
+    }
+}
+
 /// The tables of a validation section, their summary, and what the model assumes. One test has all
 /// its columns; several in one table have frequency, error and verdict each.
 pub fn comparison_blocks(
@@ -39,9 +50,7 @@ pub fn comparison_blocks(
         Block::Table(table)
     });
     let mut blocks: Vec<Block> = tables.collect();
-    let named = table.summary.len() > 1;
-    let headlines = table.summary.iter().map(|test| headline(test, named));
-    blocks.extend(headlines.map(Block::Text));
+    blocks.extend(headlines(table));
     blocks.push(Block::Table(summary_table(table)));
     blocks.extend(parameters_block(&theory.parameters));
     blocks
@@ -49,13 +58,20 @@ pub fn comparison_blocks(
 
 /// The comparison with all tests in one table.
 pub fn comparison_of_all_tests(table: &ComparisonTable, theory: &Theory) -> Vec<Block> {
-    let tests: Vec<String> = table.summary.iter().map(|s| s.test.clone()).collect();
-    let group = TableGroup {
-        caption: "Theory and test compared",
-        tests: &tests,
-        notes: &[],
-    };
-    comparison_blocks(table, &[group], theory)
+    let tests = all_tests(table);
+    comparison_blocks(table, &[TableGroup::of_all(&tests)], theory)
+}
+
+/// Names of all tests.
+pub(super) fn all_tests(table: &ComparisonTable) -> Vec<String> {
+    table.summary.iter().map(|s| s.test.clone()).collect()
+}
+
+/// The pairs of every test, a paragraph each.
+pub(super) fn headlines(table: &ComparisonTable) -> impl Iterator<Item = Block> {
+    let named = table.summary.len() > 1;
+    let tests = table.summary.iter();
+    tests.map(move |test| Block::Text(headline(test, named)))
 }
 
 pub(super) fn error_head(reference: ErrorReference) -> &'static str {

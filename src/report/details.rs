@@ -4,12 +4,19 @@ use std::f64::consts::TAU;
 
 use crate::theory::{DetailComparison, ModelRoot, SimplerModel, TimeResponse, simplest_detail};
 
+use super::modes::root_labels;
 use super::{Block, Cell, Column, Table};
 
 /// Errors of every natural frequency in every model, with the simplest model within an error; and
 /// detail and cost of the models.
-pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -> Vec<Block> {
-    let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
+pub fn details_blocks(
+    model: &str,
+    comparison: &DetailComparison,
+    first_root: usize,
+    within: f64,
+) -> Vec<Block> {
+    let labels = root_labels(&comparison.roots, first_root);
+    let mut columns = vec![Column::text("mode"), Column::number("f (Hz)")];
     let head =
         |simpler: &SimplerModel| Column::number(format!("{} coordinates (%)", simpler.coordinates));
     columns.extend(comparison.models.iter().map(head));
@@ -22,7 +29,7 @@ pub fn details_blocks(model: &str, comparison: &DetailComparison, within: f64) -
             .map(|model| Cell::signed(comparison.error(model, i).map(|error| 100.0 * error), 4));
         let simplest = comparison.simplest(i, within);
         let mut cells = vec![
-            Cell::text((i + 1).to_string()),
+            Cell::text(&labels[i]),
             Cell::number(Some(root.omega_rad_s / TAU), 4),
         ];
         cells.extend(errors);

@@ -70,15 +70,16 @@ pub use published::{
 pub use regression_check::regression_check_block;
 pub use response::response_blocks;
 pub use screen::{
-    abridged, comparison_screen, hits_screen, modes_screen, regression_check_screen, roots_screen,
-    run_screen, update_screen,
+    abridged, breakdown_screen, comparison_page, comparison_page_of_all_tests, comparison_screen,
+    hits_screen, modes_page, modes_screen, order_screen, regression_check_screen, roots_screen,
+    run_screen, speed_accuracy_screen, update_screen,
 };
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;
 pub use sweep::sweep_blocks;
 pub use table::{Align, Cell, Column, Table};
 pub use terminal::Terminal;
-pub use update::update_blocks;
+pub use update::{update_blocks, update_page};
 
 /// Turns blocks into the text of one output format.
 pub trait Renderer: Sync {

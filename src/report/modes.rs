@@ -120,16 +120,35 @@ pub fn theory_block(caption: &str, model: &ModalModel) -> Block {
     })
 }
 
-/// Distinct natural frequencies of a model inside a band: multiplicity, frequency, class, and the
-/// bodies with the largest kinetic energy.
-pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Block {
+/// Labels of the roots of a model as the rows of the comparison table have them: `f1` for the first
+/// elastic root, or with another number where a paper counts otherwise.
+pub(super) fn root_labels(roots: &[ModelRoot], first_root: usize) -> Vec<String> {
+    let mut number = first_root;
+    let label = |root: &ModelRoot| {
+        if root.omega_rad_s <= 0.0 {
+            return "rigid body".to_owned();
+        }
+        number += 1;
+        format!("f{}", number - 1)
+    };
+    roots.iter().map(label).collect()
+}
+
+/// Distinct natural frequencies of a model inside a band: label, multiplicity, frequency, class,
+/// and the bodies with the largest kinetic energy.
+pub fn roots_block(
+    caption: &str,
+    roots: &[ModelRoot],
+    first_root: usize,
+    band: Option<Band>,
+) -> Block {
     let inside = |root: &&ModelRoot| {
         let hz = root.omega_rad_s / std::f64::consts::TAU;
         band.is_none_or(|band| band.contains(hz))
     };
-    let row = |(number, root): (usize, &ModelRoot)| {
+    let row = |(label, root): (String, &ModelRoot)| {
         vec![
-            Cell::text(number.to_string()),
+            Cell::text(label),
             Cell::text(root.modes.len().to_string()),
             Cell::number(Some(root.omega_rad_s / std::f64::consts::TAU), 6),
             Cell::number(Some(root.omega_rad_s), 6),
@@ -140,14 +159,15 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
     Block::Table(Table {
         caption: caption.to_owned(),
         columns: vec![
-            Column::number("root"),
+            Column::text("mode"),
             Column::number("multiplicity"),
             Column::number("f (Hz)"),
             Column::number("omega (rad/s)"),
             Column::text("class"),
             Column::text("kinetic energy"),
         ],
-        rows: (1..)
+        rows: root_labels(roots, first_root)
+            .into_iter()
             .zip(roots)
             .filter(|(_, root)| inside(root))
             .map(row)
@@ -162,7 +182,12 @@ pub fn roots_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Bl
 /// Energy fractions of each natural frequency inside a band, percent: a column for every body and
 /// for every name of springs or groups. Of more than forty bodies, the twenty with the largest
 /// fractions have columns, and one column holds the others. `None` without natural frequencies.
-pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) -> Option<Block> {
+pub fn energies_block(
+    caption: &str,
+    roots: &[ModelRoot],
+    first_root: usize,
+    band: Option<Band>,
+) -> Option<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / std::f64::consts::TAU;
     let inside = |root: &&ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
     let strained = roots.iter().find(|root| !root.strain_energy.is_empty());
@@ -173,7 +198,7 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
         ("T", bodies.as_slice(), largest_bodies(&shown, bodies.len())),
         ("U", springs, (0..springs.len()).collect()),
     ];
-    let mut columns = vec![Column::number("root"), Column::number("f (Hz)")];
+    let mut columns = vec![Column::text("mode"), Column::number("f (Hz)")];
     for (kind, names, indices) in &kinds {
         let heads = indices
             .iter()
@@ -189,11 +214,8 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
         let cells = indices.iter().map(|&i| Cell::number(share(i), 3));
         cells.chain(others).collect()
     };
-    let row = |(number, root): (usize, &ModelRoot)| {
-        let mut cells = vec![
-            Cell::text(number.to_string()),
-            Cell::number(Some(hz(root)), 4),
-        ];
+    let row = |(label, root): (String, &ModelRoot)| {
+        let mut cells = vec![Cell::text(label), Cell::number(Some(hz(root)), 4)];
         cells.extend(percent(&root.kinetic_energy, shown_bodies, bodies.len()));
         cells.extend(percent(&root.strain_energy, shown_springs, springs.len()));
         cells
@@ -201,7 +223,12 @@ pub fn energies_block(caption: &str, roots: &[ModelRoot], band: Option<Band>) ->
     Some(Block::Table(Table {
         caption: caption.to_owned(),
         columns,
-        rows: (1..).zip(roots).filter(|(_, root)| inside(root)).map(row).collect(),
+        rows: root_labels(roots, first_root)
+            .into_iter()
+            .zip(roots)
+            .filter(|(_, root)| inside(root))
+            .map(row)
+            .collect(),
         footnotes: vec![
             "T: fraction of the kinetic energy by body; U: fraction of the strain energy by spring or group of matrices; mean over the modes of a repeated root. For a spring of stiffness k, or a group that k scales: df/f = U/2 dk/k where k scales stiffness alone.".to_owned(),
         ],
@@ -292,7 +319,7 @@ pub(super) fn remarks(model: &ModalModel, mode: &Mode) -> String {
     names.join(", ")
 }
 
-fn synthetic_note(model: &ModalModel) -> Option<String> {
+pub(super) fn synthetic_note(model: &ModalModel) -> Option<String> {
     let synthetic = model
         .findings
         .iter()

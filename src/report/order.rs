@@ -3,16 +3,18 @@
 
 use crate::identify::OrderStep;
 use crate::study::{
-    LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, summarise_needs,
+    LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, method_of_needs,
+    summarise_needs,
 };
 
 use super::test_title::test_title;
 use super::{Block, Cell, Column, Table};
 
-/// The conclusions, then the tables that support them.
+/// The verdicts and conclusions, then the tables that support them.
 pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
     let heading = format!("{}: model orders and methods that it needs", needs.title);
     let mut blocks = vec![Block::Heading(heading)];
+    blocks.push(Block::Text(method_of_needs(needs).join("\n")));
     blocks.extend(summarise_needs(needs).into_iter().map(Block::Text));
     for test in &needs.tests {
         blocks.push(supported_modes_block(test));

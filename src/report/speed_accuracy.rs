@@ -1,15 +1,18 @@
 //! The tables of the speed and accuracy study list CPU time and errors of every method.
 
-use crate::study::{DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, recommendations};
+use crate::study::{
+    DetectionCounts, Method, SpeedAccuracy, TestStudy, Timing, method_verdicts, recommendations,
+};
 
 use super::{Block, Cell, Column, Table};
 
-/// Methods on the Pareto front of every test, and recommendations.
+/// Verdicts, methods on the Pareto front of every test, and recommendations.
 pub fn speed_accuracy_blocks(study: &SpeedAccuracy) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!(
         "{}: speed against accuracy",
         study.title
     ))];
+    blocks.extend(method_verdicts(study).into_iter().map(Block::Text));
     blocks.extend(study.tests.iter().map(|test| front_block(study, test)));
     blocks.extend(recommendations(study).into_iter().map(Block::Text));
     blocks

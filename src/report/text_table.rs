@@ -112,9 +112,9 @@ pub(super) static TEXTS: Texts = Texts {
         model_modes: "model\nmodes", "模型\n模态数";
         by_frequency_of_two_lines: "by fre-\nquency", "按\n频率";
         ambiguous_of_two_lines: "ambi-\nguous", "不\n明确";
-        unpaired: "un-\npaired", "未\n配对";
+        unpaired: "un-\nmatched", "未\n配对";
         not_observable_of_two_lines: "not ob-\nservable", "不可\n观测";
-        unpaired_test_modes: "unpaired\ntest modes", "多余的\n试验模态";
+        unpaired_test_modes: "unmatched\ntest modes", "多余的\n试验模态";
         lowest_mac: "lowest\nMAC", "最小\nMAC";
         std_percent: "std (%)", "标准差 (%)";
         rejected_hits: "Rejected hits", "剔除的锤击";
@@ -248,6 +248,21 @@ pub(super) static TEXTS: Texts = Texts {
         update_modes: "Modes used in the update", "参与修正的模态";
         before_hz: "before (Hz)", "修正前 (Hz)";
         after_hz: "after (Hz)", "修正后 (Hz)";
+        methods_of_scene: "Methods on the FRFs of the scene", "各方法在本场景频响函数上的结果";
+        cpu_time_s: "CPU time\n(s)", "CPU 时间\n(s)";
+        largest_frequency_error: "frequency\nerror (%)", "频率\n误差 (%)";
+        largest_damping_error: "damping\nerror (%)", "阻尼\n误差 (%)";
+        times_noise_floor: "times the\nnoise floor", "噪声底的\n倍数";
+        times_bound: "times the\nbound", "理论下界的\n倍数";
+        where_each_method: "Where each method meets the stated error", "各方法满足规定误差的范围";
+        methods_fail_of_scene: "{}: where methods fail", "{}：方法失效之处";
+        least_model_of_scene: "{}: the least model and method that it needs", "{}：所需的最简模型与方法";
+        numbers_of_poles: "Numbers of poles that the data support, and lowest orders", "数据支持的极点数与最低阶次";
+        poles_identified: "poles\nidentified", "识别的\n极点数";
+        poles_by_bic: "poles\nby BIC", "按 BIC 的\n极点数";
+        poles_by_held_out: "by held-out\nlines", "按留出\n谱线";
+        poles_by_residual: "by\nresidual", "按\n残差";
+        order_of_method: "order\nof {}", "{} 的\n阶次";
     },
     paragraphs: group! {
         pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";
@@ -256,6 +271,9 @@ pub(super) static TEXTS: Texts = Texts {
         no_limits: "Limits: none stated.", "限值：未给出。";
         limits_met: "Limits: all met ({}).", "限值：全部满足 ({})。";
         limits_missed: "Limits: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
+        pairs_in_numbers: "Pairs: {} of {} model modes ({} by shape, {} by frequency); {}.", "配对：{} / {} 阶理论模态 (按振型 {}，仅按频率 {})；{}。";
+        no_test: "The scene has no test, so that nothing is compared.", "场景中没有试验，因此没有比较。";
+        all_synthetic: "The recordings are synthetic: computed from a model and not measured.", "记录为合成：由模型计算，并非实测。";
         synthetic_recordings: "Synthetic recordings, computed from a model and not measured: {}.", "合成记录，由模型计算，并非实测：{}。";
         assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
         published_frequencies: "Published frequencies: {}, rms error of the model {} %, largest {} % at {}.", "文献频率：{}，模型的均方根误差 {} %，最大 {} % (位于 {})。";

@@ -53,14 +53,18 @@ fn translated_table(mut table: Table) -> Table {
     table
 }
 
-/// The translation of a label in a column with this head, the last line of which names what the
-/// column holds; other text, such as the name of a test, stays as it is.
+/// The translation of a label, perhaps wrapped, in a column with this head, the last line of which
+/// names what the column holds; other text, such as the name of a test, stays as it is.
 fn label(head: &str, text: &str) -> String {
     let kind = head.lines().last().unwrap_or_default();
     let mut heads = TEXTS.headings.iter();
     let column = heads.find(|(_, head)| head.english == kind);
     let labels = column.map_or(&[][..], |(key, _)| labels_of(key));
-    translate(labels, Language::Chinese, text).to_owned()
+    let unwrapped = text.replace('\n', " ");
+    match translate(labels, Language::Chinese, &unwrapped) {
+        same if same == unwrapped => text.to_owned(),
+        translated => translated.to_owned(),
+    }
 }
 
 fn heading(text: &str) -> String {
@@ -129,7 +133,9 @@ mod tests {
         let table = Table {
             caption: "Summary".to_owned(),
             columns: vec![Column::text("a\nverdict"), Column::number("MAC")],
-            rows: vec![vec![Cell::text("paired"), Cell::number(Some(0.5), 2)]],
+            rows: ["paired", "paired\nby shape"]
+                .map(|verdict| vec![Cell::text(verdict), Cell::number(Some(0.5), 2)])
+                .to_vec(),
             footnotes: vec!["Summary".to_owned()],
         };
         let blocks = vec![Block::Table(table), Block::Text("Summary".to_owned())];
@@ -143,6 +149,8 @@ mod tests {
             table.rows[0],
             [Cell::text("已配对"), Cell::number(Some(0.5), 2)]
         );
+        // A label that was wrapped for the screen.
+        assert_eq!(table.rows[1][0], Cell::text("按振型配对"));
         assert_eq!(table.footnotes, ["Summary"]);
         assert_eq!(chinese[1], Block::Text("Summary".to_owned()));
     }

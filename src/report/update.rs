@@ -1,10 +1,12 @@
 //! The tables of an update list the parameters, their identifiable combinations, convergence, the
 //! fit before and after, and the changes of one or two parameters.
 
-use crate::scene::SceneUpdate;
+use crate::correlate::ComparisonTable;
+use crate::scene::{SceneUpdate, Theory};
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
 use super::comparison::{comparison_of_all_tests, error_head};
+use super::screen::comparison_page_of_all_tests;
 use super::table::significant;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
@@ -14,17 +16,27 @@ const MAX_PRINTED_CHANGES: usize = 10;
 
 /// All tables of an update.
 pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
+    blocks_with(title, scene_update, comparison_of_all_tests)
+}
+
+/// All tables of an update, with the essential columns of the comparison.
+pub fn update_page(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
+    blocks_with(title, scene_update, comparison_page_of_all_tests)
+}
+
+fn blocks_with(
+    title: &str,
+    scene_update: &SceneUpdate,
+    comparison: fn(&ComparisonTable, &Theory) -> Vec<Block>,
+) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(title.to_owned())];
     blocks.push(Block::Text("Before".to_owned()));
-    blocks.extend(comparison_of_all_tests(
+    blocks.extend(comparison(
         &scene_update.before,
         &scene_update.theory_before,
     ));
     blocks.push(Block::Text("After".to_owned()));
-    blocks.extend(comparison_of_all_tests(
-        &scene_update.after,
-        &scene_update.theory_after,
-    ));
+    blocks.extend(comparison(&scene_update.after, &scene_update.theory_after));
     blocks.push(updated_parameters_block(scene_update));
     blocks.push(combinations_block(&scene_update.result));
     blocks.push(fits_block(scene_update));
@@ -274,7 +286,7 @@ pub(super) fn convergence_text(result: &UpdateResult) -> String {
         });
     }
     for (label, hz) in &result.left_out {
-        text += &format!(" {label} ({hz:.2} Hz) is unpaired and was not used.");
+        text += &format!(" {label} ({hz:.2} Hz) is unmatched and was not used.");
     }
     text
 }
@@ -327,7 +339,10 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
 /// The proposed set of parameters, and whether it explains the misfit.
 pub(super) fn proposal(explanation: &Explanation) -> Block {
     let proposed = if explanation.proposed.parameters.is_empty() {
-        "no change".to_owned()
+        match explanation.none.free {
+            0 => "no change".to_owned(),
+            _ => "no change besides the parameters that are always free".to_owned(),
+        }
     } else {
         explanation.proposed.parameters.join(", ")
     };

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use crate::axis::Band;
 use crate::dof::Dof;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Node};
 use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::Quantity;
 
@@ -101,7 +101,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     files
         .iter()
         .for_each(|file| geometry.add(&file.catalog.geometry));
-    text += &sensors_text(&dofs, &geometry, plan.model);
+    text += &sensors_text(&dofs, &geometry, plan);
     text += OPTIONAL_TABLES;
     let is_open = |line: &&str| !line.starts_with('#') && line.contains(FILL_IN);
     let open_lines = text.lines().filter(is_open).count();
@@ -369,14 +369,21 @@ fn model_text(model: Option<&DraftModel>) -> String {
 }
 
 /// Where sensors and hits are: positions from the geometry of the files; remarks while there is no
-/// model that has bodies.
-fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftModel>) -> String {
-    let stated = model.is_some_and(|model| model.has_sensors || model.bodies.is_empty());
-    if stated {
+/// model that has bodies. Points that the user has stated serve the figures of shapes even then.
+fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, plan: &DraftPlan) -> String {
+    let model = plan.model;
+    if model.is_some_and(|model| model.has_sensors) {
+        return String::new();
+    }
+    let has_bodies = model.is_some_and(|model| !model.bodies.is_empty());
+    if let (Some(points), false) = (plan.geometry, has_bodies) {
+        return points_text(dofs, points);
+    }
+    if model.is_some() && !has_bodies {
         return String::new();
     }
     let remark = if model.is_none() { "# " } else { "" };
-    let mut text = "\n# Where sensors and hits are on the model: a point of a body in the model's frame, or a `coordinate` of the model.\n".to_owned();
+    let mut text = "\n# Where sensors and hits are, for the model and the figures of shapes: a point of a body in the model's frame, or a `coordinate` of the model.\n".to_owned();
     if dofs.is_empty() {
         text += "# [[sensor]]\n# dof = \"1:+Z\"\n# body = \"\"   # a body of the model\n# at_m = [0.0, 0.0, 0.0]\n";
     }
@@ -388,16 +395,36 @@ fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, model: Option<&DraftM
             None => "body = \"\"   # a body of the model".to_owned(),
         };
         let place = match geometry.node(dof.point()) {
-            Some(node) => format!(
-                "at_m = [{:?}, {:?}, {:?}]",
-                node.at_m[0], node.at_m[1], node.at_m[2]
-            ),
+            Some(node) => position_line(node),
             None if model.is_some() => {
                 format!("at_m = \"{FILL_IN}\"   # {dof}: [x, y, z] in metres, without quotes")
             }
             None => "at_m = [0.0, 0.0, 0.0]".to_owned(),
         };
         let _ = write!(text, "{remark}{body}\n{remark}{place}\n");
+    }
+    text
+}
+
+fn position_line(node: &Node) -> String {
+    let [x, y, z] = [0, 1, 2].map(|axis| node.at_m[axis]);
+    format!("at_m = [{x:?}, {y:?}, {z:?}]")
+}
+
+/// The stated positions of the DOFs, on a body of no model.
+fn points_text(dofs: &BTreeSet<Dof>, points: &Geometry) -> String {
+    let mut text =
+        "\n# Where sensors and hits are. A model with bodies needs one of these as `body`.\n"
+            .to_owned();
+    for dof in dofs {
+        let _ = match points.node(dof.point()) {
+            Some(node) => writeln!(
+                text,
+                "[[sensor]]\ndof = \"{dof}\"\nbody = \"structure\"\n{}",
+                position_line(node)
+            ),
+            None => writeln!(text, "# {dof}: the list has no such point"),
+        };
     }
     text
 }
@@ -410,7 +437,7 @@ const OPTIONAL_TABLES: &str = "
 # method = \"ml\"             # the default; `modalign identify --help` has the others
 
 # [pair]
-# max_frequency_error = 0.3  # a fraction: pairs further apart are not considered
+# max_frequency_error = 0.2  # a fraction: pairs further apart are not considered
 # min_mac = 0.5
 
 # What `update` frees: all parameters of the model above 0 when left out.

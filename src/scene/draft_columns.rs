@@ -17,14 +17,12 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let catalog = files[0].catalog;
     let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
     let arrays: Vec<&ArrayInfo> = catalog.arrays.iter().filter(is_number).collect();
-    let columns: Vec<String> = arrays.iter().flat_map(|array| columns_of(array)).collect();
-    let roles: Vec<Option<&str>> = columns.iter().map(|name| role_of(name)).collect();
-    let is_function = roles.contains(&Some("frequency"));
+    let all = arrays.iter().flat_map(|array| columns_of(array)).count();
+    let DraftColumns { columns, unused } = columns_to_state(&arrays);
+    let roles: Vec<Option<&str>> = columns.iter().map(|column| column.role).collect();
+    let is_function = roles.contains(&Some("frequency")) || roles.contains(&Some("complex"));
     let has_axis = is_function || roles.contains(&Some("time"));
-    let mut text = format!(
-        "# The file holds {} columns without saying what they are",
-        columns.len()
-    );
+    let mut text = format!("# The file holds {all} columns without saying what they are");
     let lengths: BTreeSet<usize> = arrays
         .iter()
         .flat_map(|array| array.shape.iter().copied().max())
@@ -33,6 +31,9 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         let _ = write!(text, ", of {most} values each");
     }
     text.push('\n');
+    if !unused.is_empty() {
+        text += &format!("# Not used below: {}\n", unused.join(", "));
+    }
     if !is_function {
         text += if files.len() > 1 {
             "hits = \"files\"            # each file is one hit\n"
@@ -59,7 +60,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     // One hit point of all files stands with the force, several with their files.
     let by_file = is_function || hit_points.len() > 1;
     // One response is that of one column; the parts of one function are one.
-    let several = ["response", "real", "imaginary", "magnitude"]
+    let several = ["response", "real", "imaginary", "magnitude", "complex"]
         .iter()
         .any(|role| roles.iter().filter(|other| **other == Some(*role)).count() > 1);
     let stated = StatedPoints {
@@ -68,13 +69,103 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         by_file,
         units: files[0].units,
     };
-    for (name, role) in columns.iter().zip(roles) {
-        text += &stated.column_text(name, role, dofs);
+    for column in &columns {
+        text += &stated.column_text(column, several, dofs);
     }
     for file in files.iter().filter(|_| by_file) {
         text += &file_text(file, false, true, dofs);
     }
     text
+}
+
+/// A column of a draft.
+struct DraftColumn {
+    /// As `[[test.channel]] column` names it.
+    name: String,
+    /// By its name or kind; to be stated by the user without it.
+    role: Option<&'static str>,
+}
+
+/// The columns of a draft, and the names of the arrays that it does not use.
+struct DraftColumns {
+    columns: Vec<DraftColumn>,
+    unused: Vec<String>,
+}
+
+/// Maximum number of columns without a recognised heading that a draft lists one by one.
+const MAX_UNNAMED_COLUMNS: usize = 8;
+
+/// FRFs with their coherence where arrays are recognised as such; else every column, or where most
+/// of many columns have no known heading, those that have one and two to be stated.
+fn columns_to_state(arrays: &[&ArrayInfo]) -> DraftColumns {
+    if let Some(found) = frf_columns(arrays) {
+        return found;
+    }
+    let of_array = |array: &&ArrayInfo| {
+        columns_of(array).into_iter().map(|name| DraftColumn {
+            role: role_of(&name),
+            name,
+        })
+    };
+    let columns: Vec<DraftColumn> = arrays.iter().flat_map(of_array).collect();
+    let (known, unknown): (Vec<DraftColumn>, Vec<DraftColumn>) = columns
+        .into_iter()
+        .partition(|column| column.role.is_some());
+    if unknown.len() <= MAX_UNNAMED_COLUMNS {
+        let of_array = arrays.iter().flat_map(of_array);
+        return DraftColumns {
+            columns: of_array.collect(),
+            unused: Vec::new(),
+        };
+    }
+    let to_state = ["force", "response"].map(|role| DraftColumn {
+        name: quoted(FILL_IN),
+        role: Some(role),
+    });
+    DraftColumns {
+        columns: known.into_iter().chain(to_state).collect(),
+        unused: unknown.into_iter().map(|column| column.name).collect(),
+    }
+}
+
+/// Complex arrays of an axis and values, with the coherence of the same channels: `H1_2` with
+/// `C1_2`, or any with `FRF` in its name. `None` without such an array.
+fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
+    let channels = |array: &ArrayInfo, letter: char| {
+        let channels = array.name.strip_prefix(letter)?;
+        let (input, output) = channels.split_once('_')?;
+        let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        (is_number(input) && is_number(output)).then(|| channels.to_owned())
+    };
+    let is_frf = |array: &ArrayInfo| {
+        array.kind.starts_with("complex")
+            && matches!(array.shape.as_slice(), [_, 2])
+            && (channels(array, 'H').is_some() || array.name.to_uppercase().contains("FRF"))
+    };
+    let frfs: Vec<&ArrayInfo> = arrays.iter().copied().filter(|a| is_frf(a)).collect();
+    let column = |array: &ArrayInfo, number: usize, role: &'static str| DraftColumn {
+        name: quoted(&format!("{}:{number}", array.name)),
+        role: Some(role),
+    };
+    let mut columns = vec![column(frfs.first()?, 1, "frequency")];
+    let mut used = Vec::new();
+    for frf in frfs {
+        columns.push(column(frf, 2, "complex"));
+        used.push(frf.name.as_str());
+        let pair = channels(frf, 'H');
+        let mut others = arrays.iter().copied();
+        let coherence = others.find(|array| pair.is_some() && channels(array, 'C') == pair);
+        if let Some(coherence) = coherence {
+            columns.push(column(coherence, 2, "coherence"));
+            used.push(coherence.name.as_str());
+        }
+    }
+    let names = arrays.iter().map(|array| array.name.as_str());
+    let unused = names.filter(|name| !used.contains(name));
+    Some(DraftColumns {
+        columns,
+        unused: unused.map(str::to_owned).collect(),
+    })
 }
 
 /// The columns of an array, as `[[test.channel]] column` names them.
@@ -104,7 +195,7 @@ fn heading(name: &str) -> &str {
     }
 }
 
-/// Role of a column by its heading.
+/// Role of a column by its name.
 fn role_of(name: &str) -> Option<&'static str> {
     let text = name.to_lowercase();
     let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
@@ -132,9 +223,15 @@ struct StatedPoints<'a> {
 }
 
 impl StatedPoints<'_> {
-    fn column_text(&self, column: &str, role: Option<&str>, dofs: &mut BTreeSet<Dof>) -> String {
-        let mut text = format!("[[test.channel]]\ncolumn = {column}\n");
-        let Some(role) = role else {
+    /// `has_several`: whether the file has several responses, so that a coherence says whose it is.
+    fn column_text(
+        &self,
+        column: &DraftColumn,
+        has_several: bool,
+        dofs: &mut BTreeSet<Dof>,
+    ) -> String {
+        let mut text = format!("[[test.channel]]\ncolumn = {}\n", column.name);
+        let Some(role) = column.role else {
             let _ = write!(
                 text,
                 "role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n\
@@ -143,7 +240,7 @@ impl StatedPoints<'_> {
             );
             return text;
         };
-        let _ = writeln!(text, "role = \"{role}\"   # by its heading");
+        let _ = writeln!(text, "role = \"{role}\"   # by its name");
         let (unit, accepted, stated, what) = match role {
             "force" => (
                 self.units.force,
@@ -157,7 +254,11 @@ impl StatedPoints<'_> {
                 self.response,
                 "the sensor with its direction",
             ),
-            "real" | "imaginary" | "magnitude" => {
+            "coherence" if has_several => {
+                let _ = writeln!(text, "dof = \"{FILL_IN}\"   # that of its FRF");
+                return text;
+            }
+            "real" | "imaginary" | "magnitude" | "complex" => {
                 let accepted = "(m/s2)/N, (m/s)/N or m/N";
                 (self.units.frf, accepted, self.response, "the sensor")
             }

@@ -9,7 +9,7 @@ use crate::frf::{FrfSet, Window, check_functions};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
-    Merged, Need, check_damage, format_of, frf_sets, group_hits, open_bytes, open_path,
+    IoError, Merged, Need, check_damage, format_of, frf_sets, group_hits, open_bytes, open_path,
 };
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::record::{Recording, Role};
@@ -19,6 +19,7 @@ use super::SceneError;
 use super::columns::{table_spec, window};
 use super::error::value_error;
 use super::file_dofs::dofs_of_files;
+use super::modes_file::held;
 use super::test_plan::FilePlan;
 use super::trigger::cut_hits;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
@@ -260,12 +261,31 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
             "records",
         ));
         data.frfs = frf_sets(&mut files)?;
+        if let (true, Some(unnamed)) = (data.frfs.is_empty(), columns_alone(&files)) {
+            return Err(unnamed.into());
+        }
         for set in &data.frfs {
             data.findings.extend(check_functions(set));
             data.partly_bad |= set.findings.iter().any(is_lost);
         }
     }
     Ok(data)
+}
+
+/// The error of the first file that holds columns or arrays, none of which states what it is.
+fn columns_alone(files: &[HitFile]) -> Option<IoError> {
+    let mut catalogs = files.iter().map(|file| file.source.catalog());
+    let catalog = catalogs.find(|catalog| {
+        catalog.entries.is_empty() && catalog.modes.is_empty() && !catalog.arrays.is_empty()
+    })?;
+    Some(IoError::NotStated {
+        path: catalog.path.clone(),
+        what: format!("an FRF ({})", held(catalog)),
+        expected: "FRFs; in a table the headings `frequency [Hz]`, then \
+                   `re 1:+Z|2:+Z [(m/s2)/N]` and `im 1:+Z|2:+Z [(m/s2)/N]` for each response and \
+                   reference"
+            .to_owned(),
+    })
 }
 
 /// Whether a finding of reading FRFs reports a damaged or an unusable part of a file.

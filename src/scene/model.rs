@@ -7,7 +7,9 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::axis::Band;
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::{Geometry, Node, Sensor, Target};
+use crate::linalg::{RealMatrix, SparseMatrix};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel, ModeOptions,
@@ -33,6 +35,8 @@ pub struct LoadedModel {
     pub sensors: Vec<Sensor>,
     /// Parameter values, in the model's order.
     pub values: Vec<f64>,
+    /// Parameters of a model file that no part of the model uses.
+    pub unused: Vec<String>,
 }
 
 /// The theory's side of a comparison.
@@ -120,7 +124,30 @@ pub fn load_model(
             return Err(value_error(&path, "kind", &got, expected));
         }
     };
-    with_parameters(model, sensors_of_file, overrides)
+    let mut loaded = with_parameters(model, sensors_of_file, overrides)?;
+    loaded.unused = unused_parameters(loaded.model.as_ref(), &loaded.values);
+    Ok(loaded)
+}
+
+/// The parameters on which neither mass, damping nor stiffness depends. A part of a model file has
+/// a parameter as a factor, so that one derivative shows its use.
+fn unused_parameters(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<String> {
+    let is_zero = |matrix: &RealMatrix| matrix.norm_max() == 0.0;
+    let is_unused = |j: usize| match model.sparse_derivative(values, j) {
+        Ok(Some(by)) => [by.mass, by.stiffness]
+            .iter()
+            .flat_map(SparseMatrix::entries)
+            .all(|(_, _, value)| value == 0.0),
+        Ok(None) => model.derivative(values, j).is_ok_and(|by| {
+            let matrices = [Some(&by.mass), by.damping.as_ref(), Some(&by.stiffness)];
+            matrices.into_iter().flatten().all(is_zero)
+        }),
+        // Solving the model reports the error.
+        Err(_) => false,
+    };
+    let specs = model.parameters().iter().enumerate();
+    let unused = specs.filter(|(j, _)| is_unused(*j));
+    unused.map(|(_, spec)| spec.name.clone()).collect()
 }
 
 fn with_parameters(
@@ -133,6 +160,7 @@ fn with_parameters(
         sensors,
         model,
         values,
+        unused: Vec::new(),
     })
 }
 
@@ -187,7 +215,12 @@ impl LoadedModel {
         } else {
             sensors
         };
-        let solved = modes(self.model.as_ref(), &self.values, sensors, options)?;
+        let mut solved = modes(self.model.as_ref(), &self.values, sensors, options)?;
+        let unused = self.unused.iter().map(|name| {
+            let location = Location::Parameter(name.clone());
+            Finding::new(Severity::Warning, Code::ParameterUnused, location)
+        });
+        solved.model.findings.extend(unused);
         let parameters = self
             .model
             .parameters()

@@ -92,7 +92,8 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
             path: name,
             what: format!("a mode ({})", held(catalog)),
             expected: "mode shapes, such as universal datasets 55 or 2414, a modes.json, or a \
-                       table whose heading begins with frequency_hz,damping_ratio"
+                       table with the headings `frequency_hz`, `damping_ratio`, then `1:+Z`, or \
+                       `1:+Z re` and `1:+Z im`, for each DOF"
                 .to_owned(),
         }));
     }
@@ -110,7 +111,7 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
 
 /// Contents of a file without modes: its columns or arrays by name, else the number of its records
 /// and functions.
-fn held(catalog: &Catalog) -> String {
+pub(super) fn held(catalog: &Catalog) -> String {
     let names: Vec<&str> = catalog.arrays.iter().map(|a| a.name.as_str()).collect();
     match names.as_slice() {
         [] => format!(

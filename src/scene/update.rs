@@ -137,6 +137,9 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .cloned()
         .collect();
     findings.extend(new);
+    let of_model = theory_before.modes.findings.iter();
+    let of_model = of_model.filter(|finding| finding.code == Code::ParameterUnused);
+    findings.extend(of_model.cloned());
     findings.extend(result.findings());
     Ok(SceneUpdate {
         before: before.table.labelled_from(scene.first_root),
@@ -162,7 +165,7 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
     let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
     let of_frfs = stated.residuals.as_ref().filter(|name| of_frfs(name));
     if let Some(name) = of_frfs.filter(|_| stated.explain) {
-        let expected = "residuals of modes beside it, by which trials are ranked";
+        let expected = "residuals of modes beside it, by which its trials are ranked";
         let got = format!("true beside {name:?}");
         return Err(value_error(path, "[update] explain", &got, expected));
     }
@@ -170,7 +173,7 @@ fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
         let floor = stated.frf_floor.map(|floor| ("frf_floor", floor));
         let lines = stated.frf_lines.map(|lines| ("frf_lines", lines as f64));
         if let Some((key, got)) = floor.or(lines) {
-            let expected = "residuals of FRFs beside it, which alone it is for";
+            let expected = "residuals of FRFs beside it, the only ones to which it applies";
             let key = format!("[update] {key}");
             return Err(value_error(path, &key, &format!("{got}"), expected));
         }

@@ -23,6 +23,8 @@ pub struct DetectionCounts {
     bounded: usize,
     /// Found modes whose shape has several components.
     shaped: usize,
+    largest_frequency: f64,
+    largest_damping: f64,
     frequency: f64,
     damping: f64,
     shape: f64,
@@ -74,8 +76,11 @@ impl DetectionCounts {
 
     fn add_pole(&mut self, truth: &TrueMode, mode: &Mode) {
         let [frequency, damping] = errors(truth, mode);
-        self.frequency += (frequency / truth.hz()).powi(2);
-        self.damping += (damping / truth.pole.damping_ratio()).powi(2);
+        let relative = [frequency / truth.hz(), damping / truth.pole.damping_ratio()];
+        self.frequency += relative[0].powi(2);
+        self.damping += relative[1].powi(2);
+        self.largest_frequency = self.largest_frequency.max(relative[0].abs());
+        self.largest_damping = self.largest_damping.max(relative[1].abs());
     }
 
     /// Adds the counts of other identifications.
@@ -87,6 +92,8 @@ impl DetectionCounts {
         self.spurious += other.spurious;
         self.bounded += other.bounded;
         self.shaped += other.shaped;
+        self.largest_frequency = self.largest_frequency.max(other.largest_frequency);
+        self.largest_damping = self.largest_damping.max(other.largest_damping);
         self.frequency += other.frequency;
         self.damping += other.damping;
         self.shape += other.shape;
@@ -99,6 +106,16 @@ impl DetectionCounts {
     /// Observable modes that were missed, and spurious ones.
     pub fn mistakes(&self) -> usize {
         self.observable - self.found + self.spurious
+    }
+
+    /// Largest relative error of a frequency.
+    pub fn largest_frequency(&self) -> Option<f64> {
+        (self.found > 0).then_some(self.largest_frequency)
+    }
+
+    /// Largest relative error of a damping ratio.
+    pub fn largest_damping(&self) -> Option<f64> {
+        (self.found > 0).then_some(self.largest_damping)
     }
 
     /// Rms relative error of the frequencies.
@@ -207,6 +224,8 @@ mod tests {
         assert!((counts.frequency().unwrap() - 1e-3).abs() < 1e-12);
         assert!((counts.damping().unwrap() - 0.1).abs() < 1e-12);
         assert!(counts.shape().unwrap() < 1e-7);
+        let largest = [counts.largest_frequency(), counts.largest_damping()];
+        assert_eq!(largest, [counts.frequency(), counts.damping()]);
         let bound = judge.detectability()[0].bound.unwrap();
         let over = counts.frequency_over_bound().unwrap();
         assert!((over * bound.frequency_hz - 0.03).abs() < 1e-12);

@@ -13,6 +13,7 @@
 //! | `seed` | [`cell_random`]: random numbers from the coordinates of a cell |
 //! | `spec` | [`StudyFile`]: `study.toml` as typed |
 //! | `detection_counts` | [`DetectionCounts`]: errors of found modes, summed over identifications |
+//! | `wording` | counts and lists in sentences |
 //! | `twin` | [`System::twin`]: the system of a test's modes |
 //! | `speed_accuracy` | [`speed_accuracy()`]: every method on a scene's tests and on their twins |
 //!
@@ -32,6 +33,7 @@ mod spec;
 mod speed_accuracy;
 mod system;
 mod twin;
+mod wording;
 
 pub use bound::{NoisyLines, PoleBound, pole_bounds};
 pub use detection_counts::DetectionCounts;
@@ -40,7 +42,7 @@ pub use meter::{Cost, Meter};
 pub use method::Method;
 pub use order::{
     LowestOrder, ModeNeeds, OrderOptions, ParameterNeeds, SceneNeeds, SingleMode, TestNeeds,
-    TheoryNeeds, TriedOrder, order, summarise_needs,
+    TheoryNeeds, TriedOrder, method_of_needs, needs_of_model, order, summarise_needs,
 };
 pub use score::{
     Detectability, DetectionVerdict, Judge, detectability, mode_bounds, shape_at_responses,
@@ -49,6 +51,7 @@ pub use seed::cell_random;
 pub use spec::{STUDY_SCHEMA, StudyFile, parse_study};
 pub use speed_accuracy::{
     Condition, DataRow, FrontPoint, SpeedAccuracy, SpeedAccuracyOptions, SpeedLimits, TestStudy,
-    Timing, TwinCost, TwinRow, pareto_front, recommendations, speed_accuracy,
+    Timing, TwinCost, TwinRow, method_verdicts, pareto_front, recommendations, speed_accuracy,
 };
 pub use system::{FrfNoise, System, TrueMode, with_noise};
+pub(crate) use wording::counted;

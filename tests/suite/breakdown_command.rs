@@ -59,6 +59,26 @@ fn any_threads_a_resumed_run_and_merged_parts_give_the_same_bytes() {
     let folder = place.path();
     write(folder, &[("study.toml", SPEC), ("modes.json", MODES)]);
     let printed = study(folder, "one", &["--threads", "1"]);
+    for slice in ["damping-separation", "force_noise-hits"] {
+        assert!(
+            printed.contains(&format!("Where methods fail: {slice}")),
+            "{printed}"
+        );
+    }
+    let path = |name: &str| folder.join(name).display().to_string();
+    let screen = succeed([
+        "study",
+        "breakdown",
+        &path("study.toml"),
+        "-o",
+        &path("one"),
+    ]);
+    crate::screen::assert_fits(&screen, 40, 100, "study breakdown");
+    let verdict = screen.lines().nth(3).unwrap();
+    assert!(
+        verdict.starts_with("Use ") || verdict.starts_with("No method meets"),
+        "{screen}"
+    );
     assert!(
         printed.contains("Where methods fail: damping-separation"),
         "{printed}"
@@ -87,7 +107,6 @@ fn any_threads_a_resumed_run_and_merged_parts_give_the_same_bytes() {
         folder,
         &[("study.toml", &SPEC.replace("seed = 5", "seed = 6"))],
     );
-    let path = |name: &str| folder.join(name).display().to_string();
     let words = [
         "study",
         "breakdown",

@@ -233,7 +233,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(findings, 12, 200, "standard error");
     for said in [
         "Limits: all met (5).",
-        "Synthetic recordings, computed from a model and not measured: all tests.",
+        "The recordings are synthetic: computed from a model and not measured.",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "f: paired by frequency alone. ?: ambiguous.",
         "f10, large cylinder: its peak would stand 75.3 dB over the noise",
@@ -244,7 +244,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     }
     let row = |label: &str| screen.lines().find(|line| line.starts_with(label)).unwrap();
     assert!(
-        row(" f10 ").matches("missed").count() == 2,
+        row(" f10 ").matches("unmatched").count() == 2,
         "{}",
         row(" f10 ")
     );

@@ -10,6 +10,7 @@ mod command;
 mod correlate_command;
 mod correlate_tables;
 mod cycloid_ball;
+mod examples;
 mod exchange;
 mod faults;
 mod faulty_streams;

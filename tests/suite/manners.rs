@@ -30,6 +30,29 @@ fn completion_scripts_of_every_shell_have_every_verb() {
 }
 
 #[test]
+fn manual_pages_of_the_program_and_of_every_verb_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    succeed(["man", "-o", folder.path().to_str().unwrap()]);
+    let page = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(page("modalign.1"), succeed(["man"]));
+    for (name, parts) in [
+        ("modalign.1", ["modalign\\-run(1)", ".SH SYNOPSIS"]),
+        (
+            "modalign-run.1",
+            ["Write tables, modes, FRFs", "measurements/cycloid\\-ball"],
+        ),
+        (
+            "modalign-study.1",
+            ["speed\\-accuracy", ".TH modalign-study"],
+        ),
+    ] {
+        for part in parts {
+            assert!(page(name).contains(part), "{name}: {part}\n{}", page(name));
+        }
+    }
+}
+
+#[test]
 fn colours_are_printed_on_request_and_never_in_json() {
     let painted = "\u{1b}[";
     let missed = [

@@ -85,7 +85,7 @@ fn a_scene_with_a_model_lists_lines_to_fill_in_and_then_compares() {
         &path("model.toml"),
     ]);
     assert!(
-        printed.contains("11 lines are to be filled in"),
+        printed.contains("11 lines to be filled in"),
         "a place for each point: {printed}"
     );
     let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
@@ -219,7 +219,7 @@ fn a_stated_sensor_is_that_of_the_record_that_names_none() {
     let text: String = text.lines().map(unnamed).collect();
     write(folder.path(), &[("open.uff", &text)]);
     let asked = succeed(["new", &path("asked"), &path("open.uff")]);
-    assert!(asked.contains("1 lines are to be filled in"), "{asked}");
+    assert!(asked.contains("1 line to be filled in"), "{asked}");
     let printed = succeed([
         "new",
         &path("said"),
@@ -288,8 +288,18 @@ fn options_fill_in_what_the_files_do_not_state() {
     );
     let (a, b) = (path("a.txt"), path("b.txt"));
     let asked = succeed(["new", &path("asked"), &a, &b]);
-    assert_eq!(asked.matches(": reference: ").count(), 2, "{asked}");
-    assert_eq!(asked.matches(": response: ").count(), 2, "{asked}");
+    for key in ["reference", "response"] {
+        let line = asked
+            .lines()
+            .find(|line| line.contains(&format!(": {key}: ")));
+        let line = line.unwrap_or_else(|| panic!("{key}: {asked}"));
+        assert!(
+            line.trim_start().starts_with("lines ") && line.contains(", "),
+            "{line}"
+        );
+        assert!(asked.contains(&format!("--{key} DOF")), "{asked}");
+    }
+    assert!(asked.contains("--points FILE states them."), "{asked}");
     let (said, model, points) = (path("said"), path("model.toml"), path("points.csv"));
     let stated = [
         "--response",
@@ -380,4 +390,103 @@ fn stated_units_and_sampling_rate_leave_nothing_to_fill_in() {
     wrong.push(arguments[2].clone());
     wrong.extend(unknown);
     assert!(fail(&wrong).contains("got furlong"), "{}", fail(&wrong));
+}
+
+/// Two FRFs with coherence and their records, as arrays with the names of a two-channel analyser.
+fn analyser_arrays(path: &Path) {
+    let mut file = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
+    let mut add = |name: &str, kind: &str, numbers: usize| {
+        let options = zip::write::SimpleFileOptions::default();
+        file.start_file(format!("{name}.npy"), options).unwrap();
+        let head = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (64, 2), }}");
+        let head = format!("{head:<117}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((head.len() as u16).to_le_bytes());
+        bytes.extend(head.as_bytes());
+        bytes.extend((0..numbers).flat_map(|k| (0.5 * k as f64).to_le_bytes()));
+        std::io::Write::write_all(&mut file, &bytes).unwrap();
+    };
+    for name in ["X1", "X2", "S1_1", "C1_2", "C1_3", "G1_1", "G2_2", "W1"] {
+        add(name, "<f8", 128);
+    }
+    for name in ["S1", "H1_2", "H1_3"] {
+        add(name, "<c16", 256);
+    }
+    file.finish().unwrap();
+}
+
+#[test]
+fn arrays_that_are_frfs_by_their_names_are_drafted_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("analyser.npz");
+    analyser_arrays(&file);
+    let scene = at(folder.path(), "scene");
+    let arguments = [
+        "new",
+        &scene,
+        file.to_str().unwrap(),
+        "--unit",
+        "g/N",
+        "--reference",
+        "1:+Z",
+    ];
+    let printed = succeed(arguments);
+    assert!(printed.contains("4 lines to be filled in"), "{printed}");
+    let text = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
+    for (column, role) in [
+        ("H1_2:1", "frequency"),
+        ("H1_2:2", "complex"),
+        ("C1_2:2", "coherence"),
+        ("H1_3:2", "complex"),
+        ("C1_3:2", "coherence"),
+    ] {
+        let wanted = format!("column = \"{column}\"\nrole = \"{role}\"");
+        assert!(text.contains(&wanted), "{wanted}: {text}");
+    }
+    assert_eq!(text.matches("[[test.channel]]").count(), 5);
+    assert!(
+        text.contains("# Not used below: X1, X2, S1_1, G1_1"),
+        "{text}"
+    );
+}
+
+#[test]
+fn stated_points_are_kept_with_every_model_and_without() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    let lines = (1..=11).map(|point| format!("{point},{:.2},0,0\n", 0.1 * f64::from(point)));
+    write(folder.path(), &[("points.csv", &lines.collect::<String>())]);
+    succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
+    succeed([
+        "identify",
+        &path("frfs.h5"),
+        "--band",
+        "60:3200",
+        "--method",
+        "circle",
+        "-o",
+        &path("modes.json"),
+    ]);
+    for (scene, model) in [
+        ("none", None),
+        ("finished", Some(path("modes.json"))),
+        ("bodies", Some(path("model.toml"))),
+        ("built-in", Some("cycloid-ball".to_owned())),
+    ] {
+        let mut arguments = vec!["new".to_owned(), path(scene), path("frfs.h5")];
+        arguments.extend(["--points".to_owned(), path("points.csv")]);
+        arguments.extend(
+            model
+                .into_iter()
+                .flat_map(|model| ["--model".to_owned(), model]),
+        );
+        succeed(arguments);
+        let text = std::fs::read_to_string(folder.path().join(scene).join("scene.toml")).unwrap();
+        let positions = text.lines().filter(|line| line.starts_with("at_m = [0"));
+        let positions = positions.count() + text.matches("\nat_m = [1").count();
+        assert_eq!(positions, 11, "{scene}: {text}");
+        if ["none", "finished"].contains(&scene) {
+            succeed(["run", &path(scene)]);
+        }
+    }
 }

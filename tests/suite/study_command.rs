@@ -72,10 +72,10 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
     let folder = tempfile::tempdir().unwrap();
     scene(folder.path());
     let place = folder.path().to_str().unwrap();
-    let out = |threads: &str| {
+    let out = |threads: &str, full: &[&str]| {
         let out = folder.path().join(threads);
         let name = out.to_str().unwrap();
-        let text = succeed([
+        let arguments = [
             "study",
             "speed-accuracy",
             place,
@@ -83,14 +83,16 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
             name,
             "--threads",
             threads,
-        ]);
-        assert!(
-            text.contains("Pareto front") && text.contains("Cramér-Rao bound"),
-            "{text}"
-        );
-        out
+        ];
+        (out.clone(), succeed(arguments.iter().chain(full)))
     };
-    let (one, two) = (out("1"), out("2"));
+    let ((one, screen), (two, full)) = (out("1", &[]), out("2", &["--full"]));
+    crate::screen::assert_fits(&screen, 40, 100, "study speed-accuracy");
+    assert!(
+        full.contains("Pareto front") && full.contains("Cramér-Rao bound"),
+        "{full}"
+    );
+    check_verdict(&screen, &full, &two);
     let bytes = |folder: &Path| std::fs::read(folder.join("speed-accuracy.csv")).unwrap();
     assert_eq!(bytes(&one), bytes(&two));
     let stem = "speed-accuracy-roving-hammer";
@@ -136,6 +138,40 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
     assert_eq!(found, [MODES as f64; 3]);
 }
 
+/// The verdict names the fastest of the methods whose errors are within the stated ones, and the
+/// full output has the verdicts and recommendations of the JSON.
+fn check_verdict(screen: &str, full: &str, folder: &Path) {
+    let study = crate::command::json(&folder.join("speed-accuracy.json"));
+    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let full = one_line(full);
+    for key in ["verdict", "lessons"] {
+        for sentence in study[key].as_array().unwrap() {
+            assert!(
+                full.contains(&one_line(sentence.as_str().unwrap())),
+                "{sentence}\n{full}"
+            );
+        }
+    }
+    let verdict = one_line(screen);
+    let method = verdict.split("roving hammer: use ").nth(1).unwrap();
+    let method = method.split([':', ' ']).next().unwrap();
+    let rows = study["rows"].as_array().unwrap();
+    let row = rows
+        .iter()
+        .find(|row| row["data"] == "data" && row["method"] == method);
+    let row = row.unwrap();
+    assert_eq!(
+        (row["found"].as_f64(), row["spurious"].as_f64()),
+        (Some(MODES as f64), Some(0.0))
+    );
+    assert!(
+        row["frequency_rms"]
+            .as_f64()
+            .is_none_or(|error| error < 1e-3),
+        "{row}"
+    );
+}
+
 #[test]
 fn an_invalid_study_is_refused_with_its_reason() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,17 +196,11 @@ fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
     let folder = tempfile::tempdir().unwrap();
     scene(folder.path());
     let place = folder.path().to_str().unwrap();
-    let out = |threads: &str| {
+    let out = |threads: &str, full: &[&str]| {
         let out = folder.path().join(threads);
-        let text = succeed([
-            "study",
-            "order",
-            place,
-            "-o",
-            out.to_str().unwrap(),
-            "--threads",
-            threads,
-        ]);
+        let name = out.to_str().unwrap();
+        let arguments = ["study", "order", place, "-o", name, "--threads", threads];
+        let text = succeed(arguments.iter().chain(full));
         let files = [
             "order.csv",
             "order.json",
@@ -182,9 +212,14 @@ fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
             files.map(|name| std::fs::read_to_string(out.join(name)).unwrap()),
         )
     };
-    let (one, two) = (out("1"), out("2"));
+    let ((screen, one), (text, two)) = (out("1", &[]), out("2", &["--full"]));
     assert_eq!(one, two);
-    let (text, [csv, json, page, figure]) = one;
+    crate::screen::assert_fits(&screen, 40, 100, "study order");
+    assert!(
+        screen.contains("use peak, which is enough for all 6 observable modes."),
+        "{screen}"
+    );
+    let [csv, json, page, figure] = one;
     assert!(text.contains("the data support 6 roots by BIC"), "{text}");
     assert!(page.contains("one mode at a time is enough for 6 of 6 observable modes"));
     assert!(csv.lines().count() > 7 && figure.contains("BIC above its minimum"));

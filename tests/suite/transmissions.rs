@@ -216,6 +216,11 @@ fn every_claim_of_the_helical_gear_is_judged_and_the_sufficient_detail_stated() 
     // Not reproduced: the teeth, the torque, the richer spectrum, figure 5, the load sharing with
     // 82 teeth, the sun's motion with 83, and the conclusion.
     assert_eq!(verdicts(folder.path()), [9, 7, 1]);
+    // A scene without a test has tables, too.
+    for (name, part) in [("tables.md", "| --- |"), ("tables.tex", "\\toprule")] {
+        let tables = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(tables.contains(part), "{name}: {tables}");
+    }
 }
 
 #[test]

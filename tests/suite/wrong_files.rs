@@ -359,7 +359,7 @@ const CASES: &[Case] = &[
         &[("frequency_hz", "frequency")],
         &[
             "the file holds the columns frequency, damping_ratio, 1:+Z, 2:+Z",
-            "begins with frequency_hz",
+            "headings `frequency_hz`",
         ],
     ),
     (
@@ -438,6 +438,56 @@ fn every_fault_of_a_wrong_file_is_named_with_place_and_expectation() {
         assert!(
             message.contains("expected") || message.contains("cannot open"),
             "{message}"
+        );
+    }
+}
+
+#[test]
+fn headings_that_are_not_understood_are_listed_with_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let frfs = "f [Hz],H real,H imag\n1,10.2,0.01\n2,1,1\n3,2,1\n";
+    let modes = "mode,freq,zeta\n1,10.2,0.01\n2,20.1,0.02\n";
+    write(folder.path(), &[("frfs.csv", frfs), ("modes.csv", modes)]);
+    for (arguments, parts) in [
+        (
+            ["identify", "frfs.csv"],
+            [
+                "the columns f [Hz], H real, H imag",
+                "`frequency [Hz]`, then `re 1:+Z|2:+Z",
+            ],
+        ),
+        (
+            ["theory", "modes.csv"],
+            [
+                "the columns mode, freq, zeta",
+                "`frequency_hz`, `damping_ratio`, then `1:+Z`",
+            ],
+        ),
+    ] {
+        let output = modalign_in(folder.path(), arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        for part in parts {
+            assert!(message.contains(part), "{part} is missing in\n{message}");
+        }
+        // The remedy stands on a separate line.
+        assert!(message.contains("\nhint: a scene states it"), "{message}");
+    }
+}
+
+#[test]
+fn a_parameter_that_nothing_uses_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let unused = MODEL.replace("parameter = \"mount\"", "stiffness_n_per_m = 1.0e6");
+    for (model, warned) in [(MODEL, false), (unused.as_str(), true)] {
+        write(folder.path(), &[("model.toml", model)]);
+        let output = modalign_in(folder.path(), ["theory", "model.toml"]);
+        let findings = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{findings}");
+        assert_eq!(
+            findings.contains("[parameter-unused]"),
+            warned,
+            "{findings}"
         );
     }
 }

@@ -4,6 +4,11 @@ function drawMac(host) {
   ofTests(host, (test) => test.mac, (body, test) => new MacMap(body, test));
 }
 
+/** A MAC below 1 is not written as 1. */
+function macText(value, decimals) {
+  return (value < 1 ? Math.min(value, 1 - 10 ** -decimals) : value).toFixed(decimals);
+}
+
 class MacMap {
   constructor(host, test) {
     this.test = test;
@@ -49,7 +54,7 @@ class MacMap {
       const fill = value === null ? palette.band : heat(value);
       this.svg.append(svg('rect', { x, y, width: cell, height: high, fill, stroke: palette.grid, 'stroke-width': 0.5 }));
       if (value === null) this.svg.append(svg('path', { d: `M${x} ${y + high}L${x + cell} ${y}`, stroke: palette.grid }));
-      else if (labelled && value >= 0.05) this.svg.append(svg('text', { x: x + cell / 2, y: y + high / 2 + 4, 'text-anchor': 'middle', fill: inkOn(value), 'font-size': Math.min(11, cell / 3) }, value.toFixed(2)));
+      else if (labelled && value >= 0.05) this.svg.append(svg('text', { x: x + cell / 2, y: y + high / 2 + 4, 'text-anchor': 'middle', fill: inkOn(value), 'font-size': Math.min(11, cell / 3) }, macText(value, 2)));
     }));
     for (const [i, j] of this.matrix.pairs) {
       this.svg.append(svg('rect', { x: margin.left + j * cell + 1, y: margin.top + i * high + 1, width: cell - 2, height: high - 2, fill: 'none', stroke: palette.series[1], 'stroke-width': 2 }));
@@ -92,7 +97,7 @@ class MacMap {
     const { mac, test_hz: rows, theory_hz: columns } = this.matrix;
     const { margin, cell, high } = this.cell;
     for (const [key, value] of Object.entries({ x: margin.left + j * cell, y: margin.top + i * high, width: cell, height: high, visibility: 'visible' })) this.ring.setAttribute(key, value);
-    const lines = [`MAC ${mac[i][j] === null ? '—' : mac[i][j].toFixed(3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')} ${this.matrix.theory_modes[j]}: ${digits(columns[j], 6)} Hz`];
+    const lines = [`MAC ${mac[i][j] === null ? '—' : macText(mac[i][j], 3)}`, `${T('test')} ${i + 1}: ${digits(rows[i], 6)} Hz`, `${T('theory')}: ${digits(columns[j], 6)} Hz`];
     if (this.matrix.pairs.some((pair) => pair[0] === i && pair[1] === j)) lines.push(this.repeated(i) ? T('pair with a repeated root: MAC of one of its vectors, not of their subspace') : T('pair'));
     tip.show(x, y, lines);
   }

@@ -38,7 +38,11 @@ pub(super) fn methods(
     if let Some(study) = &companions.order {
         tab.content += &format!("<h3>{}</h3>\n", w(&texts.order_study));
         tab.content += &match study_belongs_to_run(study, report) {
-            true => sentences(&study["answers"]) + &tables(study, language),
+            true => {
+                sentences(&study["verdict"])
+                    + &sentences(&study["answers"])
+                    + &tables(study, language)
+            }
             false => note(&texts.order_of_another_run),
         };
     }
@@ -104,9 +108,10 @@ fn breakdown_belongs_to_run(study: &BreakdownFile, report: &RunReport) -> bool {
     *title == report.title && study.user_modes.iter().all(in_run)
 }
 
-/// Recommendations of the study, its figures, its tables.
+/// Verdicts and recommendations of the study, its figures, its tables.
 fn speed_text(study: &Value, language: Language) -> String {
-    sentences(&study["lessons"])
+    sentences(&study["verdict"])
+        + &sentences(&study["lessons"])
         + "<div class=\"drawn\" data-draw=\"speed\"></div>\n"
         + &tables(study, language)
 }

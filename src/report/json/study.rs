@@ -7,7 +7,7 @@ use crate::io::IoError;
 use crate::study::breakdown::{SliceResult, Stability, UserMode};
 use crate::study::{
     LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
-    TheoryNeeds, TriedOrder, recommendations, summarise_needs,
+    TheoryNeeds, TriedOrder, method_of_needs, method_verdicts, recommendations, summarise_needs,
 };
 
 use super::super::{
@@ -44,6 +44,7 @@ pub fn order_to_json(needs: &SceneNeeds) -> String {
         "theory": needs.theory.as_ref().map_or_else(|reason| json!({"reason": reason}), theory_needs),
         "parameters": needs.parameters.as_ref().map_or_else(|reason| json!({"reason": reason}), parameter_needs),
         "rows": rows(&table),
+        "verdict": method_of_needs(needs),
         "answers": summarise_needs(needs),
         "tables": Section::new("order", printed).blocks,
     });
@@ -157,6 +158,7 @@ pub fn speed_accuracy_to_json(study: &SpeedAccuracy) -> String {
         "tests": study.tests.iter().map(test).collect::<Vec<_>>(),
         "rows": rows(speed_accuracy_table(study)),
         "times": rows(times_table(study)),
+        "verdict": method_verdicts(study),
         "lessons": recommendations(study),
         "tables": Section::new("methods", printed).blocks,
     });

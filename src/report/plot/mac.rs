@@ -1,5 +1,6 @@
 //! The MAC figure is a labelled heat map.
 
+use crate::report::Cell;
 use crate::scene::MacFigure;
 
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
@@ -51,7 +52,12 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
             if let Some(value) = value.filter(|value| *value >= 0.05 && wide >= 26.0) {
                 let ink = if value > 0.55 { "#ffffff" } else { INK };
                 let at = [a[0] + 0.5 * wide, a[1] + 0.5 * high + 4.0];
-                canvas.text(at, &format!("{value:.2}"), Anchor::Middle, ink);
+                canvas.text(
+                    at,
+                    &Cell::mac(Some(value), 2).display(),
+                    Anchor::Middle,
+                    ink,
+                );
             }
         }
     }

@@ -190,7 +190,7 @@ mod tests {
                 theory_hz: vec![1.9, 4.0],
                 theory_modes: vec![1, 3],
                 still: 1,
-                mac: vec![vec![Some(0.98), None]],
+                mac: vec![vec![Some(0.998), None]],
                 dofs: 4,
                 pairs: vec![[0, 0]],
             }),
@@ -221,6 +221,8 @@ mod tests {
             // The test is synthetic.
             assert!(text.contains("a &lt;test&gt; (synthetic)"), "{name}");
         }
+        // A MAC below 1 is not printed as 1.
+        assert!(all[2].1.contains(">0.99</text>"), "{}", all[2].1);
         let bode = &all[0].1;
         for part in [
             "Frequency (Hz)",

@@ -91,11 +91,14 @@ pub(super) fn shapes(figure: &ShapeFigure, test: &str) -> String {
         ];
         draw_panel(&mut canvas, figure, &view, corner, k);
     }
-    let names = [
-        (test, COLORS[0]),
-        ("theory", COLORS[1]),
-        ("undeformed", FAINT),
-    ];
+    let mut names = vec![(test, COLORS[0])];
+    if figure.partners.iter().any(Option::is_some) {
+        names.push(("theory", COLORS[1]));
+    }
+    names.push(match figure.in_a_row {
+        true => ("undeformed: points without coordinates, in a row", FAINT),
+        false => ("undeformed", FAINT),
+    });
     canvas.legend([14.0, PANEL_HEIGHT_PX * rows as f64 + 22.0], &names);
     canvas.finish()
 }

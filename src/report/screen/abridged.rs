@@ -105,7 +105,7 @@ fn cut_rows(mut table: Table, most: usize) -> Table {
 /// The table in this width: its texts wrapped, then its columns of numbers omitted, those of
 /// percentages with the smallest numbers first, others from the right. Names of omitted columns
 /// are in a note.
-fn narrowed(mut table: Table, width: usize) -> Table {
+pub(super) fn narrowed(mut table: Table, width: usize) -> Table {
     if table_width(&table) <= width {
         return table;
     }
@@ -117,28 +117,31 @@ fn narrowed(mut table: Table, width: usize) -> Table {
         };
         omit_column(&mut table, column);
     }
-    let mut kept = table.columns.iter().peekable();
-    let is_omitted = |column: &&Column| kept.next_if(|kept| *kept == *column).is_none();
-    let omitted = all.iter().filter(is_omitted);
-    let mut omitted: Vec<String> = omitted.map(|c| c.head.replace('\n', " ")).collect();
     for cell_width in &TEXT_CELL_WIDTHS[1..] {
         if table_width(&table) > width {
             wrap_texts(&mut table, *cell_width);
         }
     }
-    if !omitted.is_empty() {
-        let further = counted(omitted.len(), "further column");
-        let more = match omitted.len() > MAX_NAMED_COLUMNS {
-            true => ", ...",
-            false => "",
-        };
-        omitted.truncate(MAX_NAMED_COLUMNS);
-        let names = omitted.join(", ");
-        table
-            .footnotes
-            .push(format!("{further} ({names}{more}): --full."));
-    }
+    let omitted = omitted_columns(&all, &table.columns);
+    let note = omitted.map(|omitted| format!("{omitted}: --full."));
+    table.footnotes.extend(note);
     table
+}
+
+/// Number and names of the columns that are not kept: `2 further columns (std (Hz), MAC)`.
+pub(in crate::report) fn omitted_columns(all: &[Column], kept: &[Column]) -> Option<String> {
+    let mut kept = kept.iter().peekable();
+    let is_omitted = |column: &&Column| kept.next_if(|kept| *kept == *column).is_none();
+    let omitted = all.iter().filter(is_omitted);
+    let mut omitted: Vec<String> = omitted.map(|c| c.head.replace('\n', " ")).collect();
+    let further = counted(omitted.len(), "further column");
+    let more = match omitted.len() > MAX_NAMED_COLUMNS {
+        true => ", ...",
+        false => "",
+    };
+    omitted.truncate(MAX_NAMED_COLUMNS);
+    let names = omitted.join(", ");
+    (!omitted.is_empty()).then(|| format!("{further} ({names}{more})"))
 }
 
 fn wrap_texts(table: &mut Table, cell_width: usize) {
@@ -151,7 +154,7 @@ fn wrap_texts(table: &mut Table, cell_width: usize) {
 
 /// The next column to omit: of columns in percent, but not the first of the table, that with the
 /// smallest largest magnitude; else the last column of numbers.
-fn omissible_column(table: &Table) -> Option<usize> {
+pub(in crate::report) fn omissible_column(table: &Table) -> Option<usize> {
     let numbers = (1..table.columns.len())
         .filter(|column| table.columns[*column].align == Align::Right)
         .collect::<Vec<usize>>();

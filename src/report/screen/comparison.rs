@@ -13,7 +13,7 @@ use crate::report::{Block, Cell, Column, Table};
 use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Maximum number of reasons of unmatched and ambiguous modes on the screen.
-const MAX_REASONS: usize = 3;
+const MAX_REASONS: usize = 2;
 /// The names of tests in the first column have at most the width of the screen over this.
 const SCREEN_OVER_NAME_WIDTH: usize = 5;
 /// Width at which the name of a test is wrapped in a head.
@@ -25,7 +25,8 @@ pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
     let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
     let mut blocks = vec![Block::Table(counts_table(table, width))];
     blocks.extend(empty_band_block(table));
-    let tables = ModeTables { table, width }.of(&tests);
+    let form = Form::Screen;
+    let tables = ModeTables { table, width, form }.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
     blocks.extend(reasons_block(table));
     blocks
@@ -49,16 +50,16 @@ fn empty_band_block(table: &ComparisonTable) -> Option<Block> {
 }
 
 /// Modes and pairs in numbers, a row for each test.
-fn counts_table(table: &ComparisonTable, width: usize) -> Table {
+pub(super) fn counts_table(table: &ComparisonTable, width: usize) -> Table {
     let heads = [
         "model\nmodes",
         "paired",
         "by\nshape",
         "by fre-\nquency",
         "ambi-\nguous",
-        "un-\npaired",
+        "un-\nmatched",
         "not ob-\nservable",
-        "unpaired\ntest modes",
+        "unmatched\ntest modes",
         "rms\nerror (%)",
         "largest\nerror (%)",
         "worst\nmode",
@@ -105,7 +106,7 @@ fn counts_table(table: &ComparisonTable, width: usize) -> Table {
         &[
             "ambi-\nguous",
             "not ob-\nservable",
-            "unpaired\ntest modes",
+            "unmatched\ntest modes",
             "lowest\nMAC",
         ],
     );
@@ -128,16 +129,26 @@ fn largest_error<'a>(table: &'a ComparisonTable, test: &str) -> Option<(&'a str,
     errors.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
-/// Tables of modes that fit the screen.
-struct ModeTables<'a> {
-    table: &'a ComparisonTable,
-    width: usize,
+/// Where a table of modes is shown.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Form {
+    /// On a screen, which has room for some rows.
+    Screen,
+    /// On the pages of a document, with all rows; every column has the name of its test.
+    Page,
+}
+
+/// Tables of modes that fit the width, characters.
+pub(super) struct ModeTables<'a> {
+    pub(super) table: &'a ComparisonTable,
+    pub(super) width: usize,
+    pub(super) form: Form,
 }
 
 impl ModeTables<'_> {
     /// One table of all tests with as many columns of each as fit; where the errors alone do not
     /// fit, tables of fewer tests.
-    fn of(&self, tests: &[&str]) -> Vec<Table> {
+    pub(super) fn of(&self, tests: &[&str]) -> Vec<Table> {
         if let [test] = tests {
             return vec![self.of_one(test)];
         }
@@ -146,9 +157,11 @@ impl ModeTables<'_> {
             &[Detail::Error, Detail::Mac],
             &[Detail::Error],
         ];
-        let tables = details.map(|details| self.side_by_side(tests, details));
-        let fitting = tables.into_iter().find(|t| table_width(t) <= self.width);
-        fitting.map_or_else(
+        let fits = |details: &&[Detail]| {
+            let table = self.side_by_side(tests, details, Form::Screen);
+            table_width(&table) <= self.width
+        };
+        details.into_iter().find(fits).map_or_else(
             || {
                 let (left, right) = tests.split_at(tests.len() / 2);
                 let halves = [left, right].into_iter();
@@ -157,7 +170,7 @@ impl ModeTables<'_> {
                     .flat_map(|half| self.of(half))
                     .collect()
             },
-            |table| vec![table],
+            |details| vec![self.side_by_side(tests, details, self.form)],
         )
     }
 
@@ -214,7 +227,7 @@ impl ModeTables<'_> {
         }
     }
 
-    fn side_by_side(&self, tests: &[&str], details: &[Detail]) -> Table {
+    fn side_by_side(&self, tests: &[&str], details: &[Detail], form: Form) -> Table {
         let (shown, omitted) = self.rows(tests);
         let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
         let mut rows: Vec<Vec<Cell>> = shown
@@ -239,11 +252,12 @@ impl ModeTables<'_> {
             let has_mac = cells.iter().flatten().any(|cell| cell.mac.is_some());
             let details = details.iter().filter(|d| has_mac || **d != Detail::Mac);
             for (number, detail) in details.enumerate() {
-                let head = match number {
-                    0 => {
+                let head = match (form, number) {
+                    (Form::Page, _) => format!("{test}\n{}", detail.head()),
+                    (Form::Screen, 0) => {
                         format!("{}\n{}", wrapped(test, NAME_WIDTH), detail.head())
                     }
-                    _ => detail.head().to_owned(),
+                    (Form::Screen, _) => detail.head().to_owned(),
                 };
                 columns.push(Column::number(head));
                 for (row, cell) in rows.iter_mut().zip(&cells) {
@@ -284,10 +298,14 @@ impl ModeTables<'_> {
         let mut all: Vec<(f64, &Row)> = all
             .filter_map(|row| Some((cells(row).into_iter().reduce(f64::max)?, row)))
             .collect();
-        let omitted = all.len().saturating_sub(MAX_ROWS);
+        let most = match self.form {
+            Form::Screen => MAX_ROWS,
+            Form::Page => all.len(),
+        };
+        let omitted = all.len().saturating_sub(most);
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|&a, &b| all[b].0.total_cmp(&all[a].0));
-        let kept: BTreeSet<usize> = order.into_iter().take(MAX_ROWS).collect();
+        let kept: BTreeSet<usize> = order.into_iter().take(most).collect();
         let mut index = 0..;
         all.retain(|_| index.next().is_some_and(|index| kept.contains(&index)));
         let sentence = (omitted > 0).then(|| {
@@ -371,12 +389,12 @@ const MARKS: &[Mark] = &[
         applies: |cell| cell.status == Status::Ambiguous,
     },
     Mark {
-        text: "missed",
-        meaning: "unmatched, should have been seen",
+        text: "unmatched",
+        meaning: "no partner, should have been seen",
         applies: |cell| cell.status == Status::MissedUnexpected && cell.is_status_certain(),
     },
     Mark {
-        text: "unclear",
+        text: "unknown",
         meaning: "unmatched, observability unknown",
         applies: |cell| !cell.is_status_certain(),
     },
@@ -391,7 +409,7 @@ const MARKS: &[Mark] = &[
         applies: |cell| cell.status == Status::NotObservable,
     },
     Mark {
-        text: "extra",
+        text: "test only",
         meaning: "unmatched test mode",
         applies: |cell| cell.status == Status::Extra,
     },
@@ -435,7 +453,10 @@ fn reasons_block(table: &ComparisonTable) -> Option<Block> {
     let omitted = all.len().saturating_sub(MAX_REASONS);
     if omitted > 0 {
         all.truncate(MAX_REASONS);
-        all.push(format!("{}: --full.", counted(omitted, "further reason")));
+        all.push(format!(
+            "{} of unmatched and ambiguous modes: --full.",
+            counted(omitted, "further reason")
+        ));
     }
     (!all.is_empty()).then(|| Block::Text(all.join("\n")))
 }

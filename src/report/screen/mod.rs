@@ -3,26 +3,33 @@
 //!
 //! `--full` prints the blocks of the report in their place; files and JSON never depend on this
 //! choice. A screen is at most as wide as the terminal where its content allows. It omits columns
-//! and rows in a stated order, and says so.
+//! and rows in a stated order, and says so. LaTeX, whose pages are narrow, has the columns of a
+//! screen of a fixed width.
 
 mod abridged;
 mod comparison;
 mod hits;
 mod modes;
+mod page;
 mod regression_check;
 mod run;
 mod sentences;
+mod studies;
 mod update;
 
 use super::terminal::table_width;
 use super::{Cell, Table};
+use crate::study::counted;
 
 pub use abridged::abridged;
+pub(super) use abridged::{omissible_column, omitted_columns};
 pub use comparison::comparison_screen;
 pub use hits::hits_screen;
 pub use modes::{modes_screen, roots_screen};
+pub use page::{comparison_page, comparison_page_of_all_tests, modes_page};
 pub use regression_check::regression_check_screen;
 pub use run::run_screen;
+pub use studies::{breakdown_screen, order_screen, speed_accuracy_screen};
 pub use update::update_screen;
 
 /// Decimals of MAC, MPC and coherence on the screen.
@@ -46,7 +53,7 @@ fn fitted(mut table: Table, omissible: &[&str], width: usize) -> Table {
 }
 
 /// Removes one column by its index.
-fn omit_column(table: &mut Table, index: usize) {
+pub(super) fn omit_column(table: &mut Table, index: usize) {
     table.columns.remove(index);
     for row in &mut table.rows {
         row.remove(index);
@@ -58,6 +65,7 @@ fn without_empty_columns(mut table: Table, heads: &[&str]) -> Table {
     let is_empty = |cell: &Cell| match cell {
         Cell::Missing => true,
         Cell::Text(text) => text.trim().is_empty() || text == "0",
+        Cell::Number { .. } => cell.display() == "0",
         _ => false,
     };
     for index in (0..table.columns.len()).rev() {
@@ -67,12 +75,6 @@ fn without_empty_columns(mut table: Table, heads: &[&str]) -> Table {
         }
     }
     table
-}
-
-/// A count with its noun, which takes an s: `1 mode`, `3 modes`.
-fn counted(count: usize, noun: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
 }
 
 #[cfg(test)]

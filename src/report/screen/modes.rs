@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::axis::Band;
 use crate::modal::{ModalModel, Mode};
-use crate::report::modes::{largest_energy_fractions, remarks};
+use crate::report::modes::{largest_energy_fractions, remarks, root_labels};
 use crate::report::{Block, Cell, Column, Table};
 use crate::theory::ModelRoot;
 
@@ -81,40 +81,41 @@ pub(super) fn listed_modes(
 pub fn roots_screen(
     caption: &str,
     roots: &[ModelRoot],
+    first_root: usize,
     band: Option<Band>,
     width: usize,
 ) -> Vec<Block> {
     let hz = |root: &ModelRoot| root.omega_rad_s / TAU;
     let inside = |root: &ModelRoot| band.is_none_or(|band| band.contains(hz(root)));
-    let numbered = (1_usize..).zip(roots).filter(|(_, root)| inside(root));
-    let numbered: Vec<(usize, &ModelRoot)> = numbered.collect();
-    if let (Some(band), true) = (band, numbered.is_empty()) {
+    let labels = root_labels(roots, first_root);
+    let labelled = labels.iter().zip(roots).filter(|(_, root)| inside(root));
+    let labelled: Vec<(&String, &ModelRoot)> = labelled.collect();
+    if let (Some(band), true) = (band, labelled.is_empty()) {
         let (lo, hi) = (band.lo_hz, band.hi_hz);
         let sentence = format!("{caption}: none between {lo} and {hi} Hz.");
         return vec![Block::Text(sentence)];
     }
     let most = if band.is_some() { MAX_ROWS } else { MAX_ROOTS };
-    let row = |(number, root): &(usize, &ModelRoot)| {
+    let row = |(label, root): &(&String, &ModelRoot)| {
         vec![
-            Cell::text(number.to_string()),
+            Cell::text(label.as_str()),
             Cell::text(root.modes.len().to_string()),
             Cell::measured(Some(hz(root)), None),
             root.class.clone().map_or(Cell::Missing, Cell::Text),
             Cell::text(largest_energy_fractions(root)),
         ]
     };
-    let omitted = numbered.get(most).map(|(_, first)| {
-        let more = counted(numbered.len() - most, "further root");
+    let omitted = labelled.get(most).map(|(_, first)| {
+        let more = counted(labelled.len() - most, "further root");
         format!("{more} from {:.2} Hz: --full, or --band LO:HI.", hz(first))
     });
-    let mut columns: Vec<Column> = ["root", "multiplicity", "f (Hz)"]
-        .map(Column::number)
-        .to_vec();
+    let mut columns = vec![Column::text("mode")];
+    columns.extend(["multiplicity", "f (Hz)"].map(Column::number));
     columns.extend(["class", "kinetic energy"].map(Column::text));
     let table = Table {
         caption: caption.to_owned(),
         columns,
-        rows: numbered.iter().take(most).map(row).collect(),
+        rows: labelled.iter().take(most).map(row).collect(),
         footnotes: omitted.into_iter().collect(),
     };
     let table = without_empty_columns(table, &["class", "kinetic energy"]);

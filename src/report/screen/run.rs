@@ -1,12 +1,12 @@
 //! The screen of `run`: verdict, comparison, published results, and what to do next.
 
 use crate::report::Block;
-use crate::scene::{SceneResult, TestResult};
+use crate::scene::{Scene, SceneResult, TestResult};
 
 use super::MAX_ROWS;
 use super::comparison::comparison_screen;
 use super::modes::{listed_modes, roots_screen};
-use super::sentences::{assumptions, limits, next_points, published, synthetic};
+use super::sentences::{assumptions, limits, next_points, pairs, published, synthetic};
 
 /// What to try where a test has no modes.
 const ADVICE: &str = "Try another band (band_hz of [[test]]) or method or order ([identify]); check units and coherence.";
@@ -15,10 +15,11 @@ const MIN_MODES_OF_TEST: usize = 5;
 
 /// The result of a scene: limits, synthetic data and assumptions; the comparison, or the modes of
 /// the tests, or the roots of the model; published results; recommended points.
-pub fn run_screen(title: &str, result: &SceneResult, width: usize) -> Vec<Block> {
-    let mut blocks = vec![Block::Heading(title.to_owned())];
+pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Block> {
+    let mut blocks = vec![Block::Heading(scene.title.clone())];
     let verdict = [
         result.table.as_ref().map(|_| limits(&result.limits)),
+        result.table.as_ref().map(pairs),
         synthetic(&result.tests),
         assumptions(&result.theory),
     ];
@@ -27,8 +28,16 @@ pub fn run_screen(title: &str, result: &SceneResult, width: usize) -> Vec<Block>
     match &result.table {
         Some(table) => blocks.extend(comparison_screen(table, width)),
         None if result.tests.is_empty() => {
+            let sentence = "The scene has no test, so that nothing is compared.";
+            blocks.push(Block::Text(sentence.to_owned()));
             let roots = &result.theory.roots;
-            blocks.extend(roots_screen("Roots of the model", roots, None, width));
+            blocks.extend(roots_screen(
+                "Roots of the model",
+                roots,
+                scene.first_root,
+                None,
+                width,
+            ));
         }
         None => {
             let sentence = "No [model] is stated, so that nothing is compared.";

@@ -1,8 +1,8 @@
 //! Sentences of a screen: limits, synthetic recordings, assumptions, published results and the
 //! points to measure next.
 
-use crate::correlate::ComparisonTable;
 use crate::correlate::published::ClaimVerdict;
+use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary};
 use crate::report::Cell;
 use crate::report::placement::label;
 use crate::report::table::significant;
@@ -50,18 +50,59 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
     )
 }
 
+/// Maximum number of unmatched modes that a sentence names.
+const MAX_NAMED_MODES: usize = 4;
+
+/// Pairs in numbers, the largest error, and the modes that a test should have shown.
+pub(super) fn pairs(table: &ComparisonTable) -> String {
+    let sum = |count: fn(&TestSummary) -> usize| table.summary.iter().map(count).sum::<usize>();
+    let in_band = sum(|s| s.paired + s.ambiguous + s.missed + s.not_observable);
+    let paired = sum(|s| s.paired);
+    let (by_shape, by_frequency) = (sum(|s| s.paired_by_shape), sum(|s| s.paired_by_frequency));
+    let several = table.summary.len() > 1;
+    let at = |row: &Row, cell: &TestCell| match several {
+        true => format!("{} ({})", row.label, cell.test),
+        false => row.label.clone(),
+    };
+    let cells = || {
+        let rows = table.rows.iter();
+        rows.flat_map(|row| row.tests.iter().map(move |cell| (row, cell)))
+    };
+    let largest = cells()
+        .filter_map(|(row, cell)| Some((at(row, cell), cell.error_percent?)))
+        .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+    let largest = largest.map_or(String::new(), |(mode, error)| {
+        let error = Cell::signed(Some(error), 3).display();
+        format!("; largest error {error} % at {mode}")
+    });
+    let missed = cells().filter(|(_, cell)| cell.status == Status::MissedUnexpected);
+    let mut missed: Vec<String> = missed.map(|(row, cell)| at(row, cell)).collect();
+    let further = missed.len().saturating_sub(MAX_NAMED_MODES);
+    missed.truncate(MAX_NAMED_MODES);
+    missed.extend((further > 0).then(|| format!("{further} more")));
+    let missed = match missed.is_empty() {
+        true => String::new(),
+        false => format!("; unmatched: {}", missed.join(", ")),
+    };
+    format!(
+        "Pairs: {paired} of {in_band} model modes ({by_shape} by shape, {by_frequency} by frequency){largest}{missed}."
+    )
+}
+
 /// The tests whose recordings are synthetic; `None` without any.
 pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
     let synthetic = tests.iter().filter(|test| test.is_synthetic());
     let names: Vec<&str> = synthetic.map(|test| test.name.as_str()).collect();
-    let which = match names.len() {
-        0 => return None,
-        all if all == tests.len() => "all tests".to_owned(),
-        _ => names.join(", "),
-    };
-    Some(format!(
-        "Synthetic recordings, computed from a model and not measured: {which}."
-    ))
+    match names.len() {
+        0 => None,
+        all if all == tests.len() => {
+            Some("The recordings are synthetic: computed from a model and not measured.".to_owned())
+        }
+        _ => Some(format!(
+            "Synthetic recordings, computed from a model and not measured: {}.",
+            names.join(", ")
+        )),
+    }
 }
 
 /// What the model assumes beyond printed or measured values; `None` where it assumes nothing.

@@ -208,6 +208,7 @@ stiffness_n_per_m = 1e6
             model: Box::new(model),
             sensors: Vec::new(),
             values: Vec::new(),
+            unused: Vec::new(),
         }
     }
 

@@ -284,16 +284,21 @@ fn reading_position(
     }
 }
 
-/// Points without positions, in a row along x at distances of 1; scalars move along z.
+/// Points without positions, in a row at distances of 1 along the first axis in which none moves;
+/// scalars move along z.
 fn positions_in_row(dofs: &std::collections::BTreeSet<Dof>) -> Vec<(Dof, ReadingPosition)> {
     let mut points: Vec<&str> = dofs.iter().map(Dof::point).collect();
     points.dedup();
+    let along = |dof: &Dof| dof.axis().unit_vector().unwrap_or([0.0, 0.0, 1.0]);
+    let is_still = |axis: &usize| dofs.iter().all(|dof| along(dof)[*axis] == 0.0);
+    let row = (0..3).find(is_still).unwrap_or(0);
     let position = |dof: &Dof| {
         let number = points.iter().position(|name| *name == dof.point())?;
-        let along = dof.axis().unit_vector().unwrap_or([0.0, 0.0, 1.0]);
+        let mut at_m = [0.0; 3];
+        at_m[row] = number as f64;
         let positions = ReadingPosition {
-            at_m: [number as f64, 0.0, 0.0],
-            direction: along,
+            at_m,
+            direction: along(dof),
             body: None,
         };
         (!dof.axis().is_rotation()).then(|| (dof.clone(), positions))

@@ -30,7 +30,7 @@ pub enum BreakdownError {
     },
     /// A finished slice that was computed from another spec.
     #[error(
-        "slice {slice}: got cells of another spec ({got}), expected those of this one ({expected}); compute it again"
+        "slice {slice}: got cells of another spec ({got}), expected those of this one ({expected}); repeat the options that it was computed with, such as --draws, or compute it again"
     )]
     OtherSpec {
         /// The slice.

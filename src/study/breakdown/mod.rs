@@ -14,6 +14,7 @@
 //! | `contour` | lines and places where a share crosses 95 % |
 //! | `user_modes` | [`UserMode`]: a user's modes in a slice, and their distance from where a method fails |
 //! | `summary` | a slice in words |
+//! | `verdict` | [`breakdown_verdict`]: the method to use and where it fails |
 //! | `stability` | [`Stability`]: digits lost by order, in f64 and in f32 |
 //! | `store` | [`compute`], [`merge`]: finished slices kept by a [`CellStore`] |
 //!
@@ -35,6 +36,7 @@ mod stability;
 mod store;
 mod summary;
 mod user_modes;
+mod verdict;
 mod wilson;
 
 pub use case::Case;
@@ -53,4 +55,5 @@ pub use stability::{Stability, StabilityCurve, StabilityPlan, StabilityPoint};
 pub use store::{BreakdownResults, CellStore, Part, compute, merge};
 pub use summary::{SuccessRange, ranges_text, short_number};
 pub use user_modes::{Distance, Margin, UserMode, UserModePosition, user_modes};
+pub use verdict::breakdown_verdict;
 pub use wilson::wilson_interval;

@@ -88,7 +88,7 @@ pub(super) fn theory(
     let compared = match model.compare_details() {
         Err(SceneError::Theory(TheoryError::NoSimplerModel { .. })) => {
             return none(
-                "the model has no small bodies to leave without mass and no response over time",
+                "the model has no small bodies whose mass may be neglected, and no response over time",
             );
         }
         other => other?,

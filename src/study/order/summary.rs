@@ -2,6 +2,7 @@
 
 use crate::identify::OrderStep;
 
+use super::super::wording::{counted, listed};
 use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, TheoryNeeds};
 
 /// Difference of BIC that decides: odds of 150 to 1 (Kass and Raftery 1995, Journal of the American
@@ -13,6 +14,43 @@ const MAX_MISFIT_OF_LAST_POLE: f64 = 2.0;
 const MAX_LISTED_WARNINGS: usize = 4;
 /// Largest reduced chi-square of a fit whose standard deviations are larger than its errors.
 const MAX_SMALL_REDUCED_CHI_SQUARE: f64 = 0.25;
+
+/// A verdict for each test: `roving hammer: use peak: it is enough for all 6 modes.`
+pub fn method_of_needs(needs: &SceneNeeds) -> Vec<String> {
+    let tests = needs.tests.iter();
+    tests
+        .map(|test| format!("{}: {}", test.name, simplest_method(test)))
+        .collect()
+}
+
+/// The simplest method that has every observable mode of the refined solution and no other.
+fn simplest_method(test: &TestNeeds) -> String {
+    if test.modes == 0 {
+        return "no mode was identified in the band.".to_owned();
+    }
+    let methods = test.single.first().map_or(&[][..], |mode| &mode.single);
+    let is_enough = |name: &&str| {
+        let mut modes = test.single.iter();
+        modes.all(|mode| {
+            let mut single = mode.single.iter();
+            single.any(|single| single.method == *name && single.is_sufficient)
+        })
+    };
+    let single = methods.iter().map(|single| single.method).find(is_enough);
+    if let Some(name) = single {
+        return format!(
+            "use {name}, which is enough for all {}.",
+            counted(test.single.len(), "observable mode")
+        );
+    }
+    let mut with_order = test.orders.iter();
+    let lowest = with_order.find_map(|method| Some((method.method, method.lowest()?)));
+    let reason = "no method of one mode at a time has all modes";
+    match lowest {
+        Some((method, order)) => format!("use {method} order {order}: {reason}."),
+        None => format!("use ml: {reason}, and no other method at any tried order."),
+    }
+}
 
 /// The needs of a scene in sentences: modes, orders and methods of every test, theory, parameters.
 pub fn summarise_needs(needs: &SceneNeeds) -> Vec<String> {
@@ -30,6 +68,11 @@ pub fn summarise_needs(needs: &SceneNeeds) -> Vec<String> {
     let tests = needs.tests.iter().flat_map(of_test).flatten();
     let failed = needs.failed.iter();
     let failed = failed.map(|(name, reason)| format!("{name}: not analysed: {reason}."));
+    tests.chain(failed).chain(needs_of_model(needs)).collect()
+}
+
+/// The simplest theory and the fewest parameters, in a sentence each.
+pub fn needs_of_model(needs: &SceneNeeds) -> [String; 2] {
     let theory = match &needs.theory {
         Ok(simplest) => theory(simplest, needs.options.theory_percent),
         Err(reason) => format!("Theory: nothing simpler to compare with: {reason}."),
@@ -38,23 +81,7 @@ pub fn summarise_needs(needs: &SceneNeeds) -> Vec<String> {
         Ok(needs) => parameters(needs),
         Err(reason) => format!("Parameters: not compared: {reason}."),
     };
-    tests.chain(failed).chain([theory, parameters]).collect()
-}
-
-/// `a, b and c`.
-fn listed(all: &[String]) -> String {
-    match all.split_last() {
-        None => String::new(),
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
-    }
-}
-
-fn count(number: usize, what: &str) -> String {
-    match number {
-        1 => format!("1 {what}"),
-        _ => format!("{number} {what}s"),
-    }
+    [theory, parameters]
 }
 
 fn places(tried: &[OrderStep]) -> String {
@@ -69,12 +96,12 @@ fn modes(test: &TestNeeds) -> Option<String> {
     let damped = test.modes.saturating_sub(test.undamped);
     let mut repeated = match damped.saturating_sub(identified) {
         0 => String::new(),
-        _ => format!(" ({} at roots that modes share)", count(damped, "mode")),
+        _ => format!(" ({} at roots that modes share)", counted(damped, "mode")),
     };
     if test.undamped > 0 {
         repeated += &format!(
             ", and {} without damping, no roots",
-            count(test.undamped, "mode")
+            counted(test.undamped, "mode")
         );
     }
     let taken = selection.tried.get(by_bic)?;
@@ -116,7 +143,7 @@ fn modes(test: &TestNeeds) -> Option<String> {
     Some(format!(
         "the data support {last}{} by BIC, {predicted}, {} leave a residual at most a tenth larger; `ml` identified {identified}{repeated}. With \
          {by_bic} the misfit is {:.2} times {noise}{against}{undecided}.",
-        count(by_bic, "root"),
+        counted(by_bic, "root"),
         selection.by_residual(),
         taken.rest
     ))
@@ -220,12 +247,12 @@ fn theory(needs: &TheoryNeeds, percent: f64) -> String {
             if needed == whole {
                 return format!(
                     "Theory: {model} needs all of its {whole} coordinates for its {}{reach} to {percent} %.",
-                    count(*roots, "root")
+                    counted(*roots, "root")
                 );
             }
             format!(
                 "Theory: {needed} of the {whole} coordinates of {model} are enough ({simplest}) for its {}{reach} to {percent} %.",
-                count(*roots, "root")
+                counted(*roots, "root")
             )
         }
         TheoryNeeds::Details {
@@ -268,17 +295,21 @@ fn parameters(needs: &ParameterNeeds) -> String {
             listed(&needs.not_supported)
         ),
     };
+    let beside_all = match needs.needed.len() == needs.free.len() {
+        true => String::new(),
+        false => format!(", {all} with all {} free", needs.free.len()),
+    };
     let freedom = needs.data.saturating_sub(needs.needed.len()) as f64;
     let wide = match needs.chi_square[1] < MAX_SMALL_REDUCED_CHI_SQUARE * freedom {
         true => format!(
-            " χ² far below {freedom:.0} says that the deviations which weigh the residuals are larger than the errors."
+            " χ² this far below its {freedom:.0} degrees of freedom means that the stated uncertainties are about {:.0} times the errors.",
+            (freedom / needs.chi_square[1]).sqrt()
         ),
         false => String::new(),
     };
     format!(
-        "Parameters: {which}, {how}: χ² of {} residuals {none} before, {needed} with these, {all} with all {}.{wide}{unseen}",
-        needs.data,
-        needs.free.len()
+        "Parameters: {which}, {how}: χ² of {} residuals is {none} before and {needed} after{beside_all}.{wide}{unseen}",
+        needs.data
     )
 }
 

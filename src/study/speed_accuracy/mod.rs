@@ -15,6 +15,7 @@
 //! | `test_data` | methods on the measured data of a test, with their cost |
 //! | `twins` | methods on the twin over noise |
 //! | `recommendations` | [`recommendations()`]: the fast and the accurate methods in sentences |
+//! | `verdict` | [`method_verdicts`]: the method to use, its cost and where it fails |
 //! | `front` | [`pareto_front`]: methods that no other undercuts in time and error |
 
 mod condition;
@@ -25,6 +26,7 @@ mod recommendations;
 mod result;
 mod test_data;
 mod twins;
+mod verdict;
 
 use crate::scene::{Observer, Scene, TestPlan, TestSource};
 
@@ -37,6 +39,7 @@ pub use options::SpeedAccuracyOptions;
 pub use recommendations::recommendations;
 pub use result::{DataRow, SpeedAccuracy, SpeedLimits, TestStudy, Timing, TwinCost, TwinRow};
 pub(super) use test_data::RefinedSolution;
+pub use verdict::method_verdicts;
 
 /// Studies the tests of a scene.
 ///

@@ -30,6 +30,10 @@ pub struct SpeedAccuracyOptions {
     pub lines_per_width: Option<f64>,
     /// Timed runs of each identification, after one that is not counted.
     pub repeats: usize,
+    /// Largest error of a frequency of an accurate method, %.
+    pub frequency_percent: f64,
+    /// Largest error of a damping ratio of an accurate method, %.
+    pub damping_percent: f64,
     /// Seed of the draws.
     pub seed: u64,
 }
@@ -46,6 +50,8 @@ impl Default for SpeedAccuracyOptions {
             record_time_constants: 2.0,
             lines_per_width: None,
             repeats: 3,
+            frequency_percent: 0.1,
+            damping_percent: 10.0,
             seed: 1,
         }
     }
@@ -101,6 +107,18 @@ impl SpeedAccuracyOptions {
                 "lines_per_width",
                 positive(dense),
                 dense.to_string(),
+                "a number above 0",
+            ),
+            (
+                "frequency_percent",
+                positive(self.frequency_percent),
+                self.frequency_percent.to_string(),
+                "a number above 0",
+            ),
+            (
+                "damping_percent",
+                positive(self.damping_percent),
+                self.damping_percent.to_string(),
                 "a number above 0",
             ),
             (

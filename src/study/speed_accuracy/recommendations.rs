@@ -4,9 +4,6 @@ use super::super::Method;
 use super::{Condition, DataRow, SpeedAccuracy, TestStudy};
 use crate::linalg::sort_ascending_by;
 
-/// Largest number of missed and spurious modes of a reliable method, as a share of the observable
-/// modes.
-const MAX_MISTAKE_SHARE: f64 = 0.02;
 /// Smallest fall of the error of an unbiased method, over the fall of the noise, both in dB.
 const MIN_ERROR_FALL_OVER_NOISE_FALL: f64 = 0.5;
 
@@ -147,15 +144,9 @@ fn refined_errors(test: &TestStudy, study: &SpeedAccuracy, condition: Condition)
 /// some.
 fn methods_with_mistakes(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let described = |method: Method| {
-        let wrong = |snr_db: &&f64| {
-            let row = test.twin_row(Condition::White, **snr_db, method);
-            row.is_some_and(|row| {
-                let most = MAX_MISTAKE_SHARE * row.counts.observable as f64;
-                row.counts.mistakes() as f64 > most
-            })
-        };
-        let highest = study.options.snr_db.iter().rev().find(wrong)?;
-        Some(match study.options.snr_db.last() == Some(highest) {
+        let highest = test.highest_failing_snr_db(Condition::White, method)?;
+        let is_last = study.options.snr_db.last() == Some(&highest);
+        Some(match is_last {
             true => format!("{method} at every level to {highest:.0} dB"),
             false => format!("{method} up to {highest:.0} dB"),
         })

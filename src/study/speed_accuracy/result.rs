@@ -32,6 +32,8 @@ pub struct DataRow {
     pub is_reference: bool,
     /// Errors against the refined solution.
     pub counts: DetectionCounts,
+    /// Whether the method reports peaks with several modes, which it cannot separate.
+    pub has_close_modes: bool,
     /// Cost of the identification.
     pub timing: Timing,
     /// Whether it is on the [front](super::pareto_front) of processor time and frequency error

@@ -4,6 +4,7 @@
 use num_complex::Complex64;
 
 use crate::axis::Band;
+use crate::finding::Code;
 use crate::fourier::ForwardPlan;
 use crate::frf::FrfSet;
 use crate::modal::{ModalModel, Mode};
@@ -113,6 +114,10 @@ pub(super) fn rows(
                 is_reference: number == 0 && method.name == Method::REFINED.name,
                 method,
                 counts,
+                has_close_modes: found.is_some_and(|model| {
+                    let mut findings = model.findings.iter();
+                    findings.any(|finding| finding.code == Code::CloseModes)
+                }),
                 timing,
                 on_front: false,
             });

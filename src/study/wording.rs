@@ -1,0 +1,51 @@
+//! Words that the sentences of several studies share.
+
+/// `a, b and c`.
+pub(super) fn listed<T: AsRef<str>>(all: &[T]) -> String {
+    let all: Vec<&str> = all.iter().map(AsRef::as_ref).collect();
+    match all.split_last() {
+        None => String::new(),
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+    }
+}
+
+/// A count with its noun, which takes an s: `1 mode`, `3 modes`.
+pub(crate) fn counted(number: usize, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
+/// Two significant digits, without an exponent: `0.00085`, `1.7`, `120`.
+pub(super) fn two_digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let decimals = 1 - value.abs().log10().floor() as i32;
+    let unit = 10f64.powi(-decimals);
+    format!(
+        "{:.*}",
+        decimals.max(0) as usize,
+        (value / unit).round() * unit
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_two_digits() {
+        for (value, text) in [
+            (8.54e-4, "0.00085"),
+            (1.72, "1.7"),
+            (123.0, "120"),
+            (0.999, "1.0"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(two_digits(value), text);
+        }
+    }
+}
