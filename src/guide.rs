@@ -28,6 +28,9 @@ pub mod updating {}
 #[doc = include_str!("guide/report.md")]
 pub mod report {}
 
+#[doc = include_str!("guide/gallery.md")]
+pub mod gallery {}
+
 #[doc = include_str!("guide/methods.md")]
 pub mod methods {}
 
