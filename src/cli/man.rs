@@ -1,5 +1,7 @@
 //! `modalign man`: manual pages of the program and of each verb.
 
+use std::path::Path;
+
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
@@ -9,25 +11,38 @@ use super::args::{Cli, ManArgs};
 use super::outcome::Outcome;
 use super::output::Output;
 
-/// Prints the page of the program, or writes those of the program and of all verbs.
+/// Prints the page of the program, or writes those of the program, of all verbs and studies.
 pub fn man(args: &ManArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let program = Cli::command();
-    let Some(folder) = &args.output else {
-        output.add_text(&String::from_utf8_lossy(&page(program)?));
-        return Ok(Outcome::Done);
-    };
-    for verb in program.get_subcommands() {
-        let name = format!("modalign-{}", verb.get_name());
-        let command = verb.clone().display_name(&name);
-        let command = command.bin_name(format!("modalign {}", verb.get_name()));
-        output.add_file(folder.join(format!("{name}.1")), page(command)?);
+    let program = Cli::command().disable_help_subcommand(true);
+    match &args.output {
+        None => output.add_text(&String::from_utf8_lossy(&page(&program, &["modalign"])?)),
+        Some(folder) => add_pages(&program, &["modalign"], folder, output)?,
     }
-    output.add_file(folder.join("modalign.1"), page(program)?);
     Ok(Outcome::Done)
 }
 
-fn page(command: Command) -> Result<Vec<u8>, Error> {
+/// Adds the page of a command, which is typed as these words, and those of its subcommands.
+fn add_pages(
+    command: &Command,
+    words: &[&str],
+    folder: &Path,
+    output: &mut Output,
+) -> Result<(), Error> {
+    for verb in command.get_subcommands() {
+        let words = [words, &[verb.get_name()]].concat();
+        add_pages(verb, &words, folder, output)?;
+    }
+    let file = folder.join(format!("{}.1", words.join("-")));
+    output.add_file(file, page(command, words)?);
+    Ok(())
+}
+
+fn page(command: &Command, words: &[&str]) -> Result<Vec<u8>, Error> {
+    let command = command.clone().disable_help_subcommand(true);
+    let command = command.display_name(words.join("-"));
     let mut text = Vec::new();
-    Man::new(command).render(&mut text).map_err(Error::Output)?;
+    Man::new(command.bin_name(words.join(" ")))
+        .render(&mut text)
+        .map_err(Error::Output)?;
     Ok(text)
 }

@@ -88,7 +88,9 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         .unwrap_or_default()
         .to_string_lossy();
     let has_positions = points.is_some()
-        || model.is_some()
+        || model
+            .as_ref()
+            .is_some_and(|model| model.has_sensors || !model.bodies.is_empty())
         || files
             .iter()
             .any(|file| !file.catalog.geometry.nodes.is_empty());
@@ -159,8 +161,8 @@ fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
 const OPTIONS_OF_KEYS: &[(&str, &str)] = &[
     ("response", "--response DOF"),
     ("dof", "--response DOF"),
-    ("reference", "--reference DOF,..."),
-    ("unit", "--unit UNIT,..."),
+    ("reference", "--reference DOF"),
+    ("unit", "--unit UNIT"),
     ("sampling_rate_hz", "--sampling-rate HZ"),
     ("at_m", "--points FILE"),
 ];
@@ -191,7 +193,10 @@ fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
         ));
     }
     if !has_positions {
-        paragraphs.push("No positions are stated, so that shapes are drawn with the points in a row. --points FILE states them.".to_owned());
+        paragraphs.push(
+            "No positions are stated: figures of shapes have the points in a row (--points FILE)."
+                .to_owned(),
+        );
     }
     let next = if args.model.is_some() {
         "the comparison table"

@@ -3,7 +3,7 @@
 
 use crate::identify::OrderStep;
 use crate::study::{
-    LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, method_of_needs,
+    LowestOrder, ModeNeeds, SceneNeeds, SingleMode, TestNeeds, TriedOrder, method_sentences,
     summarise_needs,
 };
 
@@ -14,7 +14,7 @@ use super::{Block, Cell, Column, Table};
 pub fn order_blocks(needs: &SceneNeeds) -> Vec<Block> {
     let heading = format!("{}: model orders and methods that it needs", needs.title);
     let mut blocks = vec![Block::Heading(heading)];
-    blocks.push(Block::Text(method_of_needs(needs).join("\n")));
+    blocks.push(Block::Text(method_sentences(needs).join("\n")));
     blocks.extend(summarise_needs(needs).into_iter().map(Block::Text));
     for test in &needs.tests {
         blocks.push(supported_modes_block(test));

@@ -411,10 +411,10 @@ fn position_line(node: &Node) -> String {
     format!("at_m = [{x:?}, {y:?}, {z:?}]")
 }
 
-/// The stated positions of the DOFs, on a body of no model.
+/// The stated positions of the DOFs, on a body that is of no model.
 fn points_text(dofs: &BTreeSet<Dof>, points: &Geometry) -> String {
     let mut text =
-        "\n# Where sensors and hits are. A model with bodies needs one of these as `body`.\n"
+        "\n# Where sensors and hits are, for the figures of shapes. With a model that has bodies, `body` is one of these.\n"
             .to_owned();
     for dof in dofs {
         let _ = match points.node(dof.point()) {

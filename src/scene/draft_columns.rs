@@ -118,10 +118,18 @@ fn columns_to_state(arrays: &[&ArrayInfo]) -> DraftColumns {
             unused: Vec::new(),
         };
     }
-    let to_state = ["force", "response"].map(|role| DraftColumn {
-        name: quoted(FILL_IN),
-        role: Some(role),
-    });
+    let has = |role: &str| known.iter().any(|column| column.role == Some(role));
+    let wanted: &[&'static str] = match has("frequency") {
+        true => &["real", "imaginary"],
+        false => &["force", "response"],
+    };
+    let wanted = wanted.iter().copied().filter(|role| !has(role));
+    let to_state: Vec<DraftColumn> = wanted
+        .map(|role| DraftColumn {
+            name: quoted(FILL_IN),
+            role: Some(role),
+        })
+        .collect();
     DraftColumns {
         columns: known.into_iter().chain(to_state).collect(),
         unused: unknown.into_iter().map(|column| column.name).collect(),
@@ -142,7 +150,10 @@ fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
             && matches!(array.shape.as_slice(), [_, 2])
             && (channels(array, 'H').is_some() || array.name.to_uppercase().contains("FRF"))
     };
-    let frfs: Vec<&ArrayInfo> = arrays.iter().copied().filter(|a| is_frf(a)).collect();
+    // FRFs on the axis of the first.
+    let mut frfs: Vec<&ArrayInfo> = arrays.iter().copied().filter(|a| is_frf(a)).collect();
+    let axis_length = frfs.first()?.shape.clone();
+    frfs.retain(|frf| frf.shape == axis_length);
     let column = |array: &ArrayInfo, number: usize, role: &'static str| DraftColumn {
         name: quoted(&format!("{}:{number}", array.name)),
         role: Some(role),
@@ -154,7 +165,9 @@ fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
         used.push(frf.name.as_str());
         let pair = channels(frf, 'H');
         let mut others = arrays.iter().copied();
-        let coherence = others.find(|array| pair.is_some() && channels(array, 'C') == pair);
+        let coherence = others.find(|array| {
+            pair.is_some() && channels(array, 'C') == pair && array.shape == frf.shape
+        });
         if let Some(coherence) = coherence {
             columns.push(column(coherence, 2, "coherence"));
             used.push(coherence.name.as_str());

@@ -272,12 +272,13 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
     Ok(data)
 }
 
-/// The error of the first file that holds columns or arrays, none of which states what it is.
+/// The error of the first file with columns or arrays, where no file states what it holds.
 fn columns_alone(files: &[HitFile]) -> Option<IoError> {
-    let mut catalogs = files.iter().map(|file| file.source.catalog());
-    let catalog = catalogs.find(|catalog| {
-        catalog.entries.is_empty() && catalog.modes.is_empty() && !catalog.arrays.is_empty()
-    })?;
+    let catalogs = || files.iter().map(|file| file.source.catalog());
+    if catalogs().any(|catalog| !catalog.entries.is_empty() || !catalog.modes.is_empty()) {
+        return None;
+    }
+    let catalog = catalogs().find(|catalog| !catalog.arrays.is_empty())?;
     Some(IoError::NotStated {
         path: catalog.path.clone(),
         what: format!("an FRF ({})", held(catalog)),

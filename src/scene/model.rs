@@ -130,10 +130,13 @@ pub fn load_model(
 }
 
 /// The parameters on which neither mass, damping nor stiffness depends. A part of a model file has
-/// a parameter as a factor, so that one derivative shows its use.
+/// a parameter as a factor, so that one derivative shows its use. None for a sparse model with a
+/// damping matrix.
 fn unused_parameters(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<String> {
     let is_zero = |matrix: &RealMatrix| matrix.norm_max() == 0.0;
     let is_unused = |j: usize| match model.sparse_derivative(values, j) {
+        // The derivative of sparse matrices has no damping.
+        Ok(Some(_)) if has_sparse_damping(model, values) => false,
         Ok(Some(by)) => [by.mass, by.stiffness]
             .iter()
             .flat_map(SparseMatrix::entries)
@@ -148,6 +151,11 @@ fn unused_parameters(model: &dyn TheoreticalModel, values: &[f64]) -> Vec<String
     let specs = model.parameters().iter().enumerate();
     let unused = specs.filter(|(j, _)| is_unused(*j));
     unused.map(|(_, spec)| spec.name.clone()).collect()
+}
+
+fn has_sparse_damping(model: &dyn TheoreticalModel, values: &[f64]) -> bool {
+    let system = model.sparse(values);
+    system.is_ok_and(|system| system.is_some_and(|system| system.damping.is_some()))
 }
 
 fn with_parameters(

@@ -79,8 +79,8 @@ impl DetectionCounts {
         let relative = [frequency / truth.hz(), damping / truth.pole.damping_ratio()];
         self.frequency += relative[0].powi(2);
         self.damping += relative[1].powi(2);
-        self.largest_frequency = self.largest_frequency.max(relative[0].abs());
-        self.largest_damping = self.largest_damping.max(relative[1].abs());
+        self.largest_frequency = larger(self.largest_frequency, relative[0].abs());
+        self.largest_damping = larger(self.largest_damping, relative[1].abs());
     }
 
     /// Adds the counts of other identifications.
@@ -92,8 +92,8 @@ impl DetectionCounts {
         self.spurious += other.spurious;
         self.bounded += other.bounded;
         self.shaped += other.shaped;
-        self.largest_frequency = self.largest_frequency.max(other.largest_frequency);
-        self.largest_damping = self.largest_damping.max(other.largest_damping);
+        self.largest_frequency = larger(self.largest_frequency, other.largest_frequency);
+        self.largest_damping = larger(self.largest_damping, other.largest_damping);
         self.frequency += other.frequency;
         self.damping += other.damping;
         self.shape += other.shape;
@@ -161,6 +161,11 @@ fn errors(truth: &TrueMode, mode: &Mode) -> [f64; 2] {
         mode.frequency_hz - truth.hz(),
         damping - truth.pole.damping_ratio(),
     ]
+}
+
+/// The larger value; not a number where one is none.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
 }
 
 fn rms(sum: f64, count: usize) -> Option<f64> {

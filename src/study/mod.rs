@@ -42,7 +42,7 @@ pub use meter::{Cost, Meter};
 pub use method::Method;
 pub use order::{
     LowestOrder, ModeNeeds, OrderOptions, ParameterNeeds, SceneNeeds, SingleMode, TestNeeds,
-    TheoryNeeds, TriedOrder, method_of_needs, needs_of_model, order, summarise_needs,
+    TheoryNeeds, TriedOrder, method_sentences, needs_of_model, order, summarise_needs,
 };
 pub use score::{
     Detectability, DetectionVerdict, Judge, detectability, mode_bounds, shape_at_responses,

@@ -23,13 +23,9 @@ pub(super) fn two_digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
-    let decimals = 1 - value.abs().log10().floor() as i32;
-    let unit = 10f64.powi(-decimals);
-    format!(
-        "{:.*}",
-        decimals.max(0) as usize,
-        (value / unit).round() * unit
-    )
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    let decimals = 1 - rounded.abs().log10().floor() as i32;
+    format!("{rounded:.*}", decimals.max(0) as usize)
 }
 
 #[cfg(test)]

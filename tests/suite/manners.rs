@@ -34,6 +34,15 @@ fn manual_pages_of_the_program_and_of_every_verb_are_written() {
     let folder = tempfile::tempdir().unwrap();
     succeed(["man", "-o", folder.path().to_str().unwrap()]);
     let page = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    // Every page that a page refers to is there.
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
+        let lines = text.lines().filter_map(|line| line.strip_suffix("(1)"));
+        for name in lines.filter(|line| line.starts_with("modalign")) {
+            let name = format!("{}.1", name.replace('\\', ""));
+            assert!(folder.path().join(&name).exists(), "{name}");
+        }
+    }
     assert_eq!(page("modalign.1"), succeed(["man"]));
     for (name, parts) in [
         ("modalign.1", ["modalign\\-run(1)", ".SH SYNOPSIS"]),
@@ -42,8 +51,8 @@ fn manual_pages_of_the_program_and_of_every_verb_are_written() {
             ["Write tables, modes, FRFs", "measurements/cycloid\\-ball"],
         ),
         (
-            "modalign-study.1",
-            ["speed\\-accuracy", ".TH modalign-study"],
+            "modalign-study-order.1",
+            [".TH modalign-study-order", "theory, the fewest parameters"],
         ),
     ] {
         for part in parts {

@@ -7,7 +7,7 @@ use crate::io::IoError;
 use crate::study::breakdown::{SliceResult, Stability, UserMode};
 use crate::study::{
     LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
-    TheoryNeeds, TriedOrder, method_of_needs, method_verdicts, recommendations, summarise_needs,
+    TheoryNeeds, TriedOrder, method_sentences, method_verdicts, recommendations, summarise_needs,
 };
 
 use super::super::{
@@ -44,7 +44,7 @@ pub fn order_to_json(needs: &SceneNeeds) -> String {
         "theory": needs.theory.as_ref().map_or_else(|reason| json!({"reason": reason}), theory_needs),
         "parameters": needs.parameters.as_ref().map_or_else(|reason| json!({"reason": reason}), parameter_needs),
         "rows": rows(&table),
-        "verdict": method_of_needs(needs),
+        "verdict": method_sentences(needs),
         "answers": summarise_needs(needs),
         "tables": Section::new("order", printed).blocks,
     });

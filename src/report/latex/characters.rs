@@ -183,6 +183,8 @@ fn escaped_word(word: &str, breaks_words: bool) -> String {
             ('`', _) => written.push_text(CODE.to_string().as_str()),
             ('"', _) => written.push_text(QUOTE.to_string().as_str()),
             ('-', next) if is_sign(before, next) => written.push_mathematics("-"),
+            // Two hyphens would be a dash.
+            ('-', Some('-')) => written.push_text("-{}"),
             ('^', Some(exponent)) if exponent.is_ascii_alphanumeric() => {
                 characters.next();
                 written.push_mathematics(&format!("^\\mathrm{{{exponent}}}"));
@@ -219,7 +221,7 @@ impl LatexText {
         if !self.is_in_mathematics {
             self.text.push('$');
             self.is_in_mathematics = true;
-        } else if command.starts_with(['^', '_']) {
+        } else if command.starts_with(['^', '_', '\'']) {
             // A second exponent needs a base.
             self.text.push_str("{}");
         } else if command.starts_with(|c: char| c.is_alphanumeric()) {
@@ -262,8 +264,9 @@ impl<'w> PowerOfTen<'w> {
         let end = rest.trim_end_matches([',', ';', ')', '.', ':']).len();
         let (number, after) = rest.split_at(end);
         let (mantissa, exponent) = number.split_once('e')?;
-        let is_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-');
-        let is_number = !mantissa.is_empty() && mantissa.chars().all(is_number);
+        let is_number = mantissa.parse::<f64>().is_ok()
+            && mantissa.ends_with(|c: char| c.is_ascii_digit())
+            && !before.ends_with(char::is_alphanumeric);
         let exponent = exponent.parse().ok()?;
         is_number.then_some(Self {
             before,
@@ -296,6 +299,16 @@ pub(super) fn is_set_by_pdflatex(c: char) -> bool {
             && !matches!(
                 c,
                 'Ð' | 'ð'
+                    | 'Ą'
+                    | 'ą'
+                    | 'Ę'
+                    | 'ę'
+                    | 'Į'
+                    | 'į'
+                    | 'Ų'
+                    | 'ų'
+                    | 'Ŀ'
+                    | 'ŀ'
                     | 'Þ'
                     | 'þ'
                     | 'Đ'
@@ -393,6 +406,9 @@ mod tests {
             ("10⁻³", "10$^-{}^3$"),
             ("a^H b", "a$^\\mathrm{H}$ b"),
             ("2.1e11", "$2.1\\times10^{11}$"),
+            ("a-e5 1-2e3", "a-e5 1-2e3"),
+            ("--full", "-{}-full"),
+            ("s²′", "s$^2{}'$"),
             ("(1.7e-4, 1e7)", "($1.7\\times10^{-4}$, $10^{7}$)"),
             ("beam `bar`: \"x\"", "beam \\texttt{bar}: ``x''"),
             ("one ` alone", "one \\textasciigrave{} alone"),

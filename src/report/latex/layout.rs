@@ -105,18 +105,20 @@ pub(super) fn fitted(mut table: Table) -> (Table, Layout) {
     }
 }
 
-/// The next column to omit: of three or more columns of text, one of which is long, the last; then,
-/// as on a screen, columns of numbers; then the last column of text.
+/// The next column to omit: the last of several long texts, or of three or more texts with a long
+/// one; then, as on a screen, columns of numbers; then the last column of text.
 fn next_omitted(table: &Table) -> Option<usize> {
     let is_text = |index: &usize| table.columns[*index].align == Align::Left;
-    let is_long = |index: &usize| {
-        texts(table, *index).any(|text| width_em(text.trim_end()) > MIN_TEXT_WIDTH_EM)
+    let is_long = |index: &&usize| {
+        texts(table, **index).any(|text| width_em(text.trim_end()) > MIN_TEXT_WIDTH_EM)
     };
     let of_text: Vec<usize> = (1..table.columns.len()).filter(is_text).collect();
-    match of_text.as_slice() {
-        [_, _, .., last] if of_text.iter().any(is_long) => Some(*last),
-        _ => omissible_column(table).or_else(|| of_text.last().copied()),
+    let long_count = of_text.iter().filter(is_long).count();
+    let last = of_text.last().copied();
+    if long_count >= 2 || long_count == 1 && of_text.len() >= 3 {
+        return last;
     }
+    omissible_column(table).or(last)
 }
 
 /// The layout in a setting, and whether it fits the page.
@@ -359,7 +361,10 @@ mod tests {
 
     #[test]
     fn a_verdict_is_kept_beside_a_unit() {
-        let (fitted, _) = fitted(table(2, 60, 10));
+        let mut table = table(2, 60, 10);
+        let unit = table.columns.len() - 2;
+        table.rows[0][unit] = Cell::text("N/m");
+        let (fitted, _) = fitted(table);
         let heads: Vec<&str> = fitted.columns.iter().map(|c| c.head.as_str()).collect();
         assert_eq!(heads.last(), Some(&"text 1"), "{heads:?}");
     }

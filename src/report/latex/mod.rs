@@ -262,7 +262,7 @@ fn head_rows(layout: &Layout) -> Vec<String> {
 fn line_from_below(lines: &[String], all: usize, number: usize) -> String {
     let index = (number + lines.len()).checked_sub(all);
     let line = index.and_then(|index| lines.get(index));
-    line.map_or_else(String::new, |line| escaped(line))
+    line.map_or_else(String::new, |line| cell_text(line, false))
 }
 
 fn notes(footnotes: &[String]) -> String {

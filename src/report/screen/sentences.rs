@@ -70,12 +70,14 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
     };
     let largest = cells()
         .filter_map(|(row, cell)| Some((at(row, cell), cell.error_percent?)))
+        .filter(|(_, error)| error.is_finite())
         .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
     let largest = largest.map_or(String::new(), |(mode, error)| {
         let error = Cell::signed(Some(error), 3).display();
         format!("; largest error {error} % at {mode}")
     });
-    let missed = cells().filter(|(_, cell)| cell.status == Status::MissedUnexpected);
+    let missed = cells()
+        .filter(|(_, cell)| cell.status == Status::MissedUnexpected && cell.is_status_certain());
     let mut missed: Vec<String> = missed.map(|(row, cell)| at(row, cell)).collect();
     let further = missed.len().saturating_sub(MAX_NAMED_MODES);
     missed.truncate(MAX_NAMED_MODES);
@@ -84,8 +86,12 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         true => String::new(),
         false => format!("; unmatched: {}", missed.join(", ")),
     };
+    let of_model = match several {
+        true => format!("{in_band} model modes in {} tests", table.summary.len()),
+        false => format!("{in_band} model modes"),
+    };
     format!(
-        "Pairs: {paired} of {in_band} model modes ({by_shape} by shape, {by_frequency} by frequency){largest}{missed}."
+        "Pairs: {paired} of {of_model} ({by_shape} by shape, {by_frequency} by frequency){largest}{missed}."
     )
 }
 

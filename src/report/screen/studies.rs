@@ -5,7 +5,7 @@ use crate::report::{Block, Cell, Column, Table};
 use crate::study::breakdown::{SliceResult, breakdown_verdict, ranges_text, short_number};
 use crate::study::{
     Condition, DataRow, LowestOrder, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
-    method_of_needs, method_verdicts, needs_of_model,
+    method_sentences, method_verdicts, needs_of_model,
 };
 
 use super::abridged::narrowed;
@@ -75,7 +75,7 @@ pub fn speed_accuracy_screen(study: &SpeedAccuracy, width: usize) -> Vec<Block> 
     }
     let columns = table.columns.len();
     let mut table = without_empty_columns(table, &["missed", "spurious"]);
-    if table.columns.len() + 2 == columns {
+    if omitted == 0 && !table.rows.is_empty() && table.columns.len() + 2 == columns {
         let sentence = "Every method finds all modes of ml and no other.";
         table.footnotes.insert(0, sentence.to_owned());
     }
@@ -193,7 +193,7 @@ pub fn order_screen(needs: &SceneNeeds, width: usize) -> Vec<Block> {
     });
     let failed = needs.failed.iter();
     let failed = failed.map(|(name, reason)| format!("{name}: not analysed: {reason}."));
-    let sentences = method_of_needs(needs)
+    let sentences = method_sentences(needs)
         .into_iter()
         .chain(warned)
         .chain(failed);

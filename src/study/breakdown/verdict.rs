@@ -17,8 +17,9 @@ struct MethodAtModes {
     nearest: Option<(String, Distance)>,
 }
 
-/// `Use circle: it meets the stated error at all 6 modes of the scene. It fails nearest to mode 6
-/// (2674.3 Hz): 0.74 decades of damping away. Failing: lsce at mode 6.`
+/// `Use circle: in these maps it meets the stated error at all 6 modes that they show. It would
+/// fail next at mode 6 (2674.3 Hz), 0.74 decades of damping away. lsce fails at 1 mode.` Only
+/// methods that were tried at all of these modes are compared.
 pub fn breakdown_verdict(slices: &[SliceResult], modes: &[UserMode]) -> Option<String> {
     let located: Vec<(&SliceResult, Vec<UserModePosition>)> = slices
         .iter()
@@ -37,9 +38,20 @@ pub fn breakdown_verdict(slices: &[SliceResult], modes: &[UserMode]) -> Option<S
         .map(|method| (*method, at_modes(method, &located)))
         .filter(|(_, at)| at.located > 0)
         .collect();
-    let best = at_modes.iter().min_by_key(|(_, at)| at.failing.len());
+    let most = at_modes.iter().map(|(_, at)| at.located).max();
+    let tried_at_all = at_modes.iter().filter(|(_, at)| Some(at.located) == most);
+    let best = tried_at_all.min_by_key(|(_, at)| at.failing.len());
     match best {
-        Some((method, at)) => Some(verdict_at_modes(method, at, &at_modes)),
+        Some((method, at)) => {
+            let mut shown: Vec<String> = Vec::new();
+            for position in located.iter().flat_map(|(_, positions)| positions) {
+                let name = position.mode.name();
+                if position.is_inside() && !shown.contains(&name) {
+                    shown.push(name);
+                }
+            }
+            Some(verdict_at_modes(method, at, shown.len(), &at_modes))
+        }
         None => verdict_by_area(&methods, slices),
     }
 }
@@ -77,11 +89,19 @@ fn at_modes(method: &str, located: &[(&SliceResult, Vec<UserModePosition>)]) -> 
     at
 }
 
-fn verdict_at_modes(method: &str, at: &MethodAtModes, all: &[(&str, MethodAtModes)]) -> String {
+fn verdict_at_modes(
+    method: &str,
+    at: &MethodAtModes,
+    shown: usize,
+    all: &[(&str, MethodAtModes)],
+) -> String {
+    let modes = counted(shown, "mode");
     let mut sentences = vec![match at.failing.as_slice() {
-        [] => format!("Use {method}: it meets the stated error at all modes of the scene."),
+        [] => format!(
+            "Use {method}: in these maps it meets the stated error at all {modes} that they show."
+        ),
         failing => format!(
-            "No method meets the stated error at all modes of the scene; {method} fails at the fewest: {}.",
+            "In these maps no method meets the stated error at all {modes} that they show; {method} fails at the fewest: {}.",
             failing_modes(failing)
         ),
     }];
@@ -96,19 +116,19 @@ fn verdict_at_modes(method: &str, at: &MethodAtModes, all: &[(&str, MethodAtMode
         .iter()
         .filter(|(name, at)| *name != method && !at.failing.is_empty());
     let others: Vec<String> = others
-        .map(|(name, at)| format!("{name} at {}", counted(at.failing.len(), "mode")))
+        .map(|(name, at)| format!("{name} fails at {}", counted(at.failing.len(), "mode")))
         .collect();
     if !others.is_empty() {
-        sentences.push(format!("Failing there: {}.", listed(&others)));
+        sentences.push(format!("{}.", listed(&others)));
     }
     sentences.join(" ")
 }
 
-/// `mode 3 (412.3 Hz; separation-noise, damping-noise)`.
+/// `mode 3 (412.3 Hz) in separation-noise, damping-noise`.
 fn failing_modes(failing: &[(String, Vec<String>)]) -> String {
     let named = failing
         .iter()
-        .map(|(mode, slices)| format!("{mode} in {}", listed(slices)));
+        .map(|(mode, slices)| format!("{mode} in {}", slices.join(", ")));
     listed(&named.collect::<Vec<_>>())
 }
 
@@ -133,7 +153,7 @@ fn verdict_by_area(methods: &[&str], slices: &[SliceResult]) -> Option<String> {
         format!("; the next is {name} with {:.0} %", 100.0 * area)
     });
     Some(format!(
-        "Use {best}: it meets the stated error in {:.0} % of the slices{next}.",
+        "Use {best}: it meets the stated error in {:.0} % of the area of the maps{next}.",
         100.0 * area
     ))
 }

@@ -32,7 +32,7 @@ use super::{Method, StudyError};
 pub use methods::{LowestOrder, ModeNeeds, SingleMode, TriedOrder};
 pub use model::{ParameterNeeds, TheoryNeeds};
 pub use options::OrderOptions;
-pub use summary::{method_of_needs, needs_of_model, summarise_needs};
+pub use summary::{method_sentences, needs_of_model, summarise_needs};
 
 /// The needs of a test.
 #[derive(Clone, Debug, PartialEq)]

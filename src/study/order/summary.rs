@@ -15,8 +15,8 @@ const MAX_LISTED_WARNINGS: usize = 4;
 /// Largest reduced chi-square of a fit whose standard deviations are larger than its errors.
 const MAX_SMALL_REDUCED_CHI_SQUARE: f64 = 0.25;
 
-/// A verdict for each test: `roving hammer: use peak: it is enough for all 6 modes.`
-pub fn method_of_needs(needs: &SceneNeeds) -> Vec<String> {
+/// A verdict for each test: `roving hammer: use peak, which is enough for all 6 observable modes.`
+pub fn method_sentences(needs: &SceneNeeds) -> Vec<String> {
     let tests = needs.tests.iter();
     tests
         .map(|test| format!("{}: {}", test.name, simplest_method(test)))
@@ -27,6 +27,9 @@ pub fn method_of_needs(needs: &SceneNeeds) -> Vec<String> {
 fn simplest_method(test: &TestNeeds) -> String {
     if test.modes == 0 {
         return "no mode was identified in the band.".to_owned();
+    }
+    if test.single.is_empty() {
+        return "no mode is observable at this noise.".to_owned();
     }
     let methods = test.single.first().map_or(&[][..], |mode| &mode.single);
     let is_enough = |name: &&str| {
@@ -300,7 +303,9 @@ fn parameters(needs: &ParameterNeeds) -> String {
         false => format!(", {all} with all {} free", needs.free.len()),
     };
     let freedom = needs.data.saturating_sub(needs.needed.len()) as f64;
-    let wide = match needs.chi_square[1] < MAX_SMALL_REDUCED_CHI_SQUARE * freedom {
+    let wide = match needs.chi_square[1] > 0.0
+        && needs.chi_square[1] < MAX_SMALL_REDUCED_CHI_SQUARE * freedom
+    {
         true => format!(
             " χ² this far below its {freedom:.0} degrees of freedom means that the stated uncertainties are about {:.0} times the errors.",
             (freedom / needs.chi_square[1]).sqrt()

@@ -137,7 +137,7 @@ fn sentences_say_where_the_counts_differ() {
     );
     assert!(theory.contains("19 of the 37 coordinates of gear are enough (without balls) for its 7 roots up to 500 Hz"), "{theory}");
     assert!(
-        parameters.contains("1 of 3 has to change (k_2), which explains the misfit: χ² of 12 residuals 900.0 before, 11.00 with"),
+        parameters.contains("1 of 3 has to change (k_2), which explains the misfit: χ² of 12 residuals is 900.0 before and 11.00 after"),
         "{parameters}"
     );
     assert!(

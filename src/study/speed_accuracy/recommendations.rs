@@ -144,7 +144,8 @@ fn refined_errors(test: &TestStudy, study: &SpeedAccuracy, condition: Condition)
 /// some.
 fn methods_with_mistakes(test: &TestStudy, study: &SpeedAccuracy) -> Option<String> {
     let described = |method: Method| {
-        let highest = test.highest_failing_snr_db(Condition::White, method)?;
+        let highest =
+            test.highest_failing_snr_db(Condition::White, method, &study.options.snr_db)?;
         let is_last = study.options.snr_db.last() == Some(&highest);
         Some(match is_last {
             true => format!("{method} at every level to {highest:.0} dB"),
