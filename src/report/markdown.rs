@@ -26,7 +26,7 @@ impl Renderer for Markdown {
 
 /// The text on a line, whose signs are none of Markdown. Words between backticks remain code.
 fn escape(text: &str) -> String {
-    let has_code = text.matches('`').count() % 2 == 0;
+    let has_code = text.matches('`').count().is_multiple_of(2);
     let mut is_code = false;
     let mut escaped = String::with_capacity(text.len());
     let mut characters = text.chars().peekable();
