@@ -28,10 +28,9 @@ fn at(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
-#[test]
-fn a_scene_of_files_that_state_everything_runs_as_it_is() {
-    let folder = recorded();
-    let path = |name: &str| at(folder.path(), name);
+/// Writes `frfs.h5` and `modes.json` of the recording.
+fn estimate_and_identify(folder: &Path) {
+    let path = |name: &str| at(folder, name);
     succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
     succeed([
         "identify",
@@ -43,6 +42,13 @@ fn a_scene_of_files_that_state_everything_runs_as_it_is() {
         "-o",
         &path("modes.json"),
     ]);
+}
+
+#[test]
+fn a_scene_of_files_that_state_everything_runs_as_it_is() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    estimate_and_identify(folder.path());
     for (scene, file, copied) in [
         ("a", "hits.uff", false),
         ("b", "frfs.h5", true),
@@ -456,17 +462,7 @@ fn stated_points_are_kept_with_every_model_and_without() {
     let path = |name: &str| at(folder.path(), name);
     let lines = (1..=11).map(|point| format!("{point},{:.2},0,0\n", 0.1 * f64::from(point)));
     write(folder.path(), &[("points.csv", &lines.collect::<String>())]);
-    succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
-    succeed([
-        "identify",
-        &path("frfs.h5"),
-        "--band",
-        "60:3200",
-        "--method",
-        "circle",
-        "-o",
-        &path("modes.json"),
-    ]);
+    estimate_and_identify(folder.path());
     for (scene, model) in [
         ("none", None),
         ("finished", Some(path("modes.json"))),

@@ -316,3 +316,17 @@ fn a_missed_limit_is_the_first_line_of_the_verdict() {
         .filter(|limit| limit["met"] == false);
     assert_eq!(missed.count(), 1);
 }
+
+#[test]
+fn modes_of_a_model_have_the_labels_of_the_comparison() {
+    for (scene, label, hz) in [
+        (BEAM, "f1", "147.68"),
+        (BEAM, "f6", "2752.5"),
+        // The paper counts the root at 0 Hz.
+        ("measurements/cycloid-ball", "f2", "1436.9"),
+    ] {
+        let text = succeed(["theory", scene]);
+        assert!(row(&text, label).contains(hz), "{scene}: {text}");
+        assert!(text.contains("rigid body"), "{text}");
+    }
+}
