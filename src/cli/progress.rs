@@ -41,12 +41,13 @@ impl Progress {
 impl Observer for Progress {
     fn step(&self, what: &str, number: usize, count: usize) {
         let Some(bar) = &self.bar else { return };
+        // Before the length: a shorter one would be drawn with the position of the last step.
+        bar.set_position(number.saturating_sub(1) as u64);
         if bar.length() != Some(count as u64) {
             bar.set_length(count as u64);
             bar.set_style(style(TEMPLATES[1]));
             bar.reset_eta();
         }
-        bar.set_position(number.saturating_sub(1) as u64);
         bar.set_message(what.to_owned());
     }
 }

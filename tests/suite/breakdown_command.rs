@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::command::{fail, root, succeed, write};
+use crate::command::{assert_has_sentences, fail, root, succeed, write};
 
 const SPEC: &str = r#"
 schema = "modalign-study/1"
@@ -79,6 +79,16 @@ fn any_threads_a_resumed_run_and_merged_parts_give_the_same_bytes() {
         verdict.starts_with("Use ") || verdict.starts_with("No method meets"),
         "{screen}"
     );
+    let json = crate::command::json(&folder.join("one/breakdown.json"));
+    assert_has_sentences(&printed, &json, &["verdict"]);
+    #[cfg(target_os = "linux")]
+    {
+        let [spec, out] = ["study.toml", "one"].map(path);
+        let line =
+            format!("stty cols 80 rows 40; modalign study breakdown {spec} -o {out} 2>/dev/null");
+        let screen = crate::manners::on_a_terminal(&line, &[("NO_COLOR", "1")]);
+        crate::screen::assert_fits(&screen.replace('\r', ""), 40, 80, "study breakdown");
+    }
     assert!(
         printed.contains("Where methods fail: damping-separation"),
         "{printed}"

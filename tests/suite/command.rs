@@ -46,6 +46,31 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
+/// An empty folder for what several tests of one file share: a `static` is never dropped, so a
+/// temporary folder would stay behind after each run.
+pub fn shared_folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Asserts that a text, perhaps wrapped, has every sentence of these lists of a JSON.
+pub fn assert_has_sentences(text: &str, json: &serde_json::Value, keys: &[&str]) {
+    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = one_line(text);
+    for key in keys {
+        let sentences = json[key].as_array().unwrap();
+        assert!(!sentences.is_empty(), "{key}");
+        for sentence in sentences {
+            let sentence = one_line(sentence.as_str().unwrap());
+            assert!(text.contains(&sentence), "{key}: {sentence}\n{text}");
+        }
+    }
+}
+
 /// JSON of a file.
 pub fn json(path: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()

@@ -6,19 +6,19 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 
-use crate::command::{json, modalign};
+use crate::command::{json, modalign, shared_folder};
 use crate::screen::assert_fits;
 
 /// What the command printed on standard output and standard error, and the folder that it wrote.
 struct Run {
-    folder: tempfile::TempDir,
+    folder: PathBuf,
     screen: String,
     findings: String,
 }
 
 impl Run {
     fn file(&self, name: &str) -> Value {
-        json(&self.folder.path().join("out").join(name))
+        json(&self.folder.join("out").join(name))
     }
 }
 
@@ -26,8 +26,8 @@ impl Run {
 fn run() -> &'static Run {
     static RUN: OnceLock<Run> = OnceLock::new();
     RUN.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let out: PathBuf = folder.path().join("out");
+        let folder = shared_folder("cycloid-ball");
+        let out = folder.join("out");
         let output = modalign([
             "run".as_ref(),
             "measurements/cycloid-ball".as_ref(),
@@ -254,7 +254,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
 
 #[test]
 fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
-    let printed = std::fs::read_to_string(run().folder.path().join("out/comparison.txt")).unwrap();
+    let printed = std::fs::read_to_string(run().folder.join("out/comparison.txt")).unwrap();
     for caption in [
         "Table 3 rebuilt",
         "Virtual test: roving hammer on the discs",

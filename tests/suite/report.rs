@@ -1,25 +1,24 @@
 //! The HTML report is written with a run, built again from its folder, and its data select poles.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::command::{fail, json, modalign, root, succeed, write};
+use crate::command::{fail, json, modalign, root, shared_folder, succeed, write};
 
 /// The beam's scene run into a folder that stays unchanged, and its page.
 fn beam() -> (&'static Path, &'static str) {
-    static RUN: OnceLock<(TempDir, String)> = OnceLock::new();
+    static RUN: OnceLock<(PathBuf, String)> = OnceLock::new();
     let (folder, page) = RUN.get_or_init(|| {
-        let out = tempfile::tempdir().unwrap();
-        let folder = out.path().to_str().unwrap();
+        let out = shared_folder("report");
+        let folder = out.to_str().unwrap();
         succeed(["run", "measurements/free-free-beam", "-q", "-o", folder]);
-        let page = std::fs::read_to_string(out.path().join("report.html")).unwrap();
+        let page = std::fs::read_to_string(out.join("report.html")).unwrap();
         (out, page)
     });
-    (folder.path(), page)
+    (folder, page)
 }
 
 /// The data of a page.

@@ -5,22 +5,22 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 
-use crate::command::{json, modalign, succeed};
+use crate::command::{json, modalign, shared_folder, succeed};
 
 /// Files of a synthetic test on the free-free beam, made by the verbs that are tested.
 struct Files {
-    folder: tempfile::TempDir,
+    folder: PathBuf,
 }
 
 impl Files {
     fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.folder.join(name)
     }
 
     fn made() -> &'static Files {
         static FILES: OnceLock<Files> = OnceLock::new();
         FILES.get_or_init(|| {
-            let folder = tempfile::tempdir().unwrap();
+            let folder = shared_folder("screen");
             let files = Files { folder };
             let path = |name: &str| files.path(name).display().to_string();
             let (hits, frfs, modes) = (path("hits.uff"), path("frfs.uff"), path("modes.json"));
@@ -130,7 +130,7 @@ pub fn assert_fits(text: &str, lines: usize, characters: usize, what: &str) {
 fn every_verb_prints_at_most_one_screen_of_its_example() {
     let files = Files::made();
     for example in EXAMPLES {
-        let output = modalign(arguments(example, files.folder.path()));
+        let output = modalign(arguments(example, &files.folder));
         let what = example.join(" ");
         let text = String::from_utf8(output.stdout).unwrap();
         let findings = String::from_utf8(output.stderr).unwrap();
@@ -149,12 +149,12 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
         .iter()
         .filter(|example| !["convert", "synth", "new"].contains(&example[0]))
     {
-        let arguments = arguments(example, files.folder.path()).join(" ");
+        let arguments = arguments(example, &files.folder).join(" ");
         let line = format!("stty cols 80 rows 40; modalign {arguments} 2>/dev/null");
         let text = crate::manners::on_a_terminal(&line, &[("NO_COLOR", "1")]);
         let text = text.replace('\r', "");
         // Paths of temporary folders are as long as they are.
-        let text = text.replace(&files.folder.path().display().to_string(), "");
+        let text = text.replace(&files.folder.display().to_string(), "");
         assert_fits(&text, 46, 80, &arguments);
     }
 }
@@ -162,7 +162,7 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
 /// Text of `--full` and JSON of the same command.
 fn full_and_json(example: &[&str]) -> (String, String, Value) {
     let files = Files::made();
-    let mut wanted = arguments(example, files.folder.path());
+    let mut wanted = arguments(example, &files.folder);
     wanted.push("--full".to_owned());
     let output = modalign(&wanted);
     let text = String::from_utf8(output.stdout).unwrap();
@@ -223,11 +223,10 @@ fn full_output_has_every_mode_and_finding_of_the_json() {
     }
 }
 
-#[test]
-fn full_output_has_every_row_of_the_comparison() {
-    let (text, _, json) = full_and_json(&["run", BEAM]);
+/// Asserts that the comparison table of a text has every row of a JSON.
+fn assert_has_rows(text: &str, json: &Value) {
     let comparison = &text[text.find("chance level").unwrap()..];
-    for row in list(&json, "rows") {
+    for row in list(json, "rows") {
         let cells = list(row, "tests");
         if cells.iter().all(|cell| cell["status"] == "outside-band") {
             continue;
@@ -240,9 +239,18 @@ fn full_output_has_every_row_of_the_comparison() {
             assert_number(line, cell, "error_percent", 1.0, 3);
         }
     }
+}
+
+#[test]
+fn full_output_has_every_row_of_the_comparison() {
+    let (text, _, json) = full_and_json(&["run", BEAM]);
+    assert_has_rows(&text, &json);
     for limit in list(&json, "limits") {
         assert!(text.contains(limit["what"].as_str().unwrap()), "{limit}");
     }
+    let modes = "{}/out/roving-hammer.modes.json";
+    let (text, _, json) = full_and_json(&["correlate", "--test", modes, "--theory", BEAM]);
+    assert_has_rows(&text, &json);
 }
 
 #[test]

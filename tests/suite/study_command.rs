@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use crate::command::{fail, root, succeed, write};
+use crate::command::{assert_has_sentences, fail, root, succeed, write};
 
 /// A short recording of the beam, studied at three levels of noise.
 const SPEC: &str = "schema = \"modalign-study/1\"\n[speed_accuracy]\nestimators = [\"h2\"]\nrecord_shares = [0.5]\n\
@@ -142,17 +142,8 @@ fn a_study_is_the_same_for_any_threads_and_shows_bound_and_failures() {
 /// full output has the verdicts and recommendations of the JSON.
 fn check_verdict(screen: &str, full: &str, folder: &Path) {
     let study = crate::command::json(&folder.join("speed-accuracy.json"));
-    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let full = one_line(full);
-    for key in ["verdict", "lessons"] {
-        for sentence in study[key].as_array().unwrap() {
-            assert!(
-                full.contains(&one_line(sentence.as_str().unwrap())),
-                "{sentence}\n{full}"
-            );
-        }
-    }
-    let verdict = one_line(screen);
+    assert_has_sentences(full, &study, &["verdict", "lessons"]);
+    let verdict = screen.split_whitespace().collect::<Vec<_>>().join(" ");
     let method = verdict.split("roving hammer: use ").nth(1).unwrap();
     let method = method.split([':', ' ']).next().unwrap();
     let rows = study["rows"].as_array().unwrap();
@@ -225,6 +216,7 @@ fn needs_of_the_beam_do_not_depend_on_threads_and_are_on_its_page() {
     assert!(csv.lines().count() > 7 && figure.contains("BIC above its minimum"));
     let study: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(study["schema"], "modalign-order/1");
+    assert_has_sentences(&text, &study, &["verdict", "answers"]);
     let test = &study["tests"][0];
     assert_eq!(test["roots_by_bic"], 6);
     assert_eq!(study["parameters"]["needed"].as_array().unwrap().len(), 2);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::io::IoError;
-use crate::study::breakdown::{SliceResult, Stability, UserMode};
+use crate::study::breakdown::{SliceResult, Stability, UserMode, breakdown_verdict};
 use crate::study::{
     LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
     TheoryNeeds, TriedOrder, method_sentences, method_verdicts, recommendations, summarise_needs,
@@ -243,9 +243,20 @@ pub struct BreakdownFile {
     pub stability: Option<Stability>,
 }
 
-/// `breakdown.json`.
+/// `breakdown.json`, with the verdict that follows from the cells.
 pub fn breakdown_to_json(file: &BreakdownFile) -> String {
-    serde_json::to_string(file).unwrap_or_default() + "\n"
+    #[derive(Serialize)]
+    struct Written<'f> {
+        #[serde(flatten)]
+        file: &'f BreakdownFile,
+        verdict: Vec<String>,
+    }
+    let verdict = breakdown_verdict(&file.slices, &file.user_modes);
+    let written = Written {
+        file,
+        verdict: verdict.into_iter().collect(),
+    };
+    serde_json::to_string(&written).unwrap_or_default() + "\n"
 }
 
 /// Reads `breakdown.json`.
