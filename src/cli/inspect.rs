@@ -1,6 +1,7 @@
 //! `modalign inspect`: the contents of files, from their headers.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use serde_json::json;
 
@@ -8,8 +9,8 @@ use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::io::{
-    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, ModeEntry, SampleFormat,
-    open_path,
+    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, IoError, ModeEntry,
+    SampleFormat, open_path,
 };
 use crate::report::{Block, Cell, Column, Table, abridged};
 use crate::study::counted;
@@ -18,7 +19,8 @@ use super::args::InspectArgs;
 use super::outcome::Outcome;
 use super::output::Output;
 
-/// Lists every file; exit code 1 when part of one is damaged or one of several cannot be read.
+/// Lists every file; exit code 1 when part of one is damaged or one of several cannot be read. A
+/// file that holds no data of a test is named beside others.
 /// Numbers written as text are not read, and so not judged.
 pub fn inspect(
     args: &InspectArgs,
@@ -26,40 +28,140 @@ pub fn inspect(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let (mut files, mut damaged) = (Vec::new(), false);
-    let (mut opened, mut first_error) = (0, None);
+    let (mut first_error, mut is_complete) = (None, true);
+    let mut catalogs = Vec::new();
     for path in &args.files {
         let hints = Hints {
             path: path.display().to_string(),
             ..Hints::default()
         };
-        let source = match open_path(path, &hints, format) {
+        let mut source = match open_path(path, &hints, format) {
             Ok(source) => source,
             // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
-                output.add_blocks(vec![Block::Text(format!("not read: {error}"))]);
+                output.add_blocks(vec![Block::Text(not_used(path, &error))]);
                 files.push(json!({ "path": hints.path, "error": error.to_string() }));
+                is_complete &= error.is_no_measurement();
                 first_error.get_or_insert(error);
                 continue;
             }
             Err(error) => return Err(error.into()),
         };
-        opened += 1;
-        let catalog = source.catalog();
-        output.add_result(|width| screen(catalog, width), || blocks(catalog));
-        output.add_findings(&catalog.findings);
+        let catalog = std::mem::take(source.catalog_mut());
         damaged |= !catalog.damage.is_empty();
         if output.wants_json() {
-            files.push(catalog_json(catalog));
+            files.push(catalog_json(&catalog));
         }
+        catalogs.push(catalog);
     }
-    if let (0, Some(error)) = (opened, first_error.take()) {
+    if let (true, Some(error)) = (catalogs.is_empty(), first_error.take()) {
         return Err(error.into());
     }
+    for group in alike(&catalogs) {
+        let full = || group.iter().flat_map(|catalog| blocks(catalog)).collect();
+        output.add_result(|width| screen(&group, width), full);
+        for catalog in &group {
+            output.add_findings(&catalog.findings);
+        }
+    }
+    output.add_rest_note(&next_step(&catalogs));
     output.add_json(|| {
         let result = json!({ "schema": "modalign-inspect/1", "files": files });
         format!("{result:#}")
     });
-    Ok(Outcome::missed_if(damaged || opened < args.files.len()))
+    Ok(Outcome::missed_if(damaged || !is_complete))
+}
+
+/// The line for a file that is left out.
+pub(super) fn not_used(path: &Path, error: &IoError) -> String {
+    match error {
+        IoError::UnknownFormat { .. } => {
+            format!("not used: {}: of no known format", path.display())
+        }
+        error if error.is_no_measurement() => format!("not used: {error}"),
+        error => format!("not read: {error}"),
+    }
+}
+
+/// Catalogs in their order, those together that the screen shows alike: files without damage whose
+/// records and functions differ in their points alone, or whose arrays are the same.
+fn alike(catalogs: &[Catalog]) -> Vec<Vec<&Catalog>> {
+    let contents = |catalog: &Catalog| {
+        let kinds: BTreeSet<_> = catalog.entries.iter().map(kind).collect();
+        let arrays: Vec<_> = catalog
+            .arrays
+            .iter()
+            .map(|array| (array.name.clone(), array.shape.clone(), array.kind.clone()))
+            .collect();
+        let nodes = geometry_text(&catalog.geometry);
+        (catalog.format, catalog.title.clone(), nodes, kinds, arrays)
+    };
+    let mut groups: Vec<(_, Vec<&Catalog>)> = Vec::new();
+    for catalog in catalogs {
+        let held = contents(catalog);
+        let can_join = catalog.modes.is_empty() && catalog.damage.is_empty();
+        match groups
+            .iter_mut()
+            .find(|(other, _)| can_join && *other == held)
+        {
+            Some((_, group)) => group.push(catalog),
+            None => groups.push((held, vec![catalog])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// What a row of the screen's table states beside the points: type, quantity, unit and axis.
+fn kind(entry: &Entry) -> (String, String, String, String) {
+    (
+        type_name(entry.function_type),
+        entry.quantity.map_or(String::new(), |q| q.to_string()),
+        entry.unit_label.clone(),
+        axis_text(entry.axis),
+    )
+}
+
+/// What the files do not state, and the command that takes them further.
+fn next_step(catalogs: &[Catalog]) -> String {
+    let entries = || catalogs.iter().flat_map(|catalog| &catalog.entries);
+    let is_frf = |entry: &&Entry| entry.function_type == FunctionType::Frf;
+    let is_record = |entry: &&Entry| entry.function_type == FunctionType::Time;
+    let is_test = |entry: &&Entry| is_frf(entry) || is_record(entry);
+    let arrays = catalogs.iter().any(|catalog| !catalog.arrays.is_empty());
+    if !arrays && !entries().any(|entry| is_test(&entry)) {
+        return String::new();
+    }
+    let mut options = Vec::new();
+    let mut missing = |what: &'static str, option: &'static str, is_missing: bool| {
+        if is_missing {
+            options.push((what, option));
+        }
+    };
+    missing(
+        "the response of functions or records",
+        "--response DOF",
+        entries().any(|entry| is_test(&entry) && entry.response.is_none()),
+    );
+    missing(
+        "the reference of FRFs",
+        "--reference DOF",
+        entries().any(|entry| is_frf(&entry) && entry.reference.is_none()),
+    );
+    missing(
+        "units",
+        "--unit UNIT",
+        entries().any(|entry| is_test(&entry) && entry.unit_label.is_empty()),
+    );
+    let mut text = String::new();
+    if arrays {
+        text += "The files do not state what arrays and columns mean; the scene asks for it.\n";
+    }
+    let (names, flags): (Vec<&str>, Vec<&str>) = options.into_iter().unzip();
+    if !names.is_empty() {
+        text += &format!("Not stated: {}.\n", names.join(", "));
+    }
+    let flags: String = flags.iter().map(|flag| format!(" {flag}")).collect();
+    text + &format!("Next: modalign new DIR FILE...{flags}")
 }
 
 fn blocks(catalog: &Catalog) -> Vec<Block> {
@@ -95,11 +197,23 @@ fn head_blocks(catalog: &Catalog) -> Vec<Block> {
 /// Maximum number of damaged parts on the screen.
 const MAX_SCREEN_DAMAGE: usize = 5;
 
-/// The contents of a file in counts: records and functions by kind, and the first modes and arrays.
-fn screen(catalog: &Catalog, width: usize) -> Vec<Block> {
+/// The contents of files that are alike, in counts: records and functions by kind, and the first
+/// modes and arrays.
+fn screen(group: &[&Catalog], width: usize) -> Vec<Block> {
+    let catalog = group[0];
     let mut blocks = head_blocks(catalog);
-    if !catalog.entries.is_empty() {
-        blocks.push(Block::Table(kind_table(&catalog.entries)));
+    if let [first, .., last] = group {
+        blocks[0] = Block::Heading(format!(
+            "{} files alike, {} to {} ({})",
+            group.len(),
+            first.path,
+            last.path,
+            first.format
+        ));
+    }
+    let entries: Vec<&Entry> = group.iter().flat_map(|catalog| &catalog.entries).collect();
+    if !entries.is_empty() {
+        blocks.push(Block::Table(kind_table(&entries)));
     }
     let damage = catalog.damage.iter().take(MAX_SCREEN_DAMAGE);
     blocks.extend(damage.map(|damage| Block::Text(format!("damaged: {damage}"))));
@@ -114,15 +228,10 @@ fn screen(catalog: &Catalog, width: usize) -> Vec<Block> {
 
 /// Records and functions that differ in their points alone, in one row: how many, of which points
 /// and directions, in which unit and on which axis.
-fn kind_table(entries: &[Entry]) -> Table {
+fn kind_table(entries: &[&Entry]) -> Table {
     let mut kinds: Vec<(&Entry, Vec<&Entry>)> = Vec::new();
-    for entry in entries {
-        let is_same = |other: &Entry| {
-            other.function_type == entry.function_type
-                && other.quantity == entry.quantity
-                && other.unit_label == entry.unit_label
-                && axis_text(other.axis) == axis_text(entry.axis)
-        };
+    for &entry in entries {
+        let is_same = |other: &Entry| kind(other) == kind(entry);
         match kinds.iter_mut().find(|(first, _)| is_same(first)) {
             Some((_, all)) => all.push(entry),
             None => kinds.push((entry, vec![entry])),

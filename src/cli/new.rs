@@ -6,7 +6,9 @@ use std::path::{Component, Path, PathBuf};
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
-use crate::io::{Hints, Need, NewFile, Source, check_damage, open_path, sha256_hex, write_all_new};
+use crate::io::{
+    Catalog, Hints, Need, NewFile, check_damage, open_path, sha256_hex, write_all_new,
+};
 use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
@@ -18,6 +20,7 @@ use crate::scene::{
 use crate::study::counted;
 
 use super::args::NewArgs;
+use super::inspect::not_used;
 use super::outcome::Outcome;
 use super::output::Output;
 
@@ -43,34 +46,23 @@ const EXPECTED_TEMPLATE: &str =
 /// are still to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     check_new_files(args)?;
-    let opened = args
-        .files
-        .iter()
-        .map(|path| open_source(path, args.partial, format));
-    let opened: Vec<(Box<dyn Source>, bool)> = opened.collect::<Result<_, Error>>()?;
-    let partly_bad = opened.iter().any(|(_, is_bad)| *is_bad);
-    let paths: Vec<String> = args
-        .files
-        .iter()
-        .map(|path| scene_path(args, path))
-        .collect();
+    let opened = open_files(args, format, output)?;
+    let partly_bad = opened.iter().any(|file| file.is_bad);
     let units = stated_units(args)?;
     let reference = |number: usize| match args.reference.as_slice() {
         [only] => Some(only),
         all => all.get(number),
     };
-    let files: Vec<DraftFile> = paths
+    let files: Vec<DraftFile> = opened
         .iter()
-        .zip(&opened)
-        .enumerate()
-        .map(|(number, (path, (source, is_bad)))| DraftFile {
-            path,
-            catalog: source.catalog(),
+        .map(|file| DraftFile {
+            path: &file.scene_path,
+            catalog: &file.catalog,
             response: args.response.as_ref(),
-            reference: reference(number),
+            reference: reference(file.number),
             units,
             sampling_rate_hz: args.sampling_rate,
-            partial: args.partial && *is_bad,
+            partial: args.partial && file.is_bad,
         })
         .collect();
     let model = args
@@ -101,10 +93,10 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         band: args.band,
     };
     let draft = draft_scene(&files, &plan);
-    let source = source_text(args, &files)?;
-    let copied = args.files.iter().filter(|_| args.copy);
+    let source = source_text(&opened)?;
+    let copied = opened.iter().filter(|_| args.copy);
     let mut written: Vec<(PathBuf, NewFile)> = copied
-        .map(|path| (copy_path(args, path), NewFile::CopyOf(path)))
+        .map(|file| (copy_path(args, file.path), NewFile::CopyOf(file.path)))
         .collect();
     for (name, text) in NEW_FILES
         .iter()
@@ -115,8 +107,8 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let writing = output.guard_writing(written.iter().map(|(path, _)| path.as_path()));
     write_all_new(&written)?;
     drop(writing);
-    for (source, _) in &opened {
-        output.add_findings(&source.catalog().findings);
+    for file in &opened {
+        output.add_findings(&file.catalog.findings);
     }
     output.add_blocks(vec![Block::Text(next_steps(
         args,
@@ -198,6 +190,10 @@ fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
                 .to_owned(),
         );
     }
+    paragraphs.push(
+        "SOURCE.md (where the data come from) and expected.toml (published results) are optional."
+            .to_owned(),
+    );
     let next = if args.model.is_some() {
         "the comparison table"
     } else {
@@ -286,20 +282,63 @@ fn argument_error(argument: &'static str, got: String, expected: &str) -> Error 
     }
 }
 
-/// The source of a file, and whether part of it is bad.
-fn open_source(
-    path: &Path,
-    partial: bool,
+/// An exported file that the scene names.
+struct NamedFile<'a> {
+    path: &'a Path,
+    /// Its number from 0 in the arguments.
+    number: usize,
+    /// Its path in the scene.
+    scene_path: String,
+    catalog: Catalog,
+    /// Whether part of it is bad.
+    is_bad: bool,
+}
+
+/// The files with data of a test; the others are named on the screen.
+///
+/// # Errors
+/// Of the first file that cannot be read, or of the first one where none has such data.
+fn open_files<'a>(
+    args: &'a NewArgs,
     format: Option<&str>,
-) -> Result<(Box<dyn Source>, bool), Error> {
-    let hints = Hints {
-        path: path.display().to_string(),
-        ..Hints::default()
-    };
-    let mut source = open_path(path, &hints, format)?;
-    let needs = [Need::Records, Need::Frfs, Need::Modes];
-    let is_bad = check_damage(source.as_mut(), &needs, partial)?;
-    Ok((source, is_bad))
+    output: &mut Output,
+) -> Result<Vec<NamedFile<'a>>, Error> {
+    let (mut files, mut unused) = (Vec::new(), Vec::new());
+    for (number, path) in args.files.iter().enumerate() {
+        let hints = Hints {
+            path: path.display().to_string(),
+            ..Hints::default()
+        };
+        let mut source = match open_path(path, &hints, format) {
+            Ok(source) => source,
+            Err(error) if error.is_no_measurement() => {
+                unused.push((path, error));
+                continue;
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let needs = [Need::Records, Need::Frfs, Need::Modes];
+        let is_bad = check_damage(source.as_mut(), &needs, args.partial)?;
+        files.push(NamedFile {
+            path,
+            number,
+            scene_path: scene_path(args, path),
+            catalog: std::mem::take(source.catalog_mut()),
+            is_bad,
+        });
+    }
+    if files.is_empty() {
+        unused
+            .into_iter()
+            .next()
+            .map_or(Ok(()), |(_, error)| Err(error))?;
+    } else {
+        let lines = unused
+            .iter()
+            .map(|(path, error)| Block::Text(not_used(path, error)));
+        output.add_blocks(lines.collect());
+    }
+    Ok(files)
 }
 
 fn copy_path(args: &NewArgs, path: &Path) -> PathBuf {
@@ -435,17 +474,17 @@ fn read_points(path: &Path) -> Result<Geometry, Error> {
     Ok(geometry)
 }
 
-fn source_text(args: &NewArgs, files: &[DraftFile]) -> Result<String, Error> {
+fn source_text(files: &[NamedFile]) -> Result<String, Error> {
     let mut text = "# Where the numbers of this scene come from\n\n\
         Who measured, when, on what, with which instruments, and under which licence:\n\n\
         | file | format | SHA-256 | measured, computed or published by |\n|---|---|---|---|\n"
         .to_owned();
-    for (path, file) in args.files.iter().zip(files) {
+    for file in files {
         text += &format!(
             "| `{}` | {} | `{}` | |\n",
-            file.path,
+            file.scene_path,
             file.catalog.format,
-            sha256_hex(path)?
+            sha256_hex(file.path)?
         );
     }
     Ok(text)

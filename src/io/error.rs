@@ -29,6 +29,18 @@ pub enum IoError {
         /// Names of the formats.
         known: String,
     },
+    /// Text without a row of numbers.
+    #[error("{path}:{line}: got {got}, expected rows of numbers separated by {separators}")]
+    NoNumbers {
+        /// Path as given.
+        path: String,
+        /// First line from 1 that was searched.
+        line: u64,
+        /// What the file has instead.
+        got: &'static str,
+        /// The accepted separators.
+        separators: String,
+    },
     /// Several formats that are as sure of a file.
     #[error(
         "{path}: got a file that could be {candidates}, expected one format: state it with --format"
@@ -172,6 +184,14 @@ pub enum IoError {
 }
 
 impl IoError {
+    /// Whether the file is something else than data of a test, such as a picture or a protocol.
+    pub fn is_no_measurement(&self) -> bool {
+        matches!(
+            self,
+            IoError::UnknownFormat { .. } | IoError::NoNumbers { .. }
+        )
+    }
+
     /// Subject, got and expected, without the place in the file.
     pub fn without_place(&self) -> String {
         match self {

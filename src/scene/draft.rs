@@ -372,14 +372,11 @@ fn model_text(model: Option<&DraftModel>) -> String {
 /// model that has bodies. Points that the user has stated serve the figures of shapes even then.
 fn sensors_text(dofs: &BTreeSet<Dof>, geometry: &Geometry, plan: &DraftPlan) -> String {
     let model = plan.model;
-    if model.is_some_and(|model| model.has_sensors) {
-        return String::new();
-    }
-    let has_bodies = model.is_some_and(|model| !model.bodies.is_empty());
-    if let (Some(points), false) = (plan.geometry, has_bodies) {
+    let needs_sensors = |model: &DraftModel| !model.has_sensors && !model.bodies.is_empty();
+    if let (Some(points), false) = (plan.geometry, model.is_some_and(needs_sensors)) {
         return points_text(dofs, points);
     }
-    if model.is_some() && !has_bodies {
+    if model.is_some_and(|model| !needs_sensors(model)) {
         return String::new();
     }
     let remark = if model.is_none() { "# " } else { "" };
@@ -411,19 +408,19 @@ fn position_line(node: &Node) -> String {
     format!("at_m = [{x:?}, {y:?}, {z:?}]")
 }
 
-/// The stated positions of the DOFs, on a body that is of no model.
+/// The stated positions of the points, for a scene whose model needs no sensors.
 fn points_text(dofs: &BTreeSet<Dof>, points: &Geometry) -> String {
-    let mut text =
-        "\n# Where sensors and hits are, for the figures of shapes. With a model that has bodies, `body` is one of these.\n"
-            .to_owned();
-    for dof in dofs {
-        let _ = match points.node(dof.point()) {
+    let mut text = "\n# Where the points are, for the figures of shapes.\n".to_owned();
+    let names: BTreeSet<&str> = dofs.iter().map(Dof::point).collect();
+    for name in names {
+        let _ = match points.node(name) {
             Some(node) => writeln!(
                 text,
-                "[[sensor]]\ndof = \"{dof}\"\nbody = \"structure\"\n{}",
+                "[[point]]\nname = {}\n{}",
+                quoted(name),
                 position_line(node)
             ),
-            None => writeln!(text, "# {dof}: the list has no such point"),
+            None => writeln!(text, "# {name}: the list has no such point"),
         };
     }
     text

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::axis::Band;
 use crate::correlate::{CorrelateError, PairOptions};
 use crate::frf::{EstimateOptions, Estimator, HammerOptions, ResponseWindow};
-use crate::geometry::Sensor;
+use crate::geometry::{Geometry, Node, Sensor};
 use crate::identify::{IdentifyError, IdentifyOptions};
 use crate::signal::{ForceWindow, Offset};
 
@@ -19,7 +19,8 @@ use super::placement::{PlacementPlan, placement_plans};
 use super::test_plan::{TestPlan, test_plan};
 use super::toml_text::{check_schema, parse, read_text};
 use super::typed::{
-    FrfTable, IdentifyTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, UpdateTable,
+    FrfTable, IdentifyTable, ModelTable, PointTable, ReportTableTable, SCENE_SCHEMA, SceneFile,
+    UpdateTable,
 };
 
 /// The flank of a force window as a fraction of its hold.
@@ -44,6 +45,8 @@ pub struct Scene {
     pub tests: Vec<TestPlan>,
     /// Sensors and hits on the model.
     pub sensors: Vec<Sensor>,
+    /// Positions of points that neither a file nor a sensor states.
+    pub points: Geometry,
     /// The model; a scene without one compares nothing.
     pub model: Option<ModelTable>,
     /// How recorded hits become FRFs, except for options that a test states.
@@ -129,6 +132,7 @@ impl Scene {
             placement: placement_plans(typed.placement, &tests, &sensors, &name)?,
             tests,
             sensors,
+            points: stated_points(&typed.point, &name)?,
             hammer: hammer_options(&typed.frf, &name)?,
             pair: typed.pair,
             first_root: typed.report.first_root.unwrap_or(1),
@@ -219,6 +223,23 @@ fn report_tables(
         ));
     }
     Ok(stated)
+}
+
+/// The nodes of `[[point]]` tables.
+fn stated_points(tables: &[PointTable], path: &str) -> Result<Geometry, SceneError> {
+    let mut points = Geometry::default();
+    for PointTable { name, at_m } in tables {
+        let key = format!("[[point]] {name}");
+        let refused = |got: &str, expected: &str| value_error(path, &key, got, expected);
+        if at_m.iter().any(|x| !x.is_finite()) {
+            return Err(refused(&format!("at_m = {at_m:?}"), "finite positions"));
+        }
+        if points.node(name).is_some() {
+            return Err(refused("the same point twice", "each one once"));
+        }
+        points.nodes.push(Node::new(name, (*at_m).into()));
+    }
+    Ok(points)
 }
 
 fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneError> {

@@ -171,15 +171,18 @@ pub(super) fn theory_band(scene: &Scene, tests: &[TestResult]) -> Option<Band> {
 }
 
 pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, SceneError> {
-    if let TestSource::Modes(path) = &test.source {
-        return load_finished_modes(test, path);
-    }
-    let data = test_data(scene, test)?;
-    let result = identify_test(scene, test, data.ingested, data.inputs)?;
-    Ok(TestResult {
-        recording: data.recording,
-        ..result
-    })
+    let mut result = match &test.source {
+        TestSource::Modes(path) => load_finished_modes(test, path)?,
+        _ => {
+            let data = test_data(scene, test)?;
+            TestResult {
+                recording: data.recording,
+                ..identify_test(scene, test, data.ingested, data.inputs)?
+            }
+        }
+    };
+    result.geometry.add(&scene.points);
+    Ok(result)
 }
 
 /// Data of a test.

@@ -27,6 +27,9 @@ pub struct SceneFile {
     /// Sensors and hits on the model's bodies.
     #[serde(default)]
     pub sensor: Vec<SensorTable>,
+    /// Positions of points that neither a file nor a sensor states.
+    #[serde(default)]
+    pub point: Vec<PointTable>,
     /// The theoretical model.
     pub model: Option<ModelTable>,
     /// Options of FRF estimation.
@@ -183,6 +186,16 @@ pub struct FileTable {
     pub response: Option<Dof>,
     /// Reference (hit point).
     pub reference: Option<Dof>,
+}
+
+/// Position of a point, for the figures of shapes and for files.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PointTable {
+    /// Name as in the degrees of freedom of the test.
+    pub name: String,
+    /// Its position.
+    pub at_m: [f64; 3],
 }
 
 /// A sensor or hit on a body of the model.

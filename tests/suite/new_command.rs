@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use crate::command::{fail, json, modalign, root, succeed, write};
+use crate::matrix_models::matrix_market;
 
 /// A folder with the beam's model and a short recording of it.
 fn recorded() -> tempfile::TempDir {
@@ -456,18 +457,53 @@ fn arrays_that_are_frfs_by_their_names_are_drafted_alone() {
     );
 }
 
+/// Position of a point of the beam of 0.6 m.
+fn position_m(point: u8) -> f64 {
+    0.06 * f64::from(point - 1)
+}
+
+/// `matrices.toml`, a chain of masses at the points, and `sensors.toml`, the beam with its sensors.
+fn write_models_that_need_no_sensors(folder: &Path) {
+    let number = |count: usize| (1..=count).map(|i| (i, i, 1.0)).collect::<Vec<_>>();
+    let mut springs = number(11);
+    springs.iter_mut().for_each(|spring| spring.2 = 2e6);
+    springs.extend((2..=11).map(|i| (i, i - 1, -1e6)));
+    let dofs: String = (1..=11).map(|i| format!("{i}:+Z\n")).collect();
+    let matrices = "schema = \"modalign-model/1\"\ntitle = \"chain\"\n[matrices]\ndofs = \"dofs.txt\"\nmass = \"m.mtx\"\nstiffness = \"k.mtx\"\n";
+    let mut beam = std::fs::read_to_string(folder.join("model.toml")).unwrap();
+    for point in 1..=11 {
+        let x = position_m(point);
+        beam += &format!(
+            "\n[[sensor]]\ndof = \"{point}:+Z\"\nbody = \"bar\"\nat_m = [{x:.2}, 0.0, 0.0]\n"
+        );
+    }
+    write(
+        folder,
+        &[
+            ("m.mtx", &matrix_market(11, &number(11))),
+            ("k.mtx", &matrix_market(11, &springs)),
+            ("dofs.txt", &dofs),
+            ("matrices.toml", matrices),
+            ("sensors.toml", &beam),
+        ],
+    );
+}
+
 #[test]
 fn stated_points_are_kept_with_every_model_and_without() {
     let folder = recorded();
     let path = |name: &str| at(folder.path(), name);
-    let lines = (1..=11).map(|point| format!("{point},{:.2},0,0\n", 0.1 * f64::from(point)));
+    let lines = (1..=11).map(|point| format!("{point},{:.2},0,0\n", position_m(point)));
     write(folder.path(), &[("points.csv", &lines.collect::<String>())]);
     estimate_and_identify(folder.path());
+    write_models_that_need_no_sensors(folder.path());
     for (scene, model) in [
         ("none", None),
         ("finished", Some(path("modes.json"))),
         ("bodies", Some(path("model.toml"))),
         ("built-in", Some("cycloid-ball".to_owned())),
+        ("matrices", Some(path("matrices.toml"))),
+        ("sensors", Some(path("sensors.toml"))),
     ] {
         let mut arguments = vec!["new".to_owned(), path(scene), path("frfs.h5")];
         arguments.extend(["--points".to_owned(), path("points.csv")]);
@@ -479,10 +515,62 @@ fn stated_points_are_kept_with_every_model_and_without() {
         succeed(arguments);
         let text = std::fs::read_to_string(folder.path().join(scene).join("scene.toml")).unwrap();
         let positions = text.lines().filter(|line| line.starts_with("at_m = [0"));
-        let positions = positions.count() + text.matches("\nat_m = [1").count();
-        assert_eq!(positions, 11, "{scene}: {text}");
-        if ["none", "finished"].contains(&scene) {
-            succeed(["run", &path(scene)]);
+        assert_eq!(positions.count(), 11, "{scene}: {text}");
+        if !["bodies", "built-in"].contains(&scene) {
+            let out = path(&format!("{scene}/out"));
+            succeed(["run", &path(scene), "-o", &out]);
+            let report = json(&folder.path().join(scene).join("out/report.json"));
+            let points = &report["figures"]["tests"][0]["shapes"]["points"];
+            assert_eq!(points.as_array().unwrap().len(), 11, "{scene}");
+            for point in points.as_array().unwrap() {
+                let name = point["name"].as_str().unwrap().parse().unwrap();
+                let x = point["at_m"][0].as_f64().unwrap();
+                assert!((x - position_m(name)).abs() < 1e-9, "{scene}: {point}");
+            }
         }
     }
+}
+
+#[test]
+fn files_without_data_of_a_test_are_named_and_left_out() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    write(
+        folder.path(),
+        &[
+            ("notes.txt", "hammer 086C03\nsteel tip\n"),
+            ("photo.png", "\u{89}PNG\r\n"),
+        ],
+    );
+    std::fs::copy(path("hits.uff"), path("again.uff")).unwrap();
+    let files = ["again.uff", "hits.uff", "notes.txt", "photo.png"].map(path);
+    let names_both = |text: &str| {
+        let lines = text.lines().filter(|line| line.starts_with("not used: "));
+        assert_eq!(lines.count(), 2, "{text}");
+    };
+    let shown = succeed(
+        ["inspect"]
+            .into_iter()
+            .chain(files.iter().map(String::as_str)),
+    );
+    names_both(&shown);
+    assert!(shown.contains("2 files alike"), "{shown}");
+    assert_eq!(shown.matches("Records and functions").count(), 1);
+    assert!(
+        shown.ends_with("Next: modalign new DIR FILE...\n"),
+        "{shown}"
+    );
+    let scene = path("scene");
+    let arguments = ["new", scene.as_str()].into_iter();
+    names_both(&succeed(
+        arguments.chain(files[1..].iter().map(String::as_str)),
+    ));
+    let text = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
+    assert!(
+        text.contains("hits.uff\"]") && !text.contains("notes"),
+        "{text}"
+    );
+    let error = fail(["new", &path("other"), &files[2]]);
+    assert!(error.contains("expected rows of numbers"), "{error}");
+    assert!(!folder.path().join("other").exists());
 }

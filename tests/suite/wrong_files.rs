@@ -290,7 +290,7 @@ const CASES: &[Case] = &[
     (
         Hits,
         &[("1,2\n3,4\n", "")],
-        &["hits.csv:1: rows of numbers: got \"none\", expected rows"],
+        &["hits.csv:1: got text without rows of numbers, expected rows"],
     ),
     // Models.
     (

@@ -100,7 +100,7 @@ impl Reading {
 /// Judges the first block of a table.
 ///
 /// # Errors
-/// [`IoError::Text`] when there is no row of numbers; [`IoError::NotStated`] when several notations
+/// [`IoError::NoNumbers`]; [`IoError::NotStated`] when several notations
 /// read different ones; [`IoError::MissingColumn`] when the scene names a heading that is not
 /// there.
 pub(super) fn detect_dialect(
@@ -134,19 +134,16 @@ pub(super) fn detect_dialect(
         readings = read(&lines);
     }
     if readings.is_empty() {
-        return Err(IoError::Text {
+        return Err(IoError::NoNumbers {
             path: path.to_owned(),
             line: 1 + skipped as u64,
-            what: "rows of numbers",
-            got: if block.is_empty() {
-                "an empty file"
-            } else {
-                "none"
-            }
-            .to_owned(),
-            expected: match stated {
-                Some(delimiter) => format!("rows separated by {}", delimiter.name()),
-                None => "rows separated by comma, semicolon, tab or blank".to_owned(),
+            got: match block.is_empty() {
+                true => "an empty file",
+                false => "text without rows of numbers",
+            },
+            separators: match stated {
+                Some(delimiter) => delimiter.name().to_owned(),
+                None => "comma, semicolon, tab or blank".to_owned(),
             },
         });
     }
