@@ -9,6 +9,8 @@ use crate::report::Language;
 
 /// Characters in a line of the screen's findings.
 const MAX_LINE_CHARS: usize = 200;
+/// Characters of a value with its limit behind a sentence.
+const NUMBERS_CHARS: usize = 30;
 /// Maximum number of bad parts of the input of one kind that have a line on the screen.
 const MAX_SCREEN_ERRORS: usize = 5;
 /// Maximum number of kinds of warnings that have a line on the screen.
@@ -127,15 +129,16 @@ impl Kind<'_> {
         lines
     }
 
-    /// A finding; where it is longer than a line, its numbers stand before its sentence.
+    /// A finding; where its sentence leaves no room for its numbers, these stand before it.
     fn single_line(&self, line: &str, language: Language) -> String {
         let tag = self.tag();
         let text = line.strip_suffix(&tag).unwrap_or(line);
         let sentence = language.sentence(self.code);
         let sentence = sentence.trim_end_matches(['.', '。']);
-        let parts = text.split_once(sentence).filter(|_| !is_line(text, &tag));
-        match parts {
-            Some((place, numbers)) if !numbers.trim().is_empty() => {
+        match text.split_once(sentence) {
+            Some((place, numbers))
+                if !numbers.trim().is_empty() && leaves_no_room(place, sentence, &tag) =>
+            {
                 let numbers = numbers.trim_start_matches([' ', ';']);
                 cut_before(&format!("{place}{numbers}: {sentence}"), &tag)
             }
@@ -179,6 +182,15 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
     });
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.join("; ")
+}
+
+/// Whether the numbers of a finding do not fit behind its sentence.
+fn leaves_no_room(place: &str, sentence: &str, tag: &str) -> bool {
+    let taken: usize = [place, sentence, tag]
+        .iter()
+        .map(|text| text.chars().count())
+        .sum();
+    taken + NUMBERS_CHARS > MAX_LINE_CHARS
 }
 
 /// A text and its tag, the text cut where both are longer than a line.

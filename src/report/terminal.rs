@@ -55,10 +55,16 @@ impl Terminal {
     }
 
     fn wrapped(&self, text: &str) -> String {
-        match self.width {
-            Some(width) => textwrap::fill(text, wrapping(width)),
-            None => text.to_owned(),
-        }
+        let Some(width) = self.width else {
+            return text.to_owned();
+        };
+        // What does not fit a line of a list stands below its beginning.
+        let line = |line: &str| {
+            let indented = line.len() - line.trim_start_matches(' ').len();
+            let indent = " ".repeat(2 * indented);
+            textwrap::fill(line, wrapping(width).subsequent_indent(&indent))
+        };
+        text.split('\n').map(line).collect::<Vec<_>>().join("\n")
     }
 
     fn table_text(&self, table: &Table) -> String {

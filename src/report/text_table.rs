@@ -56,6 +56,8 @@ macro_rules! page {
 /// Every text of the report.
 pub(super) static TEXTS: Texts = Texts {
     headings: group! {
+        records_and_functions: "Records and functions: {}", "记录与函数：{}";
+        roots: "Roots of {}", "{} 的特征根";
         comparison: "Theory and test compared", "理论与试验对比";
         summary: "Summary", "汇总";
         parameters_of_the_model: "Parameters of the model", "模型参数";
@@ -284,6 +286,17 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder.", "全部表格、列与说明：--full，或文件夹中的 report.html。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
+        rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";
+        rest_of_frfs: "All hits and FRFs: --full; FRFs to a file: -o FILE.", "全部锤击与频响函数：--full；频响函数写入文件：-o FILE。";
+        rest_of_frfs_in_file: "All hits and FRFs: --full.", "全部锤击与频响函数：--full。";
+        rest_of_theory: "Parameters and all columns: --full; modes with shapes to a file: -o FILE.", "参数与全部列：--full；模态与振型写入文件：-o FILE。";
+        rest_of_theory_in_file: "Parameters and all columns: --full.", "参数与全部列：--full。";
+        rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
+        rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
+        counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
+        no_model: "No [model] is stated, so that nothing is compared.", "未给出 [model]，因此没有比较。";
+        chi_square: "Chi-square per degree of freedom {} ({} degrees; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
+        next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
         hits_rejected: "Hits: {} of {} used; rejected: {}.", "锤击：采用 {} / {} 次；剔除：{}。";
         rows_met: "{} of {} met, {} in all.", "{} / {} 满足，共 {}。";

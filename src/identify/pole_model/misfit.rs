@@ -147,7 +147,8 @@ impl FindingContext<'_> {
         if all.len() > LISTED_MODES {
             texts.push(format!("+ {}", all.len() - LISTED_MODES));
         }
-        format!("{}/{}: {}", all.len(), self.kept.len(), texts.join("; "))
+        let (count, modes) = (all.len(), self.kept.len());
+        format!("{count} of {modes} modes: {}", texts.join("; "))
     }
 
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
@@ -171,6 +172,6 @@ impl FindingContext<'_> {
                 format!("{response}|{reference} × {:.1}", misfits[*f].sqrt())
             });
         let named: Vec<String> = named.collect();
-        format!("{}; {above}/{}", named.join(", "), misfits.len())
+        format!("{}; {above} of {} FRFs", named.join(", "), misfits.len())
     }
 }
