@@ -496,9 +496,10 @@ pub struct NewArgs {
     /// The theory: a model.toml, a file of finished modes, or a built-in model.
     #[arg(long)]
     pub model: Option<PathBuf>,
-    /// The sensor of FRFs or records whose files do not name it, such as 1:+Z.
-    #[arg(long, value_name = "DOF")]
-    pub response: Option<Dof>,
+    /// Response DOF of files that do not name it: one for all, or one for each file in their order,
+    /// 1:+Z,2:+Z.
+    #[arg(long, value_name = "DOF", value_delimiter = ',')]
+    pub response: Vec<Dof>,
     /// Excitation DOF of files that do not name it: one for all, or one for each file in their
     /// order, 2:+Z,3:+Z.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]

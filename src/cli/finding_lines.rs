@@ -198,9 +198,12 @@ fn cut_before(text: &str, tag: &str) -> String {
     if is_line(text, tag) {
         return format!("{text}{tag}");
     }
-    let room = MAX_LINE_CHARS.saturating_sub(tag.chars().count());
+    let room = MAX_LINE_CHARS.saturating_sub(tag.chars().count() + 1);
     let kept: String = text.chars().take(room.saturating_sub(1)).collect();
-    format!("{}…{tag}", kept.trim_end())
+    // Between words, where there are any; Chinese has none.
+    let end = kept.rfind(' ').filter(|end| *end > kept.len() / 2);
+    let kept = kept[..end.unwrap_or(kept.len())].trim_end_matches([' ', ',', ';', ':']);
+    format!("{kept} …{tag}")
 }
 
 /// Whether a text and its tag fit a line.

@@ -7,7 +7,7 @@ use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
 use crate::io::{
-    Catalog, Hints, Need, NewFile, check_damage, open_path, sha256_hex, write_all_new,
+    Catalog, FunctionType, Hints, Need, NewFile, check_damage, open_path, sha256_hex, write_all_new,
 };
 use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
@@ -49,17 +49,16 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let opened = open_files(args, format, output)?;
     let partly_bad = opened.iter().any(|file| file.is_bad);
     let units = stated_units(args)?;
-    let reference = |number: usize| match args.reference.as_slice() {
-        [only] => Some(only),
-        all => all.get(number),
-    };
+    let responses = dofs_of_files("--response", &args.response, &opened, args.files.len())?;
+    let references = dofs_of_files("--reference", &args.reference, &opened, args.files.len())?;
     let files: Vec<DraftFile> = opened
         .iter()
-        .map(|file| DraftFile {
+        .zip(responses.iter().zip(&references))
+        .map(|(file, (response, reference))| DraftFile {
             path: &file.scene_path,
             catalog: &file.catalog,
-            response: args.response.as_ref(),
-            reference: reference(file.number),
+            response: *response,
+            reference: *reference,
             units,
             sampling_rate_hz: args.sampling_rate,
             partial: args.partial && file.is_bad,
@@ -112,6 +111,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     }
     output.add_blocks(vec![Block::Text(next_steps(
         args,
+        &files,
         &draft.scene,
         has_positions,
     ))]);
@@ -124,6 +124,34 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
     });
     Ok(Outcome::missed_if(partly_bad))
+}
+
+/// The stated DOF of each file: one for all, one for each file with data of a test, or one for each
+/// file.
+fn dofs_of_files<'a>(
+    option: &'static str,
+    stated: &'a [Dof],
+    files: &[NamedFile],
+    all: usize,
+) -> Result<Vec<Option<&'a Dof>>, Error> {
+    let of_file = |(index, file): (usize, &NamedFile)| match stated {
+        [only] => Some(only),
+        several if several.len() == files.len() => several.get(index),
+        several => several.get(file.number),
+    };
+    if ![0, 1, files.len(), all].contains(&stated.len()) {
+        let with_data = match files.len() == all {
+            true => String::new(),
+            false => format!(" with data of a test ({all} in all)"),
+        };
+        let got = format!("{} DOFs for {} files{with_data}", stated.len(), files.len());
+        return Err(argument_error(
+            option,
+            got,
+            "one for all files, or one for each",
+        ));
+    }
+    Ok(files.iter().enumerate().map(of_file).collect())
 }
 
 /// The stated units by what they are of.
@@ -149,18 +177,22 @@ fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
     Ok(units)
 }
 
-/// Options that fill in lines of a draft, by the key of the line.
-const OPTIONS_OF_KEYS: &[(&str, &str)] = &[
-    ("response", "--response DOF"),
-    ("dof", "--response DOF"),
-    ("reference", "--reference DOF"),
-    ("unit", "--unit UNIT"),
-    ("sampling_rate_hz", "--sampling-rate HZ"),
-    ("at_m", "--points FILE"),
+/// Options that fill in lines of a draft: the key of the line, the beginning of what it expects,
+/// and the option.
+const OPTIONS_OF_LINES: &[(&str, &str, &str)] = &[
+    ("response", "", "--response DOF"),
+    ("dof", "the sensor", "--response DOF"),
+    ("reference", "", "--reference DOF"),
+    ("dof", "the hit point", "--reference DOF"),
+    ("unit", "(", "--unit (m/s2)/N"),
+    ("unit", "of the FRFs", "--unit (m/s2)/N"),
+    ("unit", "", "--unit UNIT"),
+    ("sampling_rate_hz", "", "--sampling-rate HZ"),
+    ("at_m", "", "--points FILE"),
 ];
 
 /// The open lines of the scene, the options that fill them in, and the next command.
-fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
+fn next_steps(args: &NewArgs, files: &[DraftFile], scene: &str, has_positions: bool) -> String {
     let path = args.folder.join("scene.toml");
     let open = open_lines(scene);
     let mut paragraphs = vec![match open.is_empty() {
@@ -171,10 +203,14 @@ fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
             format!("{}: {count} to be filled in:{lines}", path.display())
         }
     }];
-    let is_open = |key: &str| open.iter().any(|line| line.key == key);
     let mut options: Vec<&str> = Vec::new();
-    for (key, option) in OPTIONS_OF_KEYS {
-        if is_open(key) && !options.contains(option) {
+    for line in &open {
+        let mut known = OPTIONS_OF_LINES.iter();
+        let option =
+            known.find(|(key, begins, _)| line.key == *key && line.expected.starts_with(begins));
+        if let Some((.., option)) = option
+            && !options.contains(option)
+        {
             options.push(option);
         }
     }
@@ -182,6 +218,12 @@ fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
         paragraphs.push(format!(
             "Options of `modalign new` fill in such lines: {}.",
             options.join(", ")
+        ));
+    }
+    if let Some(count) = same_pair_count(files) {
+        paragraphs.push(format!(
+            "{count} files have the same response and reference: FRFs of one pair, measured again. \
+             A roving test needs one DOF for each file: --reference DOF,DOF,... or --response DOF,DOF,..."
         ));
     }
     if !has_positions {
@@ -204,6 +246,25 @@ fn next_steps(args: &NewArgs, scene: &str, has_positions: bool) -> String {
         shell_quoted(&args.folder)
     ));
     paragraphs.join("\n")
+}
+
+/// Number of files with FRFs, where all of them take both DOFs from the options, the same ones;
+/// `None` for a single file.
+fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
+    let is_open = |file: &&DraftFile| {
+        let mut entries = file.catalog.entries.iter();
+        entries.any(|entry| {
+            entry.function_type == FunctionType::Frf
+                && entry.response.is_none()
+                && entry.reference.is_none()
+        })
+    };
+    let pairs = files.iter().filter(is_open);
+    let pairs: Vec<_> = pairs
+        .map(|file| file.response.zip(file.reference))
+        .collect();
+    let is_same = pairs.iter().all(|pair| pair.is_some() && *pair == pairs[0]);
+    (pairs.len() > 1 && is_same).then_some(pairs.len())
 }
 
 /// The open lines, those of one key and expectation together.
@@ -241,18 +302,8 @@ fn shell_quoted(path: &Path) -> String {
     }
 }
 
-/// Checks that no file to be written exists, and that there is one excitation point for all files
-/// or one for each.
+/// Checks that no file to be written exists.
 fn check_new_files(args: &NewArgs) -> Result<(), Error> {
-    let (points, files) = (args.reference.len(), args.files.len());
-    if points > 1 && points != files {
-        let got = format!("{points} hit points for {files} files");
-        return Err(argument_error(
-            "--reference",
-            got,
-            "one for all files, or one for each",
-        ));
-    }
     let mut raws = BTreeSet::new();
     for path in args.files.iter().filter(|_| args.copy) {
         if !raws.insert(copy_path(args, path)) {
@@ -269,7 +320,7 @@ fn check_new_files(args: &NewArgs) -> Result<(), Error> {
         Some(path) => Err(argument_error(
             "DIR",
             format!("{}, which exists", path.display()),
-            "another folder, or the same without these files: nothing is written over",
+            "a folder without it: nothing is written over, so name another one or delete the file",
         )),
     }
 }

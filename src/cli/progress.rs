@@ -11,9 +11,10 @@ use super::color::is_dumb;
 
 const REDRAW_INTERVAL: Duration = Duration::from_millis(200);
 
-/// The line before the first step is known, and after it.
-const TEMPLATES: [&str; 2] = [
+/// The line before the first step is known, during it, and after it.
+const TEMPLATES: [&str; 3] = [
     "{prefix}  {elapsed}",
+    "{prefix}  [{pos}/{len}] {percent} %  {msg}  {elapsed}",
     "{prefix}  [{pos}/{len}] {percent} %  {msg}  {elapsed}, {eta} left",
 ];
 
@@ -45,9 +46,10 @@ impl Observer for Progress {
         bar.set_position(number.saturating_sub(1) as u64);
         if bar.length() != Some(count as u64) {
             bar.set_length(count as u64);
-            bar.set_style(style(TEMPLATES[1]));
             bar.reset_eta();
         }
+        // The time left follows from finished steps.
+        bar.set_style(style(TEMPLATES[if number > 1 { 2 } else { 1 }]));
         bar.set_message(what.to_owned());
     }
 }

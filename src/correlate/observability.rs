@@ -124,8 +124,9 @@ impl Observability {
         };
         let (response, reference) = &noise.best_pair;
         let (db, std) = (noise.peak_over_noise_db, noise.frequency_std_hz);
-        let peak =
-            format!("its peak would stand {db:.1} dB over the noise at {response}|{reference}");
+        let peak = format!(
+            "from {reference} to {response} its peak would stand {db:.1} dB over the noise"
+        );
         let mut text = match self.spacing_hz {
             _ if db < MIN_PEAK_OVER_NOISE_DB => {
                 format!("{peak}, {MIN_PEAK_OVER_NOISE_DB} dB are needed")

@@ -182,7 +182,7 @@ fn a_peak_is_seen_from_ten_decibels_over_the_noise_in_every_kind() {
         let cell = at(3.1);
         assert!(
             reason(&cell, 1).ends_with(
-                "its peak would stand 3.1 dB over the noise at 1:+Z|1:+Z, 10 dB are needed"
+                "from 1:+Z to 1:+Z its peak would stand 3.1 dB over the noise, 10 dB are needed"
             ),
             "{}",
             reason(&cell, 1)

@@ -180,6 +180,15 @@ pub const ESTIMATORS: &[Entry] = &[
 /// The method of `auto`.
 const AUTO: &str = "ml";
 
+/// The method that a name stands for: `auto` for the default one, the trade name PolyMAX for LSCF.
+pub fn method_of_name(name: &str) -> &str {
+    match name {
+        "auto" => AUTO,
+        "polymax" => "lscf",
+        name => name,
+    }
+}
+
 impl IdentifyOptions {
     /// The estimator that these options name, their numbers checked.
     ///
@@ -211,12 +220,7 @@ impl IdentifyOptions {
                 expected: "1 or more",
             });
         }
-        let name = match self.method.as_str() {
-            "auto" => AUTO,
-            // The trade name that users look for.
-            "polymax" => "lscf",
-            name => name,
-        };
+        let name = method_of_name(&self.method);
         let entry = ESTIMATORS.iter().find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| IdentifyError::UnknownMethod {
             got: self.method.clone(),

@@ -63,17 +63,20 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let several = ["response", "real", "imaginary", "magnitude", "complex"]
         .iter()
         .any(|role| roles.iter().filter(|other| **other == Some(*role)).count() > 1);
+    let responses: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.response).collect();
+    let response_by_file = !several && responses.len() > 1;
     let stated = StatedPoints {
-        response: files[0].response.filter(|_| !several),
+        response: files[0].response.filter(|_| !several && !response_by_file),
         hit_point: files[0].reference.filter(|_| !by_file),
         by_file,
+        response_by_file,
         units: files[0].units,
     };
     for column in &columns {
         text += &stated.column_text(column, several, dofs);
     }
-    for file in files.iter().filter(|_| by_file) {
-        text += &file_text(file, false, true, dofs);
+    for file in files.iter().filter(|_| by_file || response_by_file) {
+        text += &file_text(file, response_by_file, by_file, dofs);
     }
     text
 }
@@ -232,6 +235,8 @@ struct StatedPoints<'a> {
     hit_point: Option<&'a Dof>,
     /// Whether hit points stand with the files.
     by_file: bool,
+    /// Whether the responses do.
+    response_by_file: bool,
     units: StatedUnits<'a>,
 }
 
@@ -278,7 +283,11 @@ impl StatedPoints<'_> {
             _ => return text,
         };
         text += &unit_line(unit, accepted);
-        if role == "force" && self.by_file {
+        let is_by_file = match role {
+            "force" => self.by_file,
+            _ => self.response_by_file,
+        };
+        if is_by_file {
             return text;
         }
         dofs.extend(stated.map(Dof::positive));

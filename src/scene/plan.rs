@@ -96,6 +96,15 @@ impl Scene {
             path.to_path_buf()
         };
         let name = file.display().to_string();
+        if file.is_file() && file.extension().is_none_or(|extension| extension != "toml") {
+            let expected = "a folder with scene.toml, or that file; `modalign new DIR FILE...` drafts one from recordings";
+            return Err(value_error(
+                &name,
+                "scene",
+                "a file of another kind",
+                expected,
+            ));
+        }
         let typed: SceneFile = parse(&read_text(&file)?, &name)?;
         check_schema(&typed.schema, SCENE_SCHEMA, &name)?;
         let folder = file.parent().unwrap_or(Path::new(".")).to_path_buf();

@@ -232,13 +232,13 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(screen, 60, 100, "standard output");
     assert_fits(findings, 12, 200, "standard error");
     for said in [
-        "Limits: all met (5).",
+        "Limits of the scene: all met (5).",
         "The recordings are synthetic: computed from a model and not measured.",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
-        "f: paired by frequency alone. ?: ambiguous.",
-        "f10, large cylinder: its peak would stand 75.3 dB over the noise",
+        "~: paired by frequency alone. ?: ambiguous.",
+        "f10, large cylinder: from housing.1:+S to output.3:+Y its peak would stand 75.3 dB",
         "Published statements: 32 reproduced, 11 not reproduced, 0 not checkable.",
-        "Measure next, virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
+        "Measure next in virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
     ] {
         assert!(screen.contains(said), "{said} is missing in\n{screen}");
     }
@@ -248,7 +248,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
         "{}",
         row(" f10 ")
     );
-    assert!(row(" f6 (4-fold) ").contains("-5.470 f"), "{}", row(" f6 "));
+    assert!(row(" f6 (4-fold) ").contains("-5.470 ~"), "{}", row(" f6 "));
     assert!(findings.starts_with("warning: "), "{findings}");
 }
 

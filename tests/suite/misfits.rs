@@ -132,15 +132,8 @@ fn hardening_is_reported_where_it_changes_the_modes() {
     assert!(error > 0.05, "{error}");
     let finding = finding.expect("a finding of the misfit");
     let detail = finding["detail"].as_str().unwrap();
-    // How many modes, the residual, what it does, and the worst FRFs of all four.
-    for part in [
-        "3 of 3 modes",
-        "|R|/|H|",
-        "σ(f)/Δf₃dB",
-        "σ(ζ)/ζ",
-        "|1:+Z × ",
-        "4 of 4 FRFs)",
-    ] {
+    // The residual, what it does, and the worst FRFs of all four.
+    for part in ["|R|/|H|", "σ(f)/Δf₃dB", "σ(ζ)/ζ", "|1:+Z × ", "4 of 4 FRFs"] {
         assert!(detail.contains(part), "{part}: {detail}");
     }
 }

@@ -331,7 +331,7 @@ fn options_fill_in_what_the_files_do_not_state() {
     }
     assert_eq!(scene.matches("[[sensor]]").count(), 3);
     let error = fail(["new", &path("x"), &a, &b, &a, "--reference", "1:+Z,2:+Z"]);
-    assert!(error.contains("2 hit points for 3 files"), "{error}");
+    assert!(error.contains("2 DOFs for 3 files"), "{error}");
     write(folder.path(), &[("points.csv", "1,0.1,0,0\n2,here,0,0\n")]);
     let error = fail(["new", &path("x"), &a, "--points", &points]);
     assert!(
@@ -569,6 +569,27 @@ fn files_without_data_of_a_test_are_named_and_left_out() {
     assert!(
         text.contains("hits.uff\"]") && !text.contains("notes"),
         "{text}"
+    );
+    // One DOF for each file with data, or for each file.
+    for (scene, count) in [("two", 2), ("four", 4)] {
+        let dofs: Vec<String> = (1..=count).map(|point| format!("{point}:+Z")).collect();
+        let scene = path(scene);
+        let arguments = ["new", scene.as_str(), "--reference", &dofs.join(",")].map(str::to_owned);
+        succeed(arguments.iter().chain(&files));
+    }
+    let error = fail(
+        ["new", "three", "--reference", "1:+Z,2:+Z,3:+Z"]
+            .into_iter()
+            .chain(files.iter().map(String::as_str)),
+    );
+    assert!(
+        error.contains("3 DOFs for 2 files with data of a test (4 in all)"),
+        "{error}"
+    );
+    let error = fail(["run", &files[1]]);
+    assert!(
+        error.contains("expected a folder with scene.toml"),
+        "{error}"
     );
     let error = fail(["new", &path("other"), &files[2]]);
     assert!(error.contains("expected rows of numbers"), "{error}");

@@ -111,7 +111,7 @@ impl FindingContext<'_> {
             findings.push(finding.value(poles as f64, ""));
         }
         findings.extend(self.run_finding());
-        findings.extend(self.misfit_finding());
+        findings.extend(self.misfit_findings());
         for (pole, metrics) in self.kept {
             findings.extend(self.mode_findings(pole, metrics));
         }

@@ -6,7 +6,7 @@
 //! applies to nearly every mode and has no practical effect. Only modes whose damping, frequency or
 //! shape becomes uncertain by it have a finding.
 
-use crate::finding::{Code, Finding, Location, Severity};
+use crate::finding::{Code, Finding, Severity};
 
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::pole_model::findings::FindingContext;
@@ -31,9 +31,8 @@ const MAX_DAMPING_STD_RATIO: f64 = 0.1;
 /// as the same shape. Larger: the recorded beam's modes with 0.016 and 0.029 are not reported.
 /// Smaller: shapes with 0.001 are.
 const MAX_SHAPE_MAC_LOSS: f64 = 0.01;
-/// Maximum number of FRFs and of modes in the detail.
+/// Maximum number of FRFs in the detail.
 const LISTED_FUNCTIONS: usize = 3;
-const LISTED_MODES: usize = 5;
 
 /// Effect of the misfit near a mode on its results.
 struct Consequence<'a> {
@@ -71,8 +70,8 @@ impl Consequence<'_> {
 }
 
 impl FindingContext<'_> {
-    /// All modes whose misfit matters, the worst first.
-    pub(in crate::identify) fn misfit_finding(&self) -> Option<Finding> {
+    /// The modes whose misfit matters, the worst first.
+    pub(in crate::identify) fn misfit_findings(&self) -> Vec<Finding> {
         let misfitting = self
             .kept
             .iter()
@@ -81,20 +80,16 @@ impl FindingContext<'_> {
         let mut all: Vec<Consequence> = consequences.filter(Consequence::matters).collect();
         let worth = |consequence: &Consequence| consequence.damping.max(consequence.residual);
         sort_descending_by(&mut all, worth);
-        let worst = all.first()?;
-        let location = match all.len() {
-            1 => self.location(worst.pole.lambda),
-            _ => Location::Whole,
+        let finding = |consequence: &Consequence| {
+            let location = self.location(consequence.pole.lambda);
+            let ratio = consequence.metrics.reduced_chi_square.sqrt();
+            let functions = self.functions_of(consequence.pole);
+            Finding::new(Severity::Warning, Code::ModelMisfit, location)
+                .value(ratio, "")
+                .limit(MAX_CHI_SQUARE.sqrt())
+                .detail(format!("{}; {functions}", consequence.figures()))
         };
-        let largest = all
-            .iter()
-            .map(|consequence| consequence.metrics.reduced_chi_square)
-            .fold(0.0, f64::max);
-        let finding = Finding::new(Severity::Warning, Code::ModelMisfit, location);
-        let finding = finding
-            .value(largest.sqrt(), "")
-            .limit(MAX_CHI_SQUARE.sqrt());
-        Some(finding.detail(self.detail_of(&all)))
+        all.iter().map(finding).collect()
     }
 
     fn consequence<'a>(&self, pole: &'a ModelPole, metrics: &'a PoleMetrics) -> Consequence<'a> {
@@ -113,7 +108,7 @@ impl FindingContext<'_> {
                 true => pole.quality.pole_std * metrics.inflation() / decay,
                 false => f64::INFINITY,
             },
-            shape: (pole.multiplicity() == 1).then_some(squared * variance / size),
+            shape: (pole.multiplicity() == 1).then(|| (squared * variance / size).min(1.0)),
         }
     }
 
@@ -133,24 +128,6 @@ impl FindingContext<'_> {
 
     /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
     /// residual over noise, those of the worst mode.
-    fn detail_of(&self, all: &[Consequence]) -> String {
-        let hz = |consequence: &Consequence| match self.location(consequence.pole.lambda) {
-            Location::Mode(hz) => format!("{hz:.2} Hz: {}", consequence.figures()),
-            _ => consequence.figures(),
-        };
-        let mut texts = vec![format!(
-            "{} ({})",
-            hz(&all[0]),
-            self.functions_of(all[0].pole)
-        )];
-        texts.extend(all[1..].iter().take(LISTED_MODES - 1).map(hz));
-        if all.len() > LISTED_MODES {
-            texts.push(format!("+ {}", all.len() - LISTED_MODES));
-        }
-        let (count, modes) = (all.len(), self.kept.len());
-        format!("{count} of {modes} modes: {}", texts.join("; "))
-    }
-
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
     fn functions_of(&self, pole: &ModelPole) -> String {
         let residual = self

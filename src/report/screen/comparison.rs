@@ -379,7 +379,7 @@ struct Mark {
 
 const MARKS: &[Mark] = &[
     Mark {
-        text: "f",
+        text: "~",
         meaning: "paired by frequency alone",
         applies: |cell| cell.basis == Some(Basis::Frequency),
     },

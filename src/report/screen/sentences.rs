@@ -2,7 +2,7 @@
 //! points to measure next.
 
 use crate::correlate::published::ClaimVerdict;
-use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary};
+use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell, TestSummary};
 use crate::report::Cell;
 use crate::report::placement::label;
 use crate::report::table::significant;
@@ -14,7 +14,7 @@ use super::counted;
 /// Maximum number of missed limits that a sentence names.
 const MAX_NAMED_LIMITS: usize = 4;
 /// Maximum number of steps of a recommendation that a sentence names.
-const MAX_NAMED_STEPS: usize = 3;
+const MAX_NAMED_STEPS: usize = 1;
 
 /// Whether the limits of a scene are met, and the missed ones with their values.
 pub(super) fn limits(checks: &[LimitCheck]) -> String {
@@ -23,7 +23,7 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         return "Limits: none stated.".to_owned();
     }
     if missed.is_empty() {
-        return format!("Limits: all met ({}).", checks.len());
+        return format!("Limits of the scene: all met ({}).", checks.len());
     }
     let named = missed.iter().take(MAX_NAMED_LIMITS).map(|check| {
         let limit = check.limit.to_string();
@@ -53,7 +53,8 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
 /// Maximum number of unmatched modes that a sentence names.
 const MAX_NAMED_MODES: usize = 4;
 
-/// Pairs in numbers, the largest error, and the modes that a test should have shown.
+/// Pairs in numbers, the largest errors by shape and by frequency alone, and the modes that a test
+/// should have shown.
 pub(super) fn pairs(table: &ComparisonTable) -> String {
     let sum = |count: fn(&TestSummary) -> usize| table.summary.iter().map(count).sum::<usize>();
     let in_band = sum(|s| s.paired + s.ambiguous + s.missed + s.not_observable);
@@ -68,17 +69,38 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         let rows = table.rows.iter();
         rows.flat_map(|row| row.tests.iter().map(move |cell| (row, cell)))
     };
-    let largest = cells()
-        .filter_map(|(row, cell)| Some((at(row, cell), cell.error_percent?)))
-        .filter(|(_, error)| error.is_finite())
-        .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-    let largest = largest.map_or(String::new(), |(mode, error)| {
+    let largest = |basis: Basis| {
+        let of_basis = cells().filter(|(_, cell)| cell.basis == Some(basis));
+        let errors = of_basis.filter_map(|(row, cell)| Some((at(row, cell), cell.error_percent?)));
+        let (mode, error) = errors
+            .filter(|(_, error)| error.is_finite())
+            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
         let error = Cell::signed(Some(error), 3).display();
-        format!("; largest error {error} % at {mode}")
-    });
-    let missed = cells()
-        .filter(|(_, cell)| cell.status == Status::MissedUnexpected && cell.is_status_certain());
-    let mut missed: Vec<String> = missed.map(|(row, cell)| at(row, cell)).collect();
+        Some(format!("{error} % at {mode}"))
+    };
+    let largest = match (largest(Basis::Shape), largest(Basis::Frequency)) {
+        (None, None) => String::new(),
+        (Some(only), None) | (None, Some(only)) => format!("; largest error {only}"),
+        (Some(shape), Some(frequency)) => {
+            format!("; largest error by shape {shape}, by frequency {frequency}")
+        }
+    };
+    let is_missed =
+        |cell: &&TestCell| cell.status == Status::MissedUnexpected && cell.is_status_certain();
+    let missed_row = |row: &Row| {
+        let missed: Vec<&str> = row
+            .tests
+            .iter()
+            .filter(is_missed)
+            .map(|cell| cell.test.as_str())
+            .collect();
+        match (missed.is_empty(), several) {
+            (true, _) => None,
+            (false, true) => Some(format!("{} ({})", row.label, missed.join(", "))),
+            (false, false) => Some(row.label.clone()),
+        }
+    };
+    let mut missed: Vec<String> = table.rows.iter().filter_map(missed_row).collect();
     let further = missed.len().saturating_sub(MAX_NAMED_MODES);
     missed.truncate(MAX_NAMED_MODES);
     missed.extend((further > 0).then(|| format!("{further} more")));
@@ -87,11 +109,29 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         false => format!("; unmatched: {}", missed.join(", ")),
     };
     let of_model = match several {
-        true => format!("{in_band} model modes in {} tests", table.summary.len()),
+        true => {
+            let in_a_band = |row: &&Row| {
+                let mut tests = row.tests.iter();
+                row.theory.is_some() && tests.any(|cell| cell.status != Status::OutsideBand)
+            };
+            let (modes, tests) = (
+                table.rows.iter().filter(in_a_band).count(),
+                table.summary.len(),
+            );
+            format!("{in_band} ({modes} model modes in {tests} tests)")
+        }
         false => format!("{in_band} model modes"),
     };
+    let others = [
+        (sum(|s| s.ambiguous), "ambiguous"),
+        (sum(|s| s.not_observable), "not observable"),
+    ];
+    let others = others.iter().filter(|(count, _)| *count > 0);
+    let others: String = others
+        .map(|(count, what)| format!(", {count} {what}"))
+        .collect();
     format!(
-        "Pairs: {paired} of {of_model} ({by_shape} by shape, {by_frequency} by frequency){largest}{missed}."
+        "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{largest}{missed}."
     )
 }
 
@@ -135,7 +175,7 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
         .and_then(|roots| roots.simple.as_ref());
     let roots = roots.map(|errors| {
         format!(
-            "Published frequencies: {}, rms error of the model {:.3} %, largest {} % at {}.",
+            "Published frequencies: {} reproduced, rms error {:.3} %, largest {} % at {}.",
             counted(errors.count, "single root"),
             errors.rms_percent,
             Cell::signed(Some(errors.largest_percent), 3).display(),
@@ -164,7 +204,7 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
 pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Option<String> {
     let placement = match &placed.placement {
         Ok(placement) => placement,
-        Err(why) => return Some(format!("Measure next, {}: unknown, {why}.", placed.test)),
+        Err(why) => return Some(format!("Measure next in {}: unknown, {why}.", placed.test)),
     };
     let steps = placement.steps.iter().take(MAX_NAMED_STEPS).map(|step| {
         let hit = step
@@ -178,6 +218,8 @@ pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) 
         let modes: Vec<String> = modes.collect();
         format!("{} (shows {})", points.join(" with "), modes.join(", "))
     });
-    let steps: Vec<String> = steps.collect();
-    (!steps.is_empty()).then(|| format!("Measure next, {}: {}.", placed.test, steps.join("; ")))
+    let further = placement.steps.len().saturating_sub(MAX_NAMED_STEPS);
+    let further = (further > 0).then(|| format!("{} (--full)", counted(further, "further step")));
+    let steps: Vec<String> = steps.chain(further).collect();
+    (!steps.is_empty()).then(|| format!("Measure next in {}: {}.", placed.test, steps.join("; ")))
 }

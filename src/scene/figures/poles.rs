@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::Band;
 use crate::frf::FrfSet;
-use crate::identify::{IdentifyOptions, PoleAtOrder, PoleStatus, cmif_at, identification};
+use crate::identify::{
+    IdentifyOptions, PoleAtOrder, PoleStatus, cmif_at, identification, method_of_name,
+};
 
 use super::super::plan::Scene;
 use super::super::test_result::TestResult;
@@ -70,7 +72,7 @@ pub(super) fn stabilization_figure(
     let has_test_method = !test.stabilization.is_empty();
     let (poles, method, functions) = match has_test_method {
         true => {
-            let method = scene.method.clone().unwrap_or_else(|| "auto".to_owned());
+            let method = method_of_name(scene.method.as_deref().unwrap_or("auto")).to_owned();
             (test.stabilization.clone(), method, set.len())
         }
         false => {
