@@ -99,10 +99,11 @@ fn alike(catalogs: &[Catalog]) -> Vec<Vec<&Catalog>> {
     let mut groups: Vec<(_, Vec<&Catalog>)> = Vec::new();
     for catalog in catalogs {
         let held = contents(catalog);
-        let can_join = catalog.modes.is_empty() && catalog.damage.is_empty();
+        let is_whole = |catalog: &Catalog| catalog.modes.is_empty() && catalog.damage.is_empty();
+        let joins = |group: &[&Catalog]| is_whole(catalog) && is_whole(group[0]);
         match groups
             .iter_mut()
-            .find(|(other, _)| can_join && *other == held)
+            .find(|(other, group)| joins(group) && *other == held)
         {
             Some((_, group)) => group.push(catalog),
             None => groups.push((held, vec![catalog])),

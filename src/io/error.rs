@@ -184,7 +184,7 @@ pub enum IoError {
 }
 
 impl IoError {
-    /// Whether the file is something else than data of a test, such as a picture or a protocol.
+    /// Whether the file is something other than test data, such as a picture or notes.
     pub fn is_no_measurement(&self) -> bool {
         matches!(
             self,

@@ -270,15 +270,15 @@ pub(super) static TEXTS: Texts = Texts {
         pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";
         pairs_with_ambiguous: "{} paired: {} by shape, {} by frequency alone; {} ambiguous", "{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
-        no_limits: "Limits: none stated.", "限值：未给出。";
+        no_limits: "Limits of the scene: none stated.", "限值：未给出。";
         limits_met: "Limits of the scene: all met ({}).", "限值：全部满足 ({})。";
-        limits_missed: "Limits: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
+        limits_missed: "Limits of the scene: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
         pairs_in_numbers: "Pairs: {} of {}, {} by shape, {} by frequency{}.", "配对：{} / {}，按振型 {}，仅按频率 {}{}。";
         no_test: "The scene has no test, so that nothing is compared.", "场景中没有试验，因此没有比较。";
         all_synthetic: "The recordings are synthetic: computed from a model and not measured.", "记录为合成：由模型计算，并非实测。";
         synthetic_recordings: "Synthetic recordings, computed from a model and not measured: {}.", "合成记录，由模型计算，并非实测：{}。";
         assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
-        published_frequencies: "Published frequencies: {} reproduced, rms error {} %, largest {} % at {}.", "文献频率：复现 {}，均方根误差 {} %，最大 {} % (位于 {})。";
+        published_frequencies: "Published frequencies: {} compared, rms error {} %, largest {} % at {}.", "文献频率：比较 {}，均方根误差 {} %，最大 {} % (位于 {})。";
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";
         next_update: "Next, the parameters that bring the model to the test: modalign update {}.", "下一步，使模型与试验一致的参数：modalign update {}。";

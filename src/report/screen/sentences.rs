@@ -20,7 +20,7 @@ const MAX_NAMED_STEPS: usize = 1;
 pub(super) fn limits(checks: &[LimitCheck]) -> String {
     let missed: Vec<&LimitCheck> = checks.iter().filter(|check| !check.is_met()).collect();
     if checks.is_empty() {
-        return "Limits: none stated.".to_owned();
+        return "Limits of the scene: none stated.".to_owned();
     }
     if missed.is_empty() {
         return format!("Limits of the scene: all met ({}).", checks.len());
@@ -43,7 +43,7 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
     let further = (further > 0).then(|| format!("{further} more"));
     let named: Vec<String> = named.chain(further).collect();
     format!(
-        "Limits: {} of {} MISSED ({}).",
+        "Limits of the scene: {} of {} MISSED ({}).",
         missed.len(),
         checks.len(),
         named.join("; ")
@@ -175,7 +175,7 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
         .and_then(|roots| roots.simple.as_ref());
     let roots = roots.map(|errors| {
         format!(
-            "Published frequencies: {} reproduced, rms error {:.3} %, largest {} % at {}.",
+            "Published frequencies: {} compared, rms error {:.3} %, largest {} % at {}.",
             counted(errors.count, "single root"),
             errors.rms_percent,
             Cell::signed(Some(errors.largest_percent), 3).display(),
