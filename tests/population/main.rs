@@ -12,6 +12,7 @@ mod finding;
 mod gears;
 mod hits;
 mod identification;
+mod imperfect;
 mod judge;
 mod linear_algebra;
 mod machines;

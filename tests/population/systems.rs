@@ -217,7 +217,7 @@ impl fmt::Display for Drawn {
     }
 }
 
-fn log_uniform(random: &mut ChaCha8Rng, (lo, hi): (f64, f64)) -> f64 {
+pub fn log_uniform(random: &mut ChaCha8Rng, (lo, hi): (f64, f64)) -> f64 {
     lo * (hi / lo).powf(random.random_range(0.0..1.0))
 }
 
