@@ -155,7 +155,7 @@ codes! {
     TruncationNotDecidable: "The decay is not assessable at this noise, so the truncation error is unknown.",
         "The bound comes from the decay of the response energy over the last quarters of the record. There the response has decayed into the noise. The noise, not the truncation, then limits H.";
     /// The hammer touched twice.
-    DoubleHit: "The force has a second pulse, as of a second contact of the hammer.",
+    DoubleHit: "The force has a second pulse, as from a second contact of the hammer.",
         "A second contact makes the force spectrum a comb. The ratio of its peak to the first peak is the depth of the dips, their spacing is one over the delay. The hit is rejected when the dips are deep; `--accept` uses it all the same.";
     /// Clipped samples of a channel.
     Overload: "A channel was overloaded (clipped).",
@@ -269,6 +269,9 @@ codes! {
     /// Only poles with scattered phases fit the data.
     PhasesScatter: "The data cannot be fitted to the noise level with few modes; additional poles have scattered phases and were discarded.",
         "Enough poles fit any smooth function of frequency, but their residues are then as often in quadrature as in phase with those of modes. Poles that explain less than a fifth of the response around them were removed, the smallest contribution first, weak modes possibly among them. Their contribution enters the standard deviations and the limits that a mode must exceed. The value is the number of poles before. Causes: a nonlinear joint, a single hit for each FRF, a clamping that differed between hits, a filter in the chain, delays between channels, or damping that makes modes complex. Average several hits, check their coherence, and compare measured and synthesized FRFs.";
+    /// A pole without damping at a multiple of a mains frequency.
+    MainsHum: "A pole with almost no damping at a multiple of 50 or 60 Hz, probably mains hum, was left out.",
+        "Hum in the recordings is a sine. Its pole has no damping: the value is its half-power bandwidth in frequency lines. A mode with so narrow a resonance would ring many times longer than the record. Check cables and earthing, and average more hits. Record longer if it may be a mode.";
     /// Residual above the noise near a mode.
     ModelMisfit: "The residual near this mode exceeds the noise; its standard deviations were enlarged accordingly.",
         "The value is the root mean square of the residual over the noise within a half-power bandwidth of the mode. Above the limit the model misses the data. The detail has the residual over the response (|R|/|H|), the factor on the standard deviations (σ), the standard deviation of the frequency over the half-power bandwidth (Δf), that of the damping over the damping, and the expected loss of MAC of the shape. It names the FRFs with the largest residual over noise, and how many of all exceed the limit. A misfit is reported where the residual is more than 4 % of the response, the damping uncertain by more than 10 %, the frequency by more than a twentieth of the bandwidth, or the MAC by more than 0.01. All are lower bounds where the misfit is systematic; damping tends to be too high. Causes: noise correlated between lines, a nonlinear or varying structure, truncated records, a variance that is too small. Check the named FRFs, measure at one level of force, or leave these FRFs out.";

@@ -56,6 +56,31 @@ pub(in crate::identify) struct Dropped {
     pub reason: DropReason,
 }
 
+/// Half-power bandwidth, lines, below which a pole at a multiple of the mains frequency is hum: 50
+/// and 100 Hz in averaged records leave 0.02 and 0.07. Larger: modes with a third of a line, in
+/// records that end early, may be left out. Smaller: hum is a mode
+/// (`mains_hum_in_the_recordings_is_no_mode`).
+const MAX_HUM_LINES: f64 = 0.1;
+/// Mains frequencies, Hz, the highest multiple, and the largest deviation from it as a fraction:
+/// that of a grid in normal operation is 0.001 (50 mHz at 50 Hz).
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+const MAX_MAINS_MULTIPLE: f64 = 10.0;
+const MAX_MAINS_DEVIATION: f64 = 1e-3;
+
+/// Whether a pole is that of mains hum: without damping beside that of a window, at a multiple of a
+/// mains frequency. `step`: spacing of the lines, rad/s.
+pub(in crate::identify) fn is_mains_hum(pole: &ModelPole, added_damping: f64, step: f64) -> bool {
+    let hz = pole.lambda.im / TAU;
+    let is_multiple = |mains: &f64| {
+        let multiple = (hz / mains).round();
+        (1.0..=MAX_MAINS_MULTIPLE).contains(&multiple)
+            && (hz - multiple * mains).abs() <= MAX_MAINS_DEVIATION * hz
+    };
+    // Less damping than that of the window is not determined, and no sign of hum.
+    let decay = (pole.decay() - added_damping).abs() + 2.0 * pole.quality.pole_std;
+    2.0 * decay < MAX_HUM_LINES * step && MAINS_HZ.iter().any(is_multiple)
+}
+
 /// Data and results from which the findings are made.
 pub(in crate::identify) struct FindingContext<'a> {
     /// The FRFs before preparation.
@@ -70,6 +95,8 @@ pub(in crate::identify) struct FindingContext<'a> {
     pub found: &'a DetectedPeaks,
     /// Reported modes.
     pub kept: &'a [(&'a ModelPole, &'a PoleMetrics)],
+    /// Poles of mains hum in the band.
+    pub hum: &'a [&'a ModelPole],
     /// Poles removed during the fit.
     pub dropped: &'a [Dropped],
     /// Number of poles when their phases were found to be scattered.
@@ -117,8 +144,18 @@ impl FindingContext<'_> {
         }
         findings.extend(self.run_partner_findings());
         findings.extend(self.rejection_findings());
+        findings.extend(self.hum.iter().map(|pole| self.hum_finding(pole)));
         findings.extend(self.peak_findings());
         findings
+    }
+
+    /// A pole of mains hum.
+    fn hum_finding(&self, pole: &ModelPole) -> Finding {
+        let decay = pole.decay() - self.set.added_damping_rad_s;
+        let location = self.location(pole.lambda);
+        Finding::new(Severity::Warning, Code::MainsHum, location)
+            .value(2.0 * decay / self.data.frfs.step, "lines")
+            .limit(MAX_HUM_LINES)
     }
 
     /// The run farthest from the others, where no check of the set reported it.
@@ -251,7 +288,9 @@ impl FindingContext<'_> {
                 && !self
                     .kept
                     .iter()
-                    .any(|(pole, _)| at(pole.width(), pole.lambda))
+                    .map(|(pole, _)| pole)
+                    .chain(self.hum)
+                    .any(|pole| at(pole.width(), pole.lambda))
                 && !rejected.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
         };
         let mut findings: Vec<Finding> = found

@@ -126,8 +126,6 @@ impl FindingContext<'_> {
         (0..functions).map(of).sum::<f64>() / (lines.len() * functions) as f64
     }
 
-    /// `2 of 7: 12.30 Hz: ...; 8:+Z|1:+Z × 25.0, ... (5/26); 14.10 Hz: ...`: the FRFs with their
-    /// residual over noise, those of the worst mode.
     /// The FRFs with the largest residual over noise near a pole, and how many exceed the limit.
     fn functions_of(&self, pole: &ModelPole) -> String {
         let residual = self

@@ -37,7 +37,7 @@ pub(in crate::identify) mod pole_metrics;
 mod spurious_poles;
 
 use acceptance::{AcceptanceTest, PoleEdit};
-use findings::{Dropped, FindingContext};
+use findings::{Dropped, FindingContext, is_mains_hum};
 use narrower_bands::NarrowerBands;
 use pole_metrics::{PoleMetrics, candidate, pole_metrics};
 
@@ -239,10 +239,18 @@ impl PoleModel {
         companions: &[(Complex64, f64)],
     ) -> PoleTable {
         let described = self.data.predict(&self.poles);
-        let is_mode = |pole: &ModelPole| {
+        let is_in_band = |pole: &ModelPole| {
             let hz = pole.lambda.norm() / TAU;
             !pole.is_companion && hz >= band.lo_hz && hz <= band.hi_hz
         };
+        let is_hum =
+            |pole: &ModelPole| is_mains_hum(pole, set.added_damping_rad_s, self.data.frfs.step);
+        let is_mode = |pole: &ModelPole| is_in_band(pole) && !is_hum(pole);
+        let hum: Vec<&ModelPole> = self
+            .poles
+            .iter()
+            .filter(|pole| is_in_band(pole) && is_hum(pole))
+            .collect();
         let mut pole_metrics = self.pole_metrics();
         let narrower_bands = NarrowerBands::new(&self.data, &self.poles, &described);
         let with_standing = self.poles.par_iter().zip(&mut pole_metrics);
@@ -264,6 +272,7 @@ impl PoleModel {
             band,
             found,
             kept: &kept,
+            hum: &hum,
             dropped: &self.dropped,
             scattered: self.scattered,
             run_shifts: &self.run_shifts,

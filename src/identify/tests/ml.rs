@@ -464,3 +464,59 @@ fn force_noise_common_to_all_frfs_gives_no_spurious_modes() {
     assert!((0.5..2.0).contains(&white), "{white}");
     assert!((0.5..2.5).contains(&windowed), "{windowed}");
 }
+
+/// A set with other values, by function and line; without variances.
+fn changed(set: &FrfSet, value: impl Fn(usize, usize, Complex64) -> Complex64) -> FrfSet {
+    let mut changed = FrfSet::new(*set.axis());
+    for (i, function) in set.functions().iter().enumerate() {
+        let values = set.values(i).iter().enumerate();
+        let data = FunctionData {
+            values: values.map(|(k, h)| value(i, k, *h)).collect(),
+            ..FunctionData::default()
+        };
+        changed.push(function.clone(), data).unwrap();
+    }
+    changed
+}
+
+/// Two modes of 40 and 70 Hz at five sensors, and a pole of a fraction of a line at a frequency.
+fn modes_beside_a_narrow_pole(hz: f64, lines: f64) -> ModalModel {
+    let axis = FrequencyAxis {
+        start_hz: 20.0,
+        step_hz: 0.125,
+        len: 800,
+    };
+    let structure = Structure {
+        modes: vec![
+            (40.0, 0.01, vec![1.0, 0.8, 0.5, -0.4, -0.9]),
+            (70.0, 0.008, vec![0.9, -0.5, -0.7, 0.6, 0.4]),
+        ],
+    };
+    let set = structure.measured(&Measurement {
+        snr_db: Some(60.0),
+        ..Measurement::of_sensors(5, axis)
+    });
+    let power = |i: usize| set.values(i).iter().map(Complex64::norm_sqr).sum::<f64>();
+    let disturbed = changed(&set, |i, k, h| {
+        let rms = (power(i) / axis.len as f64).sqrt();
+        h + 0.3 * rms / Complex64::new(0.5 * lines, (axis.hz(k) - hz) / axis.step_hz)
+    });
+    ml(&disturbed)
+}
+
+#[test]
+fn mains_hum_in_the_recordings_is_no_mode() {
+    let has = |model: &ModalModel, code: Code| {
+        let mut findings = model.findings.iter();
+        findings.any(|finding| finding.code == code)
+    };
+    let hum = modes_beside_a_narrow_pole(50.03, 0.04);
+    assert_eq!(hum.modes.len(), 2);
+    assert!(has(&hum, Code::MainsHum) && !has(&hum, Code::PeakWithoutMode));
+    // A mode of so little damping elsewhere stays, and a mode near 50 Hz that is less narrow.
+    for (hz, lines) in [(53.03, 0.04), (50.03, 0.3)] {
+        let model = modes_beside_a_narrow_pole(hz, lines);
+        assert_eq!(model.modes.len(), 3, "{hz} Hz, {lines} lines");
+        assert!(!has(&model, Code::MainsHum));
+    }
+}
