@@ -58,7 +58,7 @@ impl Terminal {
         let Some(width) = self.width else {
             return text.to_owned();
         };
-        // What does not fit a line of a list stands below its beginning.
+        // Continuation lines of an indented line are indented twice as far.
         let line = |line: &str| {
             let indented = line.len() - line.trim_start_matches(' ').len();
             let indent = " ".repeat(2 * indented);
