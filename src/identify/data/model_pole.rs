@@ -34,6 +34,9 @@ pub(in crate::identify) struct ModelPole {
     pub progress: FitState,
     /// Whether a criterion indicates that it is no mode.
     pub suspect: bool,
+    /// Whether a peak of the FRFs and its recurrence over model orders show that it is a mode
+    /// ([`peak_columns`](crate::identify::mdof::peak_columns)).
+    pub is_peak_column: bool,
     /// Whether it describes the amplitude dependence of another pole and is no mode
     /// ([`companions`](crate::identify::ml::amplitude_dependence)).
     pub is_companion: bool,
@@ -148,6 +151,7 @@ impl ModelPole {
             quality: PoleQuality::UNKNOWN,
             progress: FitState::Fresh(RESIDUE_ESTIMATES),
             suspect: false,
+            is_peak_column: false,
             is_companion: false,
             pair: None,
         }

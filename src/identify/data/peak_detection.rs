@@ -103,6 +103,21 @@ pub(in crate::identify) struct DetectedPeaks {
     pub dropped: Vec<(Peak, PeakRejection)>,
 }
 
+impl DetectedPeaks {
+    /// The peaks and the maxima whose values run anticlockwise, in ascending frequency: with less
+    /// than a line in its half-power band, the direction of a resonance is undetermined.
+    pub fn of_any_direction(&self) -> Vec<Peak> {
+        let is_anticlockwise =
+            |rejection: &PeakRejection| matches!(rejection, PeakRejection::Unstable(_));
+        let dropped = self.dropped.iter();
+        let anticlockwise = dropped.filter(|(_, rejection)| is_anticlockwise(rejection));
+        let anticlockwise = anticlockwise.map(|(peak, _)| *peak);
+        let mut peaks: Vec<Peak> = self.peaks.iter().copied().chain(anticlockwise).collect();
+        peaks.sort_by_key(|peak| peak.line);
+        peaks
+    }
+}
+
 /// Searches the indicator for peaks above the noise, of a variance by FRF and line, at a
 /// false-alarm probability for the whole band.
 pub(in crate::identify) fn search(

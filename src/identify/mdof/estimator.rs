@@ -10,7 +10,9 @@
 //!    method gives no participation factors, these follow from the residues
 //!    ([`multiplicity`](crate::identify::pole_model::multiplicity)).
 //! 3. A pole is kept as a mode when its contribution is above the noise, when it is separated from
-//!    its neighbours, and when it passes the tests of the maximum likelihood method.
+//!    its neighbours, and when it passes the tests of the maximum likelihood method. A column that
+//!    stands on a peak ([`peak_columns`](crate::identify::mdof::peak_columns)) is kept whatever the
+//!    error of its pole.
 //!
 //! The stated standard deviation joins the Cramér-Rao bound with the distance of the pole from the
 //! maximum of the likelihood, by one Gauss-Newton step: the error of the method, which for these
@@ -35,6 +37,7 @@ use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleEstimator, PoleTable};
 use crate::identify::fit::block_descent::Convergence;
 use crate::identify::fit::fit_data::FitData;
+use crate::identify::mdof::peak_columns::{mark_columns, peak_columns};
 use crate::identify::mdof::pole_tracks::StablePole;
 use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, stabilise_weighted};
 use crate::identify::method::Method;
@@ -80,11 +83,15 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.fixed = true;
         let limits = fit.limits();
         let stable = stabilise_weighted(&self.method, &fit.data, &fit.frf_matrix, &found, limits)?;
+        let columns = peak_columns(&stable.initial_poles, &found, &fit.data.frfs);
         fit.poles = model_poles(&stable.initial_poles, fit.data.frfs.functions());
+        mark_columns(&mut fit.poles, &columns);
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();
         if has_participation && is_scalar {
-            assign_participation(&mut fit, frf_matrix);
+            let free = assign_participation(&mut fit, frf_matrix);
+            restore(&mut fit, free.iter().filter(|pole| pole.is_peak_column))?;
+            mark_columns(&mut fit.poles, &columns);
         }
         fit.refine_and_prune(Convergence::Coarse);
         fit.estimate_noise();
@@ -127,11 +134,7 @@ pub(in crate::identify) fn fit_at_poles(
     fit.estimate_noise();
     if has_participation {
         let free = assign_participation(&mut fit, frf_matrix);
-        for pole in free {
-            if !fit.poles.iter().any(|fitted| fitted.lambda == pole.lambda) {
-                fit.poles.push(strongest(&fit.frf_matrix, &pole)?);
-            }
-        }
+        restore(&mut fit, free.iter())?;
     }
     fit.residues();
     let mut table = fit.table(set, band, &DetectedPeaks::default(), &[]);
@@ -158,6 +161,20 @@ fn assign_participation(fit: &mut PoleModel, frf_matrix: FrfMatrix) -> Vec<Model
         chance,
     );
     free
+}
+
+/// Restores free poles that lost all modes to the noise, with the participation factors of their
+/// strongest rank-one term.
+fn restore<'a>(
+    fit: &mut PoleModel,
+    free: impl Iterator<Item = &'a ModelPole>,
+) -> Result<(), IdentifyError> {
+    for pole in free {
+        if !fit.poles.iter().any(|fitted| fitted.lambda == pole.lambda) {
+            fit.poles.push(strongest(&fit.frf_matrix, pole)?);
+        }
+    }
+    Ok(())
 }
 
 /// Completes a candidate with the order of the nearest stable pole, the error of the method in its

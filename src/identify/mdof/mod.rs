@@ -12,6 +12,7 @@ pub(in crate::identify) mod lscf;
 #[cfg(test)]
 mod lscf_tests;
 pub(in crate::identify) mod normal_equations;
+pub(in crate::identify) mod peak_columns;
 pub(in crate::identify) mod plscf;
 pub(in crate::identify) mod pole_tracks;
 pub(in crate::identify) mod rfp;

@@ -84,11 +84,8 @@ impl MultiModeMethod for RationalFractions {
         weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
         let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
-        let tops: Vec<f64> = found
-            .peaks
-            .iter()
-            .map(|p| data.frfs.omega[p.line])
-            .collect();
+        let all_peaks = found.of_any_direction();
+        let tops: Vec<f64> = all_peaks.iter().map(|p| data.frfs.omega[p.line]).collect();
         let segment_of = |(j, peak): (usize, &peak_detection::Peak)| {
             let first = peak_detection::first_pole(&data.frfs, &indicator, found, peak);
             let lines = around(&data.frfs, first);
@@ -106,7 +103,7 @@ impl MultiModeMethod for RationalFractions {
                 tables: window.tables(&data.frfs, peaks, highest)?,
             })
         };
-        let peaks: Vec<(usize, &peak_detection::Peak)> = found.peaks.iter().enumerate().collect();
+        let peaks: Vec<(usize, &peak_detection::Peak)> = all_peaks.iter().enumerate().collect();
         let segments: Vec<Result<BandSegment, IdentifyError>> =
             peaks.into_par_iter().map(segment_of).collect();
         segments.into_iter().collect()

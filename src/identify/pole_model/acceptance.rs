@@ -22,7 +22,7 @@ const MIN_WIDTH_LINES: f64 = 0.01;
 /// Maximum standard deviation of a pole over its decay rate; above it the pole is undetermined.
 pub(in crate::identify) const MAX_POLE_STD_OVER_DECAY_RATE: f64 = 0.2;
 /// Maximum Gauss-Newton offset from the maximum of the likelihood over the decay rate; above it the
-/// pole of another method does not fit the data.
+/// pole of another method does not fit the data, unless it is the column of a peak.
 const MAX_OFFSET_OVER_DECAY_RATE: f64 = 0.15;
 /// Minimum separation of two poles, in standard deviations of their distance.
 const MIN_SEPARATION_STDS: f64 = 2.0;
@@ -94,9 +94,16 @@ impl AcceptanceTest<'_> {
         }
         let width = pole.width();
         let widest = MAX_BANDWIDTH_OVER_BAND * self.step * self.lines.saturating_sub(1) as f64;
-        let reason = if quality.pole_std >= MAX_POLE_STD_OVER_DECAY_RATE * pole.decay() {
+        // The bias of a method with fixed poles is not limited by the noise: the single pole of a
+        // peak's column has a larger standard deviation instead.
+        let is_limited = !pole.is_peak_column || pole.multiplicity() > 1;
+        let limit = |ratio: f64| match is_limited {
+            true => ratio * pole.decay(),
+            false => f64::INFINITY,
+        };
+        let reason = if quality.pole_std >= limit(MAX_POLE_STD_OVER_DECAY_RATE) {
             DropReason::PoleUndetermined(quality.pole_std / pole.decay())
-        } else if quality.offset.norm() >= MAX_OFFSET_OVER_DECAY_RATE * pole.decay() {
+        } else if quality.offset.norm() >= limit(MAX_OFFSET_OVER_DECAY_RATE) {
             DropReason::PoleUndetermined(quality.offset.norm() / pole.decay())
         } else if !is_resonance(pole.lambda)
             || width >= widest
@@ -130,7 +137,12 @@ fn merge_or_remove(poles: &[ModelPole], inputs: usize, j: usize) -> Option<PoleE
         let (a, b) = (&poles[*i], &poles[j]);
         let (p, q) = (a.quality.pole_error(), b.quality.pole_error());
         let apart = (a.lambda - b.lambda).norm();
-        let stronger = a.quality.significance() >= b.quality.significance();
+        // Two peaks are two modes, and the column of a peak is no part of another pole.
+        let stronger = match (a.is_peak_column, b.is_peak_column) {
+            (true, false) => true,
+            (_, true) => false,
+            (false, false) => a.quality.significance() >= b.quality.significance(),
+        };
         let is_inseparable =
             apart < 2.0 * a.decay().max(b.decay()) && apart < MIN_SEPARATION_STDS * p.hypot(q);
         *i != j && stronger && is_inseparable && (a.pair.is_none() || a.pair != b.pair)

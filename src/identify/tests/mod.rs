@@ -8,6 +8,7 @@ mod hump;
 mod methods;
 mod ml;
 mod options;
+mod peak_columns;
 mod rank;
 
 use std::ops::Range;
