@@ -9,7 +9,10 @@ use crate::correlate::{
 };
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfError, FrfSet, evaluate_hammer_test};
-use crate::identify::{Identification, IdentifyOptions, Indicators, identification, indicators};
+use crate::identify::{
+    Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, identification,
+    indicators,
+};
 use crate::io::{sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel};
 use crate::theory::{ModeOptions, ModelRoot};
@@ -29,6 +32,9 @@ use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 use super::result::SceneResult;
 use super::test_plan::{TestPlan, TestSource};
 use super::test_result::TestResult;
+
+/// Maximum number of rejected columns that a result without modes lists.
+const MAX_REJECTED_COLUMNS: usize = 3;
 
 /// Runs a scene without an observer.
 ///
@@ -409,11 +415,12 @@ pub fn identify_sets(
         })?;
     let model = &mut identification_result.model;
     if model.modes.is_empty() {
-        model.findings.push(Finding::new(
-            Severity::Warning,
-            Code::NoModeFound,
-            Location::Whole,
-        ));
+        let finding = Finding::new(Severity::Warning, Code::NoModeFound, Location::Whole);
+        let rejected = rejected_columns(&identification_result.stabilization);
+        model.findings.push(match rejected.is_empty() {
+            true => finding,
+            false => finding.detail(format!("rejected stable poles: {}", rejected.join(", "))),
+        });
     }
     let outside = modes_above_valid_band(model, set.valid_band);
     model.findings.extend(outside);
@@ -421,6 +428,37 @@ pub fn identify_sets(
     findings.append(&mut model.findings);
     model.findings = findings;
     Ok(identification_result)
+}
+
+/// The columns of stable poles of a stabilization diagram without modes, those over the most orders
+/// first: frequency, damping and number of orders.
+fn rejected_columns(poles: &[PoleAtOrder]) -> Vec<String> {
+    let mut columns: Vec<Vec<&PoleAtOrder>> = Vec::new();
+    for point in poles
+        .iter()
+        .filter(|point| point.status == PoleStatus::Stable)
+    {
+        let lambda = point.pole.lambda;
+        let is_same = |column: &&mut Vec<&PoleAtOrder>| {
+            (column[0].pole.lambda - lambda).norm() < lambda.re.abs()
+        };
+        match columns.iter_mut().find(is_same) {
+            Some(column) => column.push(point),
+            None => columns.push(vec![point]),
+        }
+    }
+    columns.sort_by_key(|column| std::cmp::Reverse(column.len()));
+    let text = |column: &Vec<&PoleAtOrder>| {
+        let pole = column[column.len() / 2].pole;
+        let percent = 100.0 * pole.damping_ratio();
+        let (hz, orders) = (pole.natural_frequency_hz(), column.len());
+        format!("{hz:.2} Hz, {percent:.2} % ({orders} orders)")
+    };
+    columns
+        .iter()
+        .take(MAX_REJECTED_COLUMNS)
+        .map(text)
+        .collect()
 }
 
 /// Mode indicator functions of the FRFs of one test.

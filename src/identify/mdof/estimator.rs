@@ -83,7 +83,9 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.fixed = true;
         let limits = fit.limits();
         let stable = stabilise_weighted(&self.method, &fit.data, &fit.frf_matrix, &found, limits)?;
-        let columns = peak_columns(&stable.initial_poles, &found, &fit.data.frfs);
+        let peaks = found.of_any_direction().into_iter();
+        let peaks: Vec<f64> = peaks.map(|peak| fit.data.frfs.omega[peak.line]).collect();
+        let columns = peak_columns(&stable.initial_poles, &peaks, fit.data.frfs.step);
         fit.poles = model_poles(&stable.initial_poles, fit.data.frfs.functions());
         mark_columns(&mut fit.poles, &columns);
         fit.refine_and_prune(Convergence::Coarse);
