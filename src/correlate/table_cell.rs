@@ -18,7 +18,17 @@ use super::{
 const MAX_SPACING_OF_ONE_POLE: f64 = 1e-6;
 
 /// Findings that make a test mode a doubtful partner.
-const DOUBTFUL_MODES: [Code; 3] = [Code::CloseModes, Code::NotFitted, Code::AboveValidBand];
+const DOUBTFUL_MODES: [Code; 9] = [
+    Code::RunsApart,
+    Code::CloseModes,
+    Code::NotFitted,
+    Code::AboveValidBand,
+    Code::RepeatsNeighbour,
+    Code::WeakerThanMisfit,
+    Code::HardlySeparate,
+    Code::WeakRepeated,
+    Code::ComplexShape,
+];
 
 /// A column of the table: a test with the observability of each root.
 pub(super) struct TestColumn<'a> {

@@ -254,6 +254,18 @@ impl FrfSet {
         part
     }
 
+    /// The set with every function times a real factor of its index.
+    pub(crate) fn scaled(&self, factor: impl Fn(usize) -> f64) -> Self {
+        let mut scaled = self.clone();
+        for (i, values) in scaled.values.iter_mut().enumerate() {
+            let factor = factor(i);
+            values.iter_mut().for_each(|value| *value *= factor);
+            let variance = scaled.variance[i].iter_mut().flatten();
+            variance.for_each(|variance| *variance *= factor * factor);
+        }
+        scaled
+    }
+
     /// Different reference degrees of freedom, in order.
     pub fn references(&self) -> Vec<Dof> {
         self.functions

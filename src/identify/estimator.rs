@@ -60,9 +60,21 @@ pub struct Candidate {
     pub frequency_bias_hz: Option<f64>,
     /// Size of the damping ratio error by out-of-band modes.
     pub damping_bias: Option<f64>,
+    /// What the data around the pole say about it.
+    pub evidence: Option<Evidence>,
     /// Figure of merit of the method; for the circle fit the relative standard deviation of the
     /// damping surface.
     pub quality: Option<f64>,
+}
+
+/// What the data on the lines of a pole say about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Modal contribution: square root of the energy that this pole alone explains over that of the
+    /// response; of a repeated pole, that of its weakest mode.
+    pub contribution: f64,
+    /// Square root of the energy of the residual beyond the noise over that of the response.
+    pub misfit: f64,
 }
 
 impl Candidate {
@@ -80,6 +92,7 @@ impl Candidate {
             frequency_damping_correlation: None,
             frequency_bias_hz: None,
             damping_bias: None,
+            evidence: None,
             quality: None,
         }
     }

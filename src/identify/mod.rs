@@ -34,6 +34,7 @@
 //! | `data` | FRFs of a band, poles that are fitted to them, residual | `estimator` `error` |
 //! | `noise` | variances, force noise, line correlation | `data` |
 //! | `fit` | data of a fit, nonlinear least squares, covariances | `data` `noise` `error` |
+//! | `gain_errors` | factors by which FRFs of several references disagree | `data` `fit` `modes` `error` |
 //! | `run_variation` | frequency shifts between measurement runs | `data` `noise` `fit` `estimator` |
 //! | `sdof` | single-degree-of-freedom methods | `data` `fit` `method` `estimator` `error` |
 //! | `pole_model` | poles of a fit, their tests, candidates and findings | `data` `noise` `fit` `run_variation` `sdof` `estimator` `error` |
@@ -47,6 +48,7 @@ mod data;
 mod error;
 mod estimator;
 mod fit;
+mod gain_errors;
 mod mdof;
 mod method;
 mod ml;
@@ -66,11 +68,14 @@ mod synthetic;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
+
 use num_complex::Complex64;
 
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
+use gain_errors::GainErrors;
 use method::{Method, Outcome};
 
 pub use error::IdentifyError;
@@ -78,6 +83,7 @@ pub use estimator::{
     Candidate, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus, PoleTable,
 };
 pub use mode_indicators::{Indicators, cmif_at, indicators};
+pub use modes::quality::assess;
 pub use order_selection::{OrderSelection, OrderStep, PredictiveScore, support};
 pub use sdof::circle_detail::{CircleDetail, circle_detail};
 
@@ -307,7 +313,14 @@ pub fn identification(
 ) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
     let prepared = data::prepare::chosen(set, options)?;
-    let (set, band) = (prepared.set.as_ref(), prepared.band);
+    let (mut set, band) = (prepared.set, prepared.band);
+    let gain_errors = GainErrors::estimate(&set, band, options.estimator.false_alarm_probability)?;
+    let mut findings = prepared.findings;
+    if let Some(gain_errors) = gain_errors {
+        findings.extend(gain_errors.findings(&set));
+        set = Cow::Owned(gain_errors.corrected(&set));
+    }
+    let set = set.as_ref();
     let method = (entry.build)(&options.estimator);
     let Outcome {
         mut table,
@@ -318,10 +331,15 @@ pub fn identification(
             |poles: &[Complex64]| mdof::estimator::fit_at_poles(set, band, poles, run_shifts);
         table = modes::pole_selection::select_poles(set, band, table, selection, fit_residues)?;
     }
-    let findings = prepared.findings.into_iter();
-    table
-        .findings
-        .splice(0..0, findings.chain(sdof::findings::window_decay(set)));
+    findings.extend(sdof::findings::window_decay(set));
+    table.findings.splice(0..0, findings);
+    if table
+        .candidates
+        .iter()
+        .any(|candidate| candidate.evidence.is_none())
+    {
+        mdof::estimator::add_evidence(set, band, &mut table.candidates)?;
+    }
     mdof::stabilization::mark_selected(&mut table);
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {

@@ -4,6 +4,7 @@ mod complexity;
 mod mac;
 mod model;
 mod pole;
+mod quality;
 mod selection;
 mod shape;
 
@@ -11,5 +12,6 @@ pub use complexity::{mean_phase, mean_phase_deviation, modal_phase_collinearity}
 pub use mac::{mac, modal_scale_factor};
 pub use model::{InputFile, ModalModel, Mode, Scaling};
 pub use pole::Pole;
+pub use quality::{Grade, Quality};
 pub use selection::{PoleSelection, SelectedPole};
 pub use shape::ModeShape;

@@ -8,7 +8,7 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Finding;
 
-use super::{ModeShape, Pole};
+use super::{Grade, ModeShape, Pole, Quality};
 
 /// How a shape is scaled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +85,8 @@ pub struct Mode {
     pub frequency_bias_hz: Option<f64>,
     /// The same of the damping ratio.
     pub damping_bias: Option<f64>,
+    /// Whether it is a mode and what its values are worth; `None` of a model.
+    pub quality: Option<Quality>,
 }
 
 impl Mode {
@@ -93,6 +95,12 @@ impl Mode {
     pub fn frequency_uncertainty_hz(&self) -> Option<f64> {
         let bias = self.frequency_bias_hz.unwrap_or(0.0);
         self.frequency_std_hz.map(|std| std.hypot(bias))
+    }
+
+    /// Whether its quality is known and not good.
+    pub fn is_doubtful(&self) -> bool {
+        let quality = self.quality.as_ref();
+        quality.is_some_and(|quality| quality.verdict != Grade::Good)
     }
 
     /// A mode with nothing known but its frequency, damping and shape.
@@ -123,6 +131,7 @@ impl Mode {
             half_power_lines: None,
             frequency_bias_hz: None,
             damping_bias: None,
+            quality: None,
         }
     }
 

@@ -30,6 +30,10 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
         Column::number("lines in −3 dB band"),
         Column::number("DOFs"),
         Column::text("method"),
+        Column::text("quality"),
+        Column::text("quality of f"),
+        Column::text("quality of damping"),
+        Column::text("quality of shape"),
         Column::text("remark"),
     ]);
     let percent = |fraction: Option<f64>| fraction.map(|value| 100.0 * value);
@@ -53,14 +57,16 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
             Cell::number(mode.half_power_lines, 1),
             Cell::text(mode.shape.len().to_string()),
             mode.method.clone().map_or(Cell::Missing, Cell::Text),
-            Cell::text(remarks(model, mode)),
         ]);
+        cells.extend(quality_cells(mode));
+        cells.push(Cell::text(remarks(model, mode)));
         cells
     };
     let mut footnotes =
         vec![
             "f: natural frequency |λ|/2π; std: one standard deviation.".to_owned(),
             "MPC: 1 for a shape on one line of the complex plane, 0 for a circle; mean phase: ½ arg Σφ²; MPD: mean angle from it, weighted by |φ|.".to_owned(),
+            "quality: whether it is a mode of the structure; quality of f, of damping, of shape: what these are worth (—: not assessed).".to_owned(),
             "overlap: half-power bandwidth 2ζf over the mean distance to the neighbouring modes; lines in −3 dB band: frequency lines across the half-power bandwidth as measured.".to_owned(),
         ];
     if biased {
@@ -303,6 +309,18 @@ pub(super) fn largest_energy_fractions(root: &ModelRoot) -> String {
         .map(|(body, share)| format!("{body} {share:.2}"))
         .collect();
     texts.join(", ")
+}
+
+/// Grades of a mode: its verdict, and those of frequency, damping and shape.
+fn quality_cells(mode: &Mode) -> [Cell; 4] {
+    let quality = mode.quality.as_ref();
+    let grades = [
+        quality.map(|quality| quality.verdict),
+        quality.and_then(|quality| quality.frequency),
+        quality.and_then(|quality| quality.damping),
+        quality.and_then(|quality| quality.shape),
+    ];
+    grades.map(|grade| grade.map_or(Cell::Missing, |grade| Cell::text(grade.name())))
 }
 
 /// Codes of the warnings that belong to one mode.

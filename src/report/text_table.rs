@@ -190,6 +190,13 @@ pub(super) static TEXTS: Texts = Texts {
         mean_phase_deg: "mean phase (°)", "平均相位 (°)";
         overlap: "overlap", "模态重叠";
         lines_in_half_power_band: "lines in −3 dB band", "−3 dB 带宽内谱线数";
+        quality: "quality", "质量";
+        quality_of_frequency: "quality of f", "频率质量";
+        quality_of_damping: "quality of damping", "阻尼质量";
+        quality_of_shape: "quality of shape", "振型质量";
+        good: "good", "可信";
+        doubtful: "doubtful", "存疑";
+        bad: "bad", "差";
         remark: "remark", "备注";
         hits: "Hits", "锤击";
         hits_of: "Hits: {}", "锤击：{}";

@@ -10,7 +10,7 @@ use crate::correlate::{
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfError, FrfSet, evaluate_hammer_test};
 use crate::identify::{
-    Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, identification,
+    Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, assess, identification,
     indicators,
 };
 use crate::io::{sha256_hex, sha256_of_bytes};
@@ -424,6 +424,7 @@ pub fn identify_sets(
     }
     let outside = modes_above_valid_band(model, set.valid_band);
     model.findings.extend(outside);
+    assess(model);
     let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
     model.findings = findings;

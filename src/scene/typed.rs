@@ -333,6 +333,8 @@ pub struct UpdateTable {
     pub published: bool,
     /// Modes in this band alone count, `[lo, hi]` in Hz; the others are checked against the result.
     pub band_hz: Option<[f64; 2]>,
+    /// Whether modes of doubtful quality count.
+    pub doubtful_modes: bool,
     /// What is compared: `modes` (not stated), `modal-dynamic`, `frf-complex` or
     /// `frf-log-magnitude`.
     pub residuals: Option<String>,

@@ -2,7 +2,7 @@
 
 use crate::axis::Band;
 use crate::correlate::ComparisonTable;
-use crate::finding::{Code, Finding};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
@@ -80,8 +80,21 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let band = band(&stated, &scene.path)?;
     let in_band: Vec<Measured> = measured
         .iter()
-        .map(|measured_modes| measured_modes.in_band(band))
+        .map(|measured_modes| measured_modes.counted(band, stated.doubtful_modes))
         .collect();
+    if in_band
+        .iter()
+        .all(|measured| measured.modes.modes.is_empty())
+        && !doubtful_left_out(&measured, band, stated.doubtful_modes).is_empty()
+    {
+        let expected = "good modes, or doubtful_modes = true";
+        return Err(value_error(
+            &scene.path,
+            "[update]",
+            "doubtful modes alone",
+            expected,
+        ));
+    }
     let all_measured: Vec<MeasuredModes<'_>> =
         in_band.iter().map(Measured::as_measured_modes).collect();
     let values = &model.values;
@@ -141,6 +154,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let of_model = of_model.filter(|finding| finding.code == Code::ParameterUnused);
     findings.extend(of_model.cloned());
     findings.extend(result.findings());
+    findings.extend(doubtful_left_out(&measured, band, stated.doubtful_modes));
     Ok(SceneUpdate {
         before: before.table.labelled_from(scene.first_root),
         after: after.table.labelled_from(scene.first_root),
@@ -153,6 +167,24 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         model_toml,
         findings,
     })
+}
+
+/// A finding for each doubtful mode that does not count.
+fn doubtful_left_out(measured: &[Measured], band: Option<Band>, counted: bool) -> Vec<Finding> {
+    let modes = measured.iter().flat_map(|measured| &measured.modes.modes);
+    let inside = |mode: &&Mode| band.is_none_or(|band| band.contains(mode.frequency_hz));
+    let doubtful = modes
+        .filter(|mode| !counted && mode.is_doubtful())
+        .filter(inside);
+    let finding = |mode: &Mode| {
+        let location = Location::Mode(mode.frequency_hz);
+        let reasons = mode.quality.iter().flat_map(|quality| &quality.reasons);
+        let codes = reasons.filter_map(|reason| Some(reason.split_once(':')?.0));
+        let codes: Vec<&str> = codes.filter(|code| !code.contains(' ')).collect();
+        let finding = Finding::new(Severity::Warning, Code::DoubtfulLeftOut, location);
+        finding.detail(codes.join(", "))
+    };
+    doubtful.map(finding).collect()
 }
 
 /// Checks that every stated option has an effect.
@@ -253,11 +285,12 @@ impl Measured {
         collected
     }
 
-    /// The modes inside the band.
-    fn in_band(&self, band: Option<Band>) -> Self {
+    /// The modes inside the band that are good, or all of them with the doubtful ones.
+    fn counted(&self, band: Option<Band>, with_doubtful: bool) -> Self {
         let pairs = self.modes.modes.iter().zip(&self.numbers);
         let kept =
             pairs.filter(|(mode, _)| band.is_none_or(|band| band.contains(mode.frequency_hz)));
+        let kept = kept.filter(|(mode, _)| with_doubtful || !mode.is_doubtful());
         let (modes, numbers) = kept.map(|(mode, number)| (mode.clone(), *number)).unzip();
         Self {
             name: self.name.clone(),

@@ -31,6 +31,7 @@ use crate::frf::FrfSet;
 
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::frf_matrix::FrfMatrix;
+use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::{self, DetectedPeaks};
 use crate::identify::error::IdentifyError;
@@ -92,7 +93,12 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         fit.estimate_noise();
         if has_participation && is_scalar {
             let free = assign_participation(&mut fit, frf_matrix);
-            restore(&mut fit, free.iter().filter(|pole| pole.is_peak_column))?;
+            let columns: Vec<ModelPole> = free
+                .into_iter()
+                .filter(|pole| pole.is_peak_column)
+                .collect();
+            restore(&mut fit, columns.iter())?;
+            let columns: Vec<Complex64> = columns.iter().map(|pole| pole.lambda).collect();
             mark_columns(&mut fit.poles, &columns);
         }
         fit.refine_and_prune(Convergence::Coarse);
@@ -145,6 +151,42 @@ pub(in crate::identify) fn fit_at_poles(
         complete(candidate, &[], &fit, references);
     }
     Ok(table)
+}
+
+/// Adds the evidence of the data to candidates of a method that fits each resonance alone: the
+/// residues of all are fitted together.
+///
+/// # Errors
+/// [`IdentifyError`] when the band does not fit the set.
+pub(in crate::identify) fn add_evidence(
+    set: &FrfSet,
+    band: Band,
+    candidates: &mut [Candidate],
+) -> Result<(), IdentifyError> {
+    let mut data = FitData::guarded(set, band)?;
+    data.set_line_shape(LineShape::of(set));
+    let frf_matrix = FrfMatrix::new(set.functions()).as_one_input();
+    let functions = data.frfs.functions();
+    let mut fit = PoleModel::new(data, frf_matrix, MethodOptions::default());
+    fit.fixed = true;
+    let poles = candidates.iter().map(|candidate| candidate.pole.lambda);
+    let damped = poles.filter(|lambda| lambda.re < 0.0);
+    fit.poles = damped
+        .map(|lambda| ModelPole::single(lambda, &[Complex64::ONE], functions))
+        .collect();
+    fit.residues();
+    fit.estimate_noise();
+    fit.residues();
+    let metrics = fit.pole_metrics();
+    for candidate in candidates
+        .iter_mut()
+        .filter(|candidate| candidate.evidence.is_none())
+    {
+        let lambda = candidate.pole.lambda;
+        let at = fit.poles.iter().position(|pole| pole.lambda == lambda);
+        candidate.evidence = at.map(|j| metrics[j].evidence());
+    }
+    Ok(())
 }
 
 /// Replaces poles with free residues by poles with participation factors, as many as the residues

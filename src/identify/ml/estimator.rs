@@ -57,12 +57,16 @@ use crate::identify::mdof::stabilization::{MultiModeMethod, model_poles, set_ord
 use crate::identify::method::{Method, Outcome};
 use crate::identify::ml::amplitude_dependence::strongest_companions;
 use crate::identify::ml::trial_poles::MIN_RESIDUAL_GAIN;
+use crate::identify::noise::model::NoiseModel;
 use crate::identify::pole_model::PoleModel;
+use crate::identify::pole_model::merge::Merged;
 use crate::identify::pole_model::multiplicity::{complete_multiplicities, distinct_poles};
 use crate::identify::run_variation::RunShifts;
 
 /// Maximum rounds of the search of the residual.
 const MAX_SEARCHES: usize = 4;
+/// Maximum alignments of the runs before poles are added to the stable ones.
+const MAX_INITIAL_ROUNDS: usize = 2;
 /// Relative residual of poles without the line shape of a stated window, over that with it, below
 /// which the data contradict the window. Larger: more poles imitate the line shape of one (0.7 and
 /// more under a true window). Smaller: in noise of a hundredth of the peaks a window that was
@@ -91,8 +95,9 @@ impl Method for MaximumLikelihood {
         let shape = LineShape::of(set);
         let (mut fit, found) = self.fitted(set, band, shape)?;
         let split = self.check_leakage(set, band, &mut fit)?;
-        // Poles of leakage are no companions.
-        if !shape.is_smoothed() && !fit.may_have_leakage() {
+        let merged = fit.merge_same_shapes();
+        // Poles of leakage or of smoothed values are no companions.
+        if !shape.is_smoothed() && !fit.may_have_leakage() && merged.is_empty() {
             fit.add_companions();
         }
         let splits = fit.split_findings(&split, band);
@@ -114,10 +119,15 @@ impl Method for MaximumLikelihood {
             }
             None => {
                 let companions = strongest_companions(&fit.poles);
-                (fit.table(set, band, &found, &companions), fit.run_shifts)
+                let mut table = fit.table(set, band, &found, &companions);
+                table.findings.extend(splits);
+                let added = set.added_damping_rad_s;
+                let finding = |merged: &Merged| merged.finding(&table.candidates, added);
+                let merged: Vec<Finding> = merged.iter().filter_map(finding).collect();
+                table.findings.extend(merged);
+                (table, fit.run_shifts)
             }
         };
-        table.findings.extend(splits);
         set_orders(&mut table);
         Ok(Outcome { table, run_shifts })
     }
@@ -149,10 +159,12 @@ impl MaximumLikelihood {
     ) -> Result<(PoleModel, DetectedPeaks), IdentifyError> {
         let mut moved = RunShifts::none(set.functions());
         let mut fits: Vec<(PoleModel, DetectedPeaks)> = Vec::new();
+        let mut initial_rounds = 0;
         loop {
             let mut data = FitData::guarded(set, band)?;
             data.set_line_shape(shape);
             moved.align_runs(&mut data);
+            let aligned = moved.clone();
             let frf_matrix = FrfMatrix::new(set.functions());
             let frf_matrix = if frf_matrix.is_complete() {
                 frf_matrix
@@ -167,8 +179,25 @@ impl MaximumLikelihood {
                 self.options.false_alarm_probability,
             );
             let mut fit = PoleModel::new(data, frf_matrix, self.options);
-            fit.fit_initial_poles(&found)?;
-            fit.run_shifts = moved.clone();
+            let initial_poles = fit.fit_stable_poles(&found)?;
+            // Shifts that are corrected now need no further poles to imitate them.
+            if initial_rounds < MAX_INITIAL_ROUNDS {
+                initial_rounds += 1;
+                if moved.update_from_fit(&fit.data, &fit.poles) {
+                    continue;
+                }
+                // Hits on other days than their run: each FRF may have its frequency.
+                let by_function = (!moved.any()).then(|| moved.by_function()).flatten();
+                let shifted = by_function.filter(|_| fit.has_unexplained_residual());
+                if let Some(mut shifted) = shifted
+                    && shifted.update_from_fit(&fit.data, &fit.poles)
+                {
+                    moved = shifted;
+                    continue;
+                }
+            }
+            fit.fit_further_poles(&found, initial_poles)?;
+            fit.run_shifts = aligned;
             let changed = moved.update_from_fit(&fit.data, &fit.poles);
             fits.push((fit, found));
             if !changed {
@@ -187,32 +216,56 @@ impl MaximumLikelihood {
     }
 }
 
+/// Stable poles of the LSCF, and the state before they were fitted.
+struct InitialPoles {
+    poles: Vec<ModelPole>,
+    /// Noise before, where there are several inputs.
+    noise: Option<NoiseModel>,
+    /// Whether the noise changed since the poles were last tested.
+    noise_changed: bool,
+}
+
 impl PoleModel {
-    /// Fits poles from the stable poles of the LSCF and from the peaks of their residual.
+    /// Fits the stable poles of the LSCF.
+    fn fit_stable_poles(&mut self, found: &DetectedPeaks) -> Result<InitialPoles, IdentifyError> {
+        let poles = self.stable_poles(&self.lscf(), found)?;
+        let noise = (self.frf_matrix.inputs > 1).then(|| self.data.noise.clone());
+        self.poles = poles.clone();
+        Ok(InitialPoles {
+            noise_changed: self.refine_with_noise_update(),
+            poles,
+            noise,
+        })
+    }
+
+    /// Adds poles at the peaks of the residual of the stable poles.
     ///
     /// Many references allow few orders, and a repeated pole then appears as fewer poles than it
     /// has modes. Where the residual of the poles of all references exceeds the noise, the FRFs are
     /// also fitted as outputs of one input.
-    fn fit_initial_poles(&mut self, found: &DetectedPeaks) -> Result<(), IdentifyError> {
-        let lscf = LeastSquaresComplexFrequency {
-            max_order: self.options.max_order,
-        };
-        let seeds = self.stable_poles(&lscf, found)?;
-        let has_several_inputs = self.frf_matrix.inputs > 1;
-        let noise = has_several_inputs.then(|| self.data.noise.clone());
-        self.poles = seeds.clone();
-        let mut changed = self.refine_with_noise_update();
-        if has_several_inputs && !self.has_unexplained_residual() {
-            return Ok(());
-        }
-        if let Some(noise) = noise {
+    fn fit_further_poles(
+        &mut self,
+        found: &DetectedPeaks,
+        initial: InitialPoles,
+    ) -> Result<(), IdentifyError> {
+        let mut changed = initial.noise_changed;
+        if let Some(noise) = initial.noise {
+            if !self.has_unexplained_residual() {
+                return Ok(());
+            }
             // The residual of so few poles overestimates the noise.
             self.data.set_noise(noise);
-            self.estimate_per_frf(&lscf, found, seeds)?;
+            self.estimate_per_frf(&self.lscf(), found, initial.poles)?;
             changed = self.refine_with_noise_update();
         }
         self.search_rounds(changed);
         Ok(())
+    }
+
+    fn lscf(&self) -> LeastSquaresComplexFrequency {
+        LeastSquaresComplexFrequency {
+            max_order: self.options.max_order,
+        }
     }
 
     /// Estimates poles from the FRFs as outputs of one input, and the multiplicity of each from its

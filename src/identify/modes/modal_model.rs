@@ -16,8 +16,8 @@ use crate::modal::{
 
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleTable};
+use crate::identify::modes::quality;
 use crate::identify::modes::rank_one_terms;
-use crate::identify::modes::reversed_polarity::sign_reversed_frf;
 use crate::identify::modes::shape::{self, Residues, ScaledShape};
 use crate::linalg::sort_ascending_by;
 
@@ -36,7 +36,11 @@ pub(in crate::identify) fn modal_model(
 ) -> Result<ModalModel, IdentifyError> {
     let added = set.added_damping_rad_s;
     let mut findings = table.findings;
-    findings.extend(sign_reversed_frf(set, &table.candidates));
+    let natural_hz = |candidate: &Candidate| {
+        let pole = candidate.pole.without_added_damping(added);
+        pole.natural_frequency_hz()
+    };
+    findings.extend(quality::findings(&table.candidates, natural_hz));
     let mut modes_by_pole: Vec<Vec<Mode>> = Vec::with_capacity(table.candidates.len());
     let results: Vec<_> = table
         .candidates
@@ -58,8 +62,9 @@ pub(in crate::identify) fn modal_model(
         modes.iter_mut().for_each(|mode| mode.group = Some(group));
     }
     set_modal_overlap(&mut modes_by_pole);
-    let modes = modes_by_pole.into_iter().flatten().collect();
-    Ok(ModalModel {
+    let modes: Vec<Mode> = modes_by_pole.into_iter().flatten().collect();
+    findings.extend(quality::complex_shapes(&modes));
+    let mut model = ModalModel {
         producer: concat!("modalign ", env!("CARGO_PKG_VERSION")).to_owned(),
         inputs: Vec::new(),
         band: Some(band),
@@ -67,7 +72,9 @@ pub(in crate::identify) fn modal_model(
         added_damping_rad_s: (added > 0.0).then_some(added),
         modes,
         findings,
-    })
+    };
+    quality::assess(&mut model);
+    Ok(model)
 }
 
 /// Sets the modal overlap of every mode with a neighbour: half-power bandwidth over the mean

@@ -17,6 +17,7 @@ use crate::identify::pole_model::pole_metrics::{
     MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
 };
 use crate::identify::run_variation::RunShifts;
+use crate::identify::run_variation::run_means::RunMean;
 use crate::identify::run_variation::separate_responses::{by_point, run_partners};
 use crate::identify::sdof::findings::{reach, rejected_peak_finding};
 use crate::linalg::sort_ascending_by;
@@ -95,6 +96,8 @@ pub(in crate::identify) struct FindingContext<'a> {
     pub found: &'a DetectedPeaks,
     /// Reported modes.
     pub kept: &'a [(&'a ModelPole, &'a PoleMetrics)],
+    /// The mean of each of their frequencies over runs that differ.
+    pub means: &'a [Option<RunMean>],
     /// Poles of mains hum in the band.
     pub hum: &'a [&'a ModelPole],
     /// Poles removed during the fit.
@@ -198,10 +201,18 @@ impl FindingContext<'_> {
                 .limit(limit)
         };
         let mut findings = Vec::new();
-        if let Some(mode) = self.run_shifts.of(pole.lambda) {
-            let finding = Finding::new(Severity::Warning, Code::RunsMerged, location.clone());
-            let percent = 100.0 * mode.scatter / mode.lambda.im;
-            findings.push(finding.value(percent, "%"));
+        let mean = self.mean(pole.lambda);
+        let merged = self.run_shifts.of(pole.lambda);
+        let scatter = mean
+            .map(|mean| mean.scatter)
+            .or(merged.map(|mode| mode.scatter));
+        if let Some(scatter) = scatter {
+            let code = match merged {
+                Some(_) => Code::RunsMerged,
+                None => Code::RunsScatter,
+            };
+            let finding = Finding::new(Severity::Warning, code, location.clone());
+            findings.push(finding.value(100.0 * scatter / pole.lambda.im, "%"));
         }
         if pole.multiplicity() > 1 {
             let finding = Finding::new(Severity::Info, Code::RepeatedRoot, location.clone());
@@ -340,8 +351,17 @@ impl FindingContext<'_> {
         self.band.lo_hz <= hz && hz <= self.band.hi_hz
     }
 
+    /// The mean over runs of the frequency of a pole.
+    fn mean(&self, lambda: Complex64) -> Option<RunMean> {
+        let mut of_pole = self.kept.iter().zip(self.means);
+        let found = of_pole.find(|((pole, _), _)| pole.lambda == lambda);
+        found.and_then(|(_, mean)| *mean)
+    }
+
     /// The row of a finding: the mode's frequency without the damping of the window.
     pub(in crate::identify) fn location(&self, lambda: Complex64) -> Location {
+        let shift = self.mean(lambda).map_or(0.0, |mean| mean.shift);
+        let lambda = lambda + Complex64::new(0.0, shift);
         let pole = Pole { lambda }.without_added_damping(self.set.added_damping_rad_s);
         Location::Mode(pole.natural_frequency_hz())
     }

@@ -26,10 +26,14 @@ use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine}
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::run_variation::RunShifts;
+use crate::identify::run_variation::run_means::{RunMean, RunMeans};
 use crate::linalg::{sort_ascending_by, sort_descending_by};
 
 pub(in crate::identify) mod acceptance;
 pub(in crate::identify) mod findings;
+pub(in crate::identify) mod merge;
+#[cfg(test)]
+mod merge_tests;
 mod misfit;
 pub(in crate::identify) mod multiplicity;
 mod narrower_bands;
@@ -176,7 +180,11 @@ impl PoleModel {
     }
 
     pub fn pole_metrics(&self) -> Vec<PoleMetrics> {
-        pole_metrics(&self.data, &self.frf_matrix, &self.poles)
+        let mut all = pole_metrics(&self.data, &self.frf_matrix, &self.poles);
+        for (metrics, pole) in all.iter_mut().zip(&self.poles) {
+            metrics.has_shifts = self.run_shifts.contains_pole(pole.lambda);
+        }
+        all
     }
 
     /// Estimates the noise variance (where the data state none) and the line correlation from the
@@ -265,6 +273,22 @@ impl PoleModel {
             kept.truncate(most);
             sort_ascending_by(&mut kept, |entry| entry.0.lambda.im);
         }
+        let run_means = RunMeans::new(&self.data, &self.poles, &described, self.run_shifts.runs());
+        let mean = |pole: &ModelPole| {
+            let known_shifts = self.run_shifts.shifts_of(pole.lambda);
+            let mean = run_means.as_ref()?.of(pole, known_shifts)?;
+            // Poles of another method, or of the user, stay where they are.
+            let RunMean { shift, std, .. } = mean;
+            Some(match self.fixed {
+                true => RunMean {
+                    shift: 0.0,
+                    std: std.hypot(shift),
+                    ..mean
+                },
+                false => mean,
+            })
+        };
+        let means: Vec<Option<RunMean>> = kept.par_iter().map(|(pole, _)| mean(pole)).collect();
         let evidence = FindingContext {
             set,
             data: &self.data,
@@ -272,22 +296,22 @@ impl PoleModel {
             band,
             found,
             kept: &kept,
+            means: &means,
             hum: &hum,
             dropped: &self.dropped,
             scattered: self.scattered,
             run_shifts: &self.run_shifts,
             companions,
         };
+        let candidate =
+            |((pole, metrics), mean): (&(&ModelPole, &PoleMetrics), &Option<RunMean>)| Candidate {
+                residue_stds: self.residue_stds(pole, metrics),
+                ..self
+                    .run_shifts
+                    .merged(candidate(pole, metrics), *mean, metrics.band_deviation)
+            };
         PoleTable {
-            candidates: kept
-                .iter()
-                .map(|(pole, metrics)| Candidate {
-                    residue_stds: self.residue_stds(pole, metrics),
-                    ..self
-                        .run_shifts
-                        .merged(candidate(pole, metrics), metrics.inflation() > 1.0)
-                })
-                .collect(),
+            candidates: kept.iter().zip(&means).map(candidate).collect(),
             findings: evidence.findings(),
             stabilization: self.stabilization.clone(),
         }

@@ -15,7 +15,7 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::residual::{PredictedResponse, Residual};
-use crate::identify::estimator::Candidate;
+use crate::identify::estimator::{Candidate, Evidence};
 use crate::identify::fit::fit_data::FitData;
 
 /// Half-width of the lines on which the chi-square is measured, half-power bandwidths.
@@ -40,8 +40,11 @@ const MIN_MAC_SAME_SHAPE: f64 = 0.7;
 /// and the errors of their model.
 pub(in crate::identify) const MIN_CONTRIBUTION_LINEARITY: f64 = 3e-4;
 /// Minimum modal contribution of the weakest mode of a repeated pole: unequal poles of the modes
-/// produce such a term as well.
+/// produce such a term as well; and where frequencies shift between runs, so do the shapes of the
+/// runs, as of a structure that a roving sensor loads (`roving sensor with mass` of the families of
+/// imperfect data).
 const MIN_CONTRIBUTION_REPEATED: f64 = 1e-2;
+const MIN_CONTRIBUTION_REPEATED_SHIFTED: f64 = 5e-2;
 /// Contribution of a ghost over that of the mode whose shape it repeats within its resonance:
 /// errors of the force produce such poles.
 const GHOST_CONTRIBUTION: f64 = 3e-2;
@@ -70,9 +73,14 @@ pub(in crate::identify) struct PoleMetrics {
     /// Modal contribution: square root of the energy that this pole alone explains, with all other
     /// residues fitted, over that of the response on the lines of the pole.
     pub contribution: f64,
+    /// Square root of the energy of the residual beyond the noise over that of the response on the
+    /// lines of the pole.
+    pub misfit: f64,
     /// Minimum contribution of a mode here beside the ghosts that errors of the force or of a
     /// sensor produce; 0 where it repeats no other shape.
     pub ghost_limit: f64,
+    /// Whether its frequency shifts between runs.
+    pub has_shifts: bool,
     /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by
     /// more than noise (`narrower_bands`); 0 before the fit is complete.
     pub band_deviation: f64,
@@ -92,10 +100,14 @@ pub(in crate::identify) fn pole_metrics(
             lines.clone().map(power).sum::<f64>()
         };
         let whole: f64 = (0..data.frfs.functions()).map(of).sum();
+        let reduced_chi_square = residual_chi_square(data, &described, pole);
+        let values = (lines.len() * data.frfs.functions()) as f64;
         PoleMetrics {
-            reduced_chi_square: residual_chi_square(data, &described, pole),
+            reduced_chi_square,
+            misfit: ((reduced_chi_square - 1.0).max(0.0) * values / whole).sqrt(),
             contribution: (0.5 * pole.quality.significance().max(0.0) / whole).sqrt(),
             ghost_limit: 0.0,
+            has_shifts: false,
             band_deviation: 0.0,
         }
     };
@@ -241,6 +253,14 @@ impl PoleMetrics {
         }
     }
 
+    /// Contribution and misfit, as evidence that it is a mode.
+    pub fn evidence(&self) -> Evidence {
+        Evidence {
+            contribution: self.contribution,
+            misfit: self.misfit,
+        }
+    }
+
     /// Standard deviation of real and imaginary part of the pole, rad/s, with the effect of misfit
     /// and of narrower bands.
     pub fn pole_std(&self, pole: &ModelPole) -> f64 {
@@ -276,10 +296,10 @@ pub(in crate::identify) fn rejection_reason(
 ) -> Option<Rejection> {
     let (pole, metrics) = (&poles[j], &pole_metrics[j]);
     let strict = policy == RejectionPolicy::Strict;
-    let least = if pole.multiplicity() > 1 {
-        MIN_CONTRIBUTION_REPEATED
-    } else {
-        MIN_CONTRIBUTION_LINEARITY
+    let least = match (pole.multiplicity() > 1, metrics.has_shifts) {
+        (true, true) => MIN_CONTRIBUTION_REPEATED_SHIFTED,
+        (true, false) => MIN_CONTRIBUTION_REPEATED,
+        (false, _) => MIN_CONTRIBUTION_LINEARITY,
     };
     if metrics.contribution < least {
         return Some(Rejection::BelowLinearity(metrics.contribution, least));
@@ -399,6 +419,7 @@ pub(in crate::identify) fn candidate(pole: &ModelPole, metrics: &PoleMetrics) ->
             let across = (bias * along.conj()).im.abs();
             across * pole.lambda.im / pole.lambda.norm_sqr()
         }),
+        evidence: Some(metrics.evidence()),
         quality: None,
     }
 }

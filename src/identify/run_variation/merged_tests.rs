@@ -8,7 +8,10 @@ use crate::identify::estimator::Candidate;
 use crate::modal::Pole;
 
 use crate::identify::data::line_shape::LineShape;
-use crate::identify::run_variation::{RunShifts, ShiftDecision, ShiftedMode};
+use crate::identify::run_variation::run_means::RunMean;
+use crate::identify::run_variation::{
+    RunShifts, ShiftDecision, ShiftedMode, independently_shifted,
+};
 
 #[test]
 fn an_frf_is_aligned_from_the_pole_of_its_run_to_the_mean() {
@@ -37,40 +40,56 @@ fn an_frf_is_aligned_from_the_pole_of_its_run_to_the_mean() {
 }
 
 #[test]
-fn an_unmerged_mode_with_misfit_has_the_typical_scatter_of_the_others() {
-    let moving = |hz: f64, part: f64| ShiftedMode {
-        lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
-        scatter: part * TAU * hz,
-        decay_std: 0.0,
-        shifts: Vec::new(),
-        stds: Vec::new(),
-        residues: Vec::new(),
-    };
-    let moved = RunShifts {
-        modes: vec![
-            moving(10.0, 0.004),
-            moving(20.0, 0.001),
-            moving(30.0, 0.002),
-        ],
-        ..RunShifts::default()
-    };
-    let candidate = |hz: f64| Candidate {
+fn a_mode_is_stated_at_its_mean_over_the_runs() {
+    let lambda = Complex64::new(-0.01, 1.0) * TAU * 50.0;
+    let candidate = Candidate {
         frequency_std_hz: Some(0.003),
-        ..Candidate::new(Pole {
-            lambda: Complex64::new(-0.01, 1.0) * TAU * hz,
-        })
+        damping_std: Some(1e-4),
+        ..Candidate::new(Pole { lambda })
     };
-    let std = |hz: f64, has_misfit: bool| {
-        moved
-            .merged(candidate(hz), has_misfit)
-            .frequency_std_hz
-            .unwrap()
+    let moved = RunShifts::default();
+    assert_eq!(moved.merged(candidate.clone(), None, 0.0), candidate);
+    let mean = RunMean {
+        shift: TAU * 0.2,
+        std: TAU * 0.04,
+        scatter: TAU * 0.1,
     };
-    assert!((std(50.0, false) - 0.003).abs() < 1e-12);
-    // 0.2 % of the frequency.
-    let size = Complex64::new(-0.01, 1.0).norm();
-    assert!((std(50.0, true) - 0.003f64.hypot(0.1 * size)).abs() < 1e-12);
-    assert!((std(10.0, true) - 0.003f64.hypot(0.04)).abs() < 1e-12);
+    let merged = moved.merged(candidate, Some(mean), TAU * 0.03);
+    assert!((merged.pole.damped_frequency_hz() - 50.2).abs() < 1e-12);
+    assert!((merged.frequency_std_hz.unwrap() - 0.05).abs() < 1e-15);
+    assert_eq!(merged.damping_std, Some(1e-4));
+}
+
+#[test]
+fn modes_without_a_common_cause_shift_where_nearly_all_are_conclusive() {
+    let decision = |shifts: [f64; 5], group: usize, is_conclusive: bool| ShiftDecision {
+        mode: ShiftedMode {
+            lambda: Complex64::new(-1.0, 100.0),
+            scatter: 1.0,
+            decay_std: 0.0,
+            shifts: shifts.map(|shift| Complex64::new(0.0, shift)).to_vec(),
+            stds: vec![0.1; 5],
+            residues: vec![Complex64::ONE; 5],
+        },
+        is_conclusive,
+        was_shifted: false,
+        group,
+        gain: 1.0,
+    };
+    let all = [
+        decision([1.0, -1.0, 2.0, 0.0, -2.0], 0, true),
+        decision([1.0, 1.0, -1.0, -1.0, 0.0], 1, true),
+        decision([-2.0, 2.0, 0.0, 2.0, -2.0], 2, true),
+        decision([0.0, 2.0, 1.0, -2.0, -1.0], 3, false),
+    ];
+    let groups = |decisions: &[ShiftDecision], decided: usize| {
+        let modes = independently_shifted(&decisions.iter().collect::<Vec<_>>(), decided);
+        modes.map(|modes| modes.iter().map(|mode| mode.group).collect::<Vec<usize>>())
+    };
+    assert_eq!(groups(&all, 4), Some(vec![0, 1, 2]));
+    // Too few of the decided resonances, and too few modes.
+    assert_eq!(groups(&all, 5), None);
+    assert_eq!(groups(&all[1..], 2), None);
 }
 
 #[test]

@@ -23,6 +23,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::frf::{Function, measurement_runs};
+use crate::modal::Pole;
 
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
@@ -34,12 +35,14 @@ mod model_selection;
 mod pole_shift;
 mod resonance;
 mod run_fit;
+pub(in crate::identify) mod run_means;
 pub(in crate::identify) mod separate_responses;
 mod shift_decision;
 mod shifted_mode;
 
 use pole_shift::{Fitted, Poles};
 use resonance::Resonance;
+use run_means::RunMean;
 use shift_decision::{MAX_SHIFT_FRACTION, Screening, ShiftDecision};
 use shifted_mode::{MATCH_BANDWIDTHS, ShiftedMode};
 
@@ -52,13 +55,17 @@ const GROUP_BANDWIDTHS_AND_FRACTIONS: [(f64, f64); 3] = [
     (2.5, MAX_SHIFT_FRACTION),
 ];
 /// Maximum number of alignments of the runs.
-const MAX_ROUNDS: usize = 3;
+const MAX_ROUNDS: usize = 5;
 /// Maximum fits of every resonance; later ones use the shifted poles of the others.
 const MAX_SWEEPS: usize = 3;
 /// Minimum number of runs: fewer may share a profile of shifts by chance.
 const MIN_RUNS: usize = 4;
 /// Minimum fraction of the scatter of all modes that one cause must explain.
 const MIN_EXPLAINED_FRACTION: f64 = 0.8;
+/// Minimum number of modes that shift without a common cause, and minimum fraction of all decided
+/// resonances: pairs of close modes, of which each looks like one shifted mode, are fewer.
+const MIN_INDEPENDENT_MODES: usize = 3;
+const MIN_INDEPENDENT_FRACTION: f64 = 0.7;
 /// Minimum distance of an outlying run from the mean, standard deviations.
 const OUTLYING_STDS: f64 = 5.0;
 
@@ -95,7 +102,9 @@ pub(in crate::identify) struct OutlyingRun {
 impl RunShifts {
     /// Runs of the FRFs, without shifted modes.
     pub fn none(functions: &[Function]) -> Self {
-        let (runs, roving_sensor) = measurement_runs(functions);
+        // All directions at one point are one run: bending in two planes is no shift.
+        let (_, roving_sensor) = measurement_runs(functions);
+        let runs = separate_responses::by_point(functions);
         let frf_matrix = FrfMatrix::new(functions);
         Self {
             runs,
@@ -103,6 +112,17 @@ impl RunShifts {
             factors: frf_matrix.outputs.len() + frf_matrix.inputs,
             ..Self::default()
         }
+    }
+
+    /// Each FRF as a run, without shifted modes; `None` where the runs are single FRFs already.
+    pub fn by_function(&self) -> Option<Self> {
+        let functions: usize = self.runs.iter().map(Vec::len).sum();
+        let runs: Vec<Vec<usize>> = (0..functions).map(|function| vec![function]).collect();
+        (self.runs.len() < functions).then(|| Self {
+            runs,
+            factors: self.factors,
+            ..Self::default()
+        })
     }
 
     /// Aligns every FRF to the mean of the runs.
@@ -156,39 +176,40 @@ impl RunShifts {
         nearest.contains_pole(lambda).then_some(nearest)
     }
 
-    /// Adds to a mode the standard deviations of the merged runs: to the frequency the scatter
-    /// between runs; the damping has at least that of the decay rate common to all runs. A mode
-    /// with misfit that was not merged, where others were, has their typical scatter.
-    pub fn merged(&self, mode: Candidate, has_misfit: bool) -> Candidate {
-        let lambda = mode.pole.lambda;
-        let Some(moving) = self.of(lambda) else {
-            let usual = if has_misfit {
-                self.typical_scatter()
-            } else {
-                0.0
-            };
-            let std = mode.frequency_std_hz;
-            return Candidate {
-                frequency_std_hz: std.map(|std| std.hypot(usual * lambda.norm() / TAU)),
-                ..mode
-            };
-        };
-        let damping = moving.decay_std * lambda.im / lambda.norm_sqr();
-        Candidate {
-            frequency_std_hz: mode
-                .frequency_std_hz
-                .map(|std| std.hypot(moving.scatter / TAU)),
-            damping_std: mode.damping_std.map(|std| std.max(damping)),
-            ..mode
-        }
+    /// Runs of the FRFs, by their numbers in the set.
+    pub fn runs(&self) -> &[Vec<usize>] {
+        &self.runs
     }
 
-    /// Median of the scatter of the shifted modes over their frequencies; 0 where there are none.
-    fn typical_scatter(&self) -> f64 {
-        let ratios = self.modes.iter().map(|mode| mode.scatter / mode.lambda.im);
-        let mut fractions: Vec<f64> = ratios.collect();
-        fractions.sort_by(f64::total_cmp);
-        fractions.get(fractions.len() / 2).copied().unwrap_or(0.0)
+    /// Corrected shift of each run in the resonance of a pole, rad/s.
+    pub fn shifts_of(&self, lambda: Complex64) -> Option<&[Complex64]> {
+        self.of(lambda).map(|mode| mode.shifts.as_slice())
+    }
+
+    /// A mode at its mean over the runs, with the standard deviation of that mean; its damping has
+    /// at least the deviation of the decay rate common to all runs.
+    /// `band_deviation`: standard deviation of the pole by narrower bands, rad/s.
+    pub fn merged(&self, mode: Candidate, mean: Option<RunMean>, band_deviation: f64) -> Candidate {
+        let lambda = mode.pole.lambda;
+        let damping_std = self.of(lambda).map_or(0.0, |moving| {
+            moving.decay_std * lambda.im / lambda.norm_sqr()
+        });
+        let damping_std = mode.damping_std.map(|std| std.max(damping_std));
+        match mean {
+            Some(RunMean { shift, std, .. }) => Candidate {
+                pole: Pole {
+                    lambda: lambda + Complex64::new(0.0, shift),
+                },
+                frequency_std_hz: Some(std.hypot(band_deviation) / TAU),
+                frequency_damping_correlation: None,
+                damping_std,
+                ..mode
+            },
+            None => Candidate {
+                damping_std,
+                ..mode
+            },
+        }
     }
 
     /// The outlying run farthest from the mean of a mode, in half-power bandwidths.
@@ -318,11 +339,15 @@ impl RunShifts {
         let is_inconclusive = all
             .iter()
             .all(|decision| decision.group == all[0].group && !decision.is_conclusive);
-        let agreeing = self.modes_with_common_cause(if is_inconclusive {
-            Vec::new()
-        } else {
-            all.clone()
-        });
+        let decided = decisions.iter().flatten().count();
+        let agreeing = match is_inconclusive {
+            true => Vec::new(),
+            false => self.modes_with_common_cause(all.clone()),
+        };
+        let agreeing = match independently_shifted(&all, decided) {
+            Some(modes) if modes.len() > agreeing.len() => modes,
+            _ => agreeing,
+        };
         let is_shifted = |accepted: &[&ShiftDecision], index: usize| {
             accepted.iter().any(|decision| decision.group == index)
         };
@@ -330,7 +355,7 @@ impl RunShifts {
         let agree = indices
             .filter(|index| is_shifted(&agreeing, *index))
             .count();
-        let accepted = match agree > 0 && 2 * agree >= decisions.iter().flatten().count() {
+        let accepted = match agree > 0 && 2 * agree >= decided {
             true => agreeing,
             // Modes that were shifted before do not depend on further candidates.
             false => self.modes_with_common_cause(
@@ -403,6 +428,22 @@ impl RunShifts {
             false => together,
         }
     }
+}
+
+/// Modes that shift without a common cause (a joint that settles, a support that is moved): those
+/// that are conclusive without others, where they are nearly all decided resonances. Pairs of close
+/// modes are few.
+fn independently_shifted<'a>(
+    decisions: &[&'a ShiftDecision],
+    decided: usize,
+) -> Option<Vec<&'a ShiftDecision>> {
+    let conclusive = decisions.iter().filter(|decision| decision.is_conclusive);
+    let modes: Vec<&ShiftDecision> = conclusive.copied().collect();
+    let mut groups: Vec<usize> = modes.iter().map(|decision| decision.group).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    let fraction = groups.len() as f64 / decided.max(1) as f64;
+    (groups.len() >= MIN_INDEPENDENT_MODES && fraction >= MIN_INDEPENDENT_FRACTION).then_some(modes)
 }
 
 /// Modes of whose total scatter one cause explains the minimum fraction; groups with the least

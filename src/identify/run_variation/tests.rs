@@ -73,7 +73,7 @@ pub(super) fn findings_of(model: &ModalModel, code: Code) -> Vec<&Finding> {
 }
 
 #[test]
-fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_scatter_in_its_deviation() {
+fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_deviation_of_its_mean() {
     let tests = [(0, 0.05), (2, 0.5), (1, 0.2), (3, 0.5), (4, 0.2)];
     for (seed, most) in tests.into_iter().take(seeds(5).count()) {
         let test = test(seed);
@@ -94,10 +94,9 @@ fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_scatter_in_its_deviati
             let error = mode.frequency_hz - truth.0 - mean * width_hz(truth);
             assert!(error.abs() < 0.1 * scatter, "{seed} {j}: {error} {scatter}");
             let std = mode.frequency_std_hz.unwrap();
-            assert!(
-                (std / scatter - 1.0).abs() < 0.2,
-                "{seed} {j}: {std} {scatter}"
-            );
+            // Student's quantile over the normal one is 1.15 for ten runs.
+            let of_mean = std * (shifts.len() as f64).sqrt() / scatter;
+            assert!((0.9..1.4).contains(&of_mean), "{seed} {j}: {of_mean}");
             let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
             assert!(damping.abs() < 0.01, "{seed} {j}: damping {damping}");
             let shape: Vec<Complex64> = mode.shape.iter().map(|(_, value)| value).collect();

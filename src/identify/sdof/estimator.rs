@@ -252,6 +252,7 @@ fn candidate(resonance: &Resonance, verdict: &findings::SdofVerdict) -> Candidat
         damping_std: fit
             .and_then(|fit| fit.decay_std_rad_s)
             .map(|std| std / norm),
+        evidence: None,
         quality: fit.and_then(|fit| fit.spread),
     }
 }

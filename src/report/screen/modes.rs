@@ -46,6 +46,9 @@ pub(super) fn listed_modes(
             Cell::measured(damping, damping_std),
             Cell::std(damping_std, 0),
             Cell::mac(mode.mpc, MAC_DECIMALS),
+            mode.quality
+                .as_ref()
+                .map_or(Cell::Missing, |quality| Cell::text(quality.verdict.name())),
             Cell::text(textwrap::fill(&remarks(model, mode), REMARK_WIDTH)),
         ]
     };
@@ -58,7 +61,7 @@ pub(super) fn listed_modes(
         "MPC",
     ];
     let mut columns: Vec<Column> = numbers.map(Column::number).to_vec();
-    columns.push(Column::text("remark"));
+    columns.extend(["quality", "remark"].map(Column::text));
     let omitted = model.modes.get(most).map(|first| {
         let modes = counted(model.modes.len() - most, "further mode");
         format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
@@ -69,7 +72,7 @@ pub(super) fn listed_modes(
         rows: (1..).zip(&model.modes).take(most).map(row).collect(),
         footnotes: omitted.into_iter().collect(),
     };
-    let table = without_empty_columns(table, &["std (Hz)", "std (%)", "MPC", "remark"]);
+    let table = without_empty_columns(table, &["std (Hz)", "std (%)", "MPC", "quality", "remark"]);
     vec![Block::Table(fitted(
         table,
         &["std (%)", "std (Hz)", "remark"],

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Finding;
-use crate::modal::{InputFile, ModalModel, Mode, ModeShape, Pole, Scaling};
+use crate::modal::{Grade, InputFile, ModalModel, Mode, ModeShape, Pole, Quality, Scaling};
 
 use crate::io::IoError;
 use crate::linalg::sort_ascending_by;
@@ -71,6 +71,19 @@ struct ModeJson {
     half_power_lines: Option<f64>,
     frequency_bias_hz: Option<f64>,
     damping_bias: Option<f64>,
+    /// Of identified modes alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    quality: Option<QualityJson>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct QualityJson {
+    verdict: String,
+    frequency: Option<String>,
+    damping: Option<String>,
+    shape: Option<String>,
+    #[serde(default)]
+    reasons: Vec<String>,
 }
 
 /// `response|reference`.
@@ -164,6 +177,18 @@ fn mode_json(mode: &Mode) -> ModeJson {
         half_power_lines: mode.half_power_lines,
         frequency_bias_hz: mode.frequency_bias_hz,
         damping_bias: mode.damping_bias,
+        quality: mode.quality.as_ref().map(quality_json),
+    }
+}
+
+fn quality_json(quality: &Quality) -> QualityJson {
+    let name = |grade: Grade| grade.name().to_owned();
+    QualityJson {
+        verdict: name(quality.verdict),
+        frequency: quality.frequency.map(name),
+        damping: quality.damping.map(name),
+        shape: quality.shape.map(name),
+        reasons: quality.reasons.clone(),
     }
 }
 
@@ -278,6 +303,22 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
         half_power_lines: mode.half_power_lines,
         frequency_bias_hz: mode.frequency_bias_hz,
         damping_bias: mode.damping_bias,
+        quality: mode.quality.map(read_quality).transpose()?,
+    })
+}
+
+fn read_quality(quality: QualityJson) -> Result<Quality, String> {
+    let grade = |name: String| {
+        let names = Grade::ALL.map(Grade::name).join(", ");
+        Grade::from_name(&name).ok_or(format!("quality {name:?} in place of one of {names}"))
+    };
+    let value = |name: Option<String>| name.map(grade).transpose();
+    Ok(Quality {
+        verdict: grade(quality.verdict)?,
+        frequency: value(quality.frequency)?,
+        damping: value(quality.damping)?,
+        shape: value(quality.shape)?,
+        reasons: quality.reasons,
     })
 }
 
@@ -303,6 +344,13 @@ mod tests {
             mode.modal_overlap = Some(f);
             mode.half_power_lines = Some(f * zeta);
             (mode.frequency_bias_hz, mode.damping_bias) = (Some(1e-3 * f), Some(1e-3 * zeta));
+            mode.quality = Some(Quality {
+                verdict: Grade::Good,
+                frequency: Some(Grade::Doubtful),
+                damping: Some(Grade::Bad),
+                shape: None,
+                reasons: vec!["few-lines: 0.5".to_owned()],
+            });
             let finding = Finding::new(Severity::Warning, Code::FewLines, Location::Mode(f)).value(re, "Hz");
             let model = ModalModel {
                 producer: "test".to_owned(),

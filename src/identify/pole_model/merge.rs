@@ -1,0 +1,134 @@
+//! FRFs that were smoothed over frequency lines have two poles of one shape for each mode, all at
+//! the same distance: the mean over three lines leaves poles 1.6 lines apart. The mean of the two
+//! replaces them.
+
+use num_complex::Complex64;
+
+use crate::finding::{Code, Finding, Location, Severity};
+use crate::modal::mac;
+
+use crate::identify::data::model_pole::ModelPole;
+use crate::identify::estimator::Candidate;
+use crate::identify::fit::block_descent::{Convergence, mark_unconverged};
+use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
+use crate::identify::pole_model::PoleModel;
+
+/// Distance of two poles of one mode, half-power bandwidths. Smoothing over three lines leaves
+/// poles 1.6 lines apart.
+const MAX_DISTANCE_BANDWIDTHS: f64 = 1.0;
+/// The same in frequency lines: a mode of a small mass that is tuned to another one may lie as near
+/// in bandwidths (`a_tuned_absorber_is_a_mode`).
+const MAX_DISTANCE_LINES: f64 = 3.0;
+/// Ratio of their decay rates: poles of a mode that depends on the amplitude have 2 to 5 times its
+/// decay rate (`a_mode_whose_damping_grows_stays_one_mode`).
+const MAX_DECAY_RATIO: f64 = 1.5;
+/// Ratio of the largest to the smallest distance of the merged pairs: smoothing leaves the poles of
+/// all modes at one distance, two modes that the sensors do not separate are one pair.
+const MAX_DISTANCE_RATIO: f64 = 1.3;
+const MIN_PAIRS: usize = 2;
+/// MAC of their residues. Two modes of random real shapes at four FRFs have a MAC beyond it in 1 of
+/// 200 cases.
+const MIN_MAC: f64 = 0.95;
+/// Minimum number of FRFs: fewer have one shape by chance.
+const MIN_FRFS: usize = 4;
+
+/// Two poles that were merged.
+pub(in crate::identify) struct Merged {
+    /// Mean of both, rad/s.
+    lambda: Complex64,
+    /// Their distance in frequency, lines.
+    lines: f64,
+}
+
+impl Merged {
+    /// The finding at the candidate that is nearest; `added_damping`: decay rate of a window.
+    pub fn finding(&self, candidates: &[Candidate], added_damping: f64) -> Option<Finding> {
+        let distance = |candidate: &&Candidate| (candidate.pole.lambda - self.lambda).norm();
+        let nearest = candidates
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let hz = nearest
+            .pole
+            .without_added_damping(added_damping)
+            .natural_frequency_hz();
+        let is_near = distance(&nearest) < self.lambda.re.abs();
+        let finding = Finding::new(Severity::Warning, Code::PolesMerged, Location::Mode(hz));
+        is_near.then(|| finding.value(self.lines, "lines"))
+    }
+}
+
+impl PoleModel {
+    /// Merges the pairs of poles of one shape that lie at one distance of a few lines, and fits the
+    /// residues again.
+    pub fn merge_same_shapes(&mut self) -> Vec<Merged> {
+        let pairs = self.same_shapes();
+        let distances = || pairs.iter().map(|(i, j)| self.lines_between(*i, *j));
+        let (shortest, longest) = (
+            distances().fold(f64::INFINITY, f64::min),
+            distances().fold(0.0, f64::max),
+        );
+        if pairs.len() < MIN_PAIRS || longest > MAX_DISTANCE_RATIO * shortest {
+            return Vec::new();
+        }
+        let mut merged = Vec::new();
+        for &(kept, other) in &pairs {
+            let norm = |pole: &ModelPole| {
+                pole.residues
+                    .iter()
+                    .map(Complex64::norm_sqr)
+                    .sum::<f64>()
+                    .sqrt()
+            };
+            let (a, b) = (norm(&self.poles[kept]), norm(&self.poles[other]));
+            let lines = self.lines_between(kept, other);
+            let lambda = (self.poles[kept].lambda * a + self.poles[other].lambda * b) / (a + b);
+            self.poles[kept].lambda = lambda;
+            self.poles[kept].pair = None;
+            merged.push(Merged { lambda, lines });
+        }
+        let mut index = 0;
+        self.poles.retain(|_| {
+            index += 1;
+            !pairs.iter().any(|(_, other)| *other == index - 1)
+        });
+        // The misfit of one pole would draw the others to it.
+        self.fixed = true;
+        mark_unconverged(&mut self.poles);
+        self.refine(Convergence::Residues);
+        self.fixed = false;
+        self.add_out_of_band_uncertainty();
+        add_noise_model_uncertainty(&self.data, &mut self.poles);
+        merged
+    }
+
+    fn lines_between(&self, i: usize, j: usize) -> f64 {
+        (self.poles[i].lambda.im - self.poles[j].lambda.im).abs() / self.data.frfs.step
+    }
+
+    /// Pairs of neighbouring poles of one shape, by their indices, the stronger first; each pole in
+    /// one pair at most.
+    fn same_shapes(&self) -> Vec<(usize, usize)> {
+        let single = |j: &usize| {
+            let pole = &self.poles[*j];
+            pole.multiplicity() == 1 && !pole.is_companion && pole.residues.len() >= MIN_FRFS
+        };
+        // Poles are in ascending frequency.
+        let singles: Vec<usize> = (0..self.poles.len()).filter(single).collect();
+        let mut pairs: Vec<(usize, usize)> = Vec::new();
+        for neighbours in singles.windows(2) {
+            let (i, j) = (neighbours[0], neighbours[1]);
+            let (a, b) = (&self.poles[i], &self.poles[j]);
+            let ratio = a.decay().max(b.decay()) / a.decay().min(b.decay());
+            let is_pair = 2.0 * a.separation(b) < MAX_DISTANCE_BANDWIDTHS
+                && self.lines_between(i, j) < MAX_DISTANCE_LINES
+                && ratio < MAX_DECAY_RATIO
+                && mac(&a.residues, &b.residues) > Some(MIN_MAC);
+            let is_free = pairs.last().is_none_or(|last| last.0 != i && last.1 != i);
+            if is_pair && is_free {
+                let stronger = a.quality.significance() >= b.quality.significance();
+                pairs.push(if stronger { (i, j) } else { (j, i) });
+            }
+        }
+        pairs
+    }
+}
