@@ -14,6 +14,10 @@ pub const METHOD: &str = "ml";
 const MIN_RECALL: f64 = 0.995;
 /// Largest share of spurious modes among the found ones.
 const MAX_SPURIOUS_SHARE: f64 = 0.005;
+/// Smallest share of the true modes found that is called good; largest share of the found modes
+/// that is spurious and called good.
+const MIN_GOOD_SHARE: f64 = 0.93;
+const MAX_SPURIOUS_GOOD_SHARE: f64 = 0.003;
 /// Smallest share of systems without a missed or spurious mode.
 const MIN_RIGHT_SHARE: f64 = 0.97;
 
@@ -46,6 +50,9 @@ pub struct Score {
     pub missed: usize,
     pub found: usize,
     pub spurious: usize,
+    /// True and spurious modes that are called good.
+    pub good: usize,
+    pub spurious_good: usize,
 }
 
 impl Score {
@@ -58,6 +65,11 @@ impl Score {
         self.missed += verdict.missed.len();
         self.found += model.modes.len();
         self.spurious += verdict.spurious.len();
+        let is_good = |f: usize| !model.modes[f].is_doubtful();
+        let good = (0..model.modes.len()).filter(|f| is_good(*f)).count();
+        let spurious_good = verdict.spurious.iter().filter(|f| is_good(**f)).count();
+        self.good += good - spurious_good;
+        self.spurious_good += spurious_good;
     }
 
     /// Share of the observable modes that is found.
@@ -68,6 +80,16 @@ impl Score {
     /// Share of the found modes that is spurious.
     pub fn spurious(&self) -> f64 {
         self.spurious as f64 / self.found as f64
+    }
+
+    /// Share of the true modes found that is called good.
+    pub fn good(&self) -> f64 {
+        self.good as f64 / (self.found - self.spurious) as f64
+    }
+
+    /// Share of the found modes that is spurious and called good.
+    pub fn spurious_good(&self) -> f64 {
+        self.spurious_good as f64 / self.found as f64
     }
 
     /// Share of systems without a missed or spurious mode.
@@ -100,4 +122,10 @@ fn every_observable_mode_is_found_and_none_is_invented() {
         score.spurious()
     );
     assert!(score.right() >= MIN_RIGHT_SHARE, "{}", score.right());
+    assert!(score.good() >= MIN_GOOD_SHARE, "{}", score.good());
+    assert!(
+        score.spurious_good() <= MAX_SPURIOUS_GOOD_SHARE,
+        "{}",
+        score.spurious_good()
+    );
 }

@@ -19,7 +19,7 @@ mod structure;
 use modalign::finding::Code;
 use modalign::frf::FrfSet;
 use modalign::identify::{IdentifyOptions, identify};
-use modalign::modal::ModalModel;
+use modalign::modal::{Grade, ModalModel};
 use modalign::study::{Judge, System};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -53,6 +53,8 @@ struct Counts {
     observable: usize,
     found: usize,
     false_modes: usize,
+    /// Found and false modes that are called good.
+    good: [usize; 2],
     intervals: usize,
     damping_intervals: usize,
     holding: [usize; 2],
@@ -91,6 +93,19 @@ impl Counts {
             slowest: seconds,
             ..Self::default()
         };
+        let is_good = |f: &usize| {
+            let quality = found.modes[*f].quality.as_ref();
+            quality.is_some_and(|quality| quality.verdict == Grade::Good)
+        };
+        counts.good = [
+            verdict
+                .partner
+                .iter()
+                .flatten()
+                .filter(|f| is_good(f))
+                .count(),
+            verdict.spurious.iter().filter(|f| is_good(f)).count(),
+        ];
         for (r, partner) in verdict.partner.iter().enumerate() {
             let Some(mode) = partner.map(|f| &found.modes[f]) else {
                 continue;
@@ -121,6 +136,7 @@ impl Counts {
             observable: self.observable + other.observable,
             found: self.found + other.found,
             false_modes: self.false_modes + other.false_modes,
+            good: [0, 1].map(|k| self.good[k] + other.good[k]),
             intervals: self.intervals + other.intervals,
             damping_intervals: self.damping_intervals + other.damping_intervals,
             holding: [
@@ -139,10 +155,12 @@ impl Counts {
             of => format!("{:.1}", 100.0 * count as f64 / of as f64),
         };
         format!(
-            "{name:<34} {:>4} of {:>4} found, {:>3} false, intervals {:>4}: f {:>5} %, ζ {:>5} %; {:.1} s each, {:.1} s at most",
+            "{name:<34} {:>4} of {:>4} found, {:>3} false, good {:>4} and {:>2}, intervals {:>4}: f {:>5} %, ζ {:>5} %; {:.1} s each, {:.1} s at most",
             self.found,
             self.observable,
             self.false_modes,
+            self.good[0],
+            self.good[1],
             self.intervals,
             percent(self.holding[0], self.intervals),
             percent(self.holding[1], self.damping_intervals),
