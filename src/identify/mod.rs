@@ -80,7 +80,8 @@ use method::{Method, Outcome};
 
 pub use error::IdentifyError;
 pub use estimator::{
-    Candidate, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus, PoleTable,
+    Candidate, Evidence, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus,
+    PoleTable,
 };
 pub use mode_indicators::{Indicators, cmif_at, indicators};
 pub use modes::quality::assess;

@@ -40,14 +40,14 @@ const MIN_OUTPUTS: usize = 3;
 /// Minimum number of values beyond rank one, `modes (outputs − 1) (inputs − 1)`.
 const MIN_VALUES: usize = 8;
 /// Energy beyond rank one of all modes with the gains that the other modes have, as a fraction of
-/// that without gains. Of 240 simulated tests without common gains one was below it; the median is
-/// 1.2, and 0.3 of gains of 2 % in noise of 0.1 %.
-const MAX_REMAINING_FRACTION: f64 = 0.7;
+/// that without gains. Without common gains it is above one in half of all tests, and above 0.58 in
+/// 239 of 240 simulated ones; 0.7 takes close modes of hammer tests for gain errors.
+const MAX_REMAINING_FRACTION: f64 = 0.4;
 /// The same where modes were left out because they are not of rank one: of repeated roots alone, a
 /// selection of three modes comes below 0.7 in 1 of 8 (`repeated_roots_are_no_gain_errors`).
 const MAX_REMAINING_OF_SELECTED: f64 = 0.3;
-/// Fraction of the modes whose energy beyond rank one decreases.
-const MIN_DECREASED_FRACTION: f64 = 0.6;
+/// Minimum fraction of the modes of each of which no more than this remains.
+const MIN_EXPLAINED_FRACTION: f64 = 0.6;
 /// The same with signs alone, where sizes are not plausible.
 const MAX_REMAINING_SIGNS: f64 = 0.05;
 /// Largest gain error, as a factor. Hits in a direction that a repeated root hardly moves in make
@@ -242,9 +242,9 @@ impl GainErrors {
 fn are_explained(gains: &Gains, max_remaining: f64) -> bool {
     let (before, after): (f64, f64) = (gains.before.iter().sum(), gains.after.iter().sum());
     let of_modes = gains.before.iter().zip(&gains.after);
-    let decreased = of_modes.filter(|(before, after)| after < before).count();
-    let least = MIN_DECREASED_FRACTION * gains.before.len() as f64;
-    after < max_remaining * before && decreased as f64 >= least
+    let explained = of_modes.filter(|(before, after)| **after < max_remaining * **before);
+    let minimum = MIN_EXPLAINED_FRACTION * gains.before.len() as f64;
+    after < max_remaining * before && explained.count() as f64 >= minimum
 }
 
 /// Residues of the modes at the detected peaks, by local linear fits.

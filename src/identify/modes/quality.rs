@@ -19,6 +19,8 @@ use crate::identify::estimator::Candidate;
 const FREQUENCY_STDS_BANDWIDTHS: [f64; 2] = [0.05, 0.25];
 const FREQUENCY_STDS_FRACTION: [f64; 2] = [2e-4, 1e-3];
 const MAX_FREQUENCY_STDS_FRACTION: [f64; 2] = [5e-3, 2e-2];
+/// Standard deviation, half-power bandwidths, above which a mode with other bad values is no mode.
+const LOST_STD_BANDWIDTHS: f64 = 0.5;
 /// Standard deviation of a damping ratio as a fraction of it, up to which it is good, and doubtful.
 const DAMPING_STDS: [f64; 2] = [0.1, 0.3];
 /// The same of a shape: norm of its standard deviations over its norm; the expected loss of MAC is
@@ -295,7 +297,9 @@ fn quality(mode: &Mode, rank: usize, findings: &[Finding]) -> Quality {
         .filter(|grade| **grade == Some(Grade::Bad))
         .count();
     if quality.frequency == Some(Grade::Bad) && bad > 1 {
-        quality.verdict = Grade::Bad;
+        let is_lost = frequency > Some(LOST_STD_BANDWIDTHS * width);
+        let grade = if is_lost { Grade::Bad } else { Grade::Doubtful };
+        quality.verdict = quality.verdict.max(grade);
     }
     quality
 }
@@ -386,8 +390,16 @@ mod tests {
             (doubtful, doubtful, doubtful, 3)
         );
         assert_eq!(grades([0.2, 0.301, 0.301]), (doubtful, bad, bad, 3));
-        let worst = quality(&mode([0.251, 0.301, 0.0]), 0, &[]);
-        assert_eq!((worst.frequency, worst.verdict), (bad, Grade::Bad));
+        let worst = |std: f64| quality(&mode([std, 0.301, 0.0]), 0, &[]);
+        assert_eq!(
+            (worst(0.251).frequency, worst(0.251).verdict),
+            (bad, Grade::Doubtful)
+        );
+        assert_eq!(worst(0.51).verdict, Grade::Bad);
+        assert_eq!(
+            quality(&mode([0.51, 0.0, 0.0]), 0, &[]).verdict,
+            Grade::Good
+        );
     }
 
     #[test]

@@ -95,8 +95,9 @@ impl PoleModel {
         }
     }
 
-    /// Removes poles that are undetermined when misfit counts as noise: the residual of aligned
-    /// runs exceeds the noise.
+    /// Removes poles that are undetermined when misfit counts as noise, as the residual of aligned
+    /// runs exceeds the noise, and that lie beside another pole: an isolated one is no part of a
+    /// mode that shifts.
     fn drop_undetermined(&mut self) {
         let pole_metrics = self.pole_metrics();
         let ratio = |j: usize| {
@@ -104,8 +105,12 @@ impl PoleModel {
             pole.quality.pole_std * pole_metrics[j].inflation() / pole.decay()
         };
         let ratios = (0..self.poles.len()).map(|j| (j, ratio(j)));
+        let has_neighbour = |j: usize| {
+            let mut others = (0..self.poles.len()).filter(|i| *i != j);
+            others.any(|i| self.poles[j].separation(&self.poles[i]) < RETEST_BANDWIDTHS)
+        };
         let undetermined: Vec<(usize, f64)> = ratios
-            .filter(|(_, ratio)| *ratio >= MAX_POLE_STD_OVER_DECAY_RATE)
+            .filter(|(j, ratio)| *ratio >= MAX_POLE_STD_OVER_DECAY_RATE && has_neighbour(*j))
             .collect();
         if undetermined.is_empty() {
             return;
