@@ -380,13 +380,13 @@ mod tests {
             )
         };
         let (good, doubtful, bad) = (Some(Grade::Good), Some(Grade::Doubtful), Some(Grade::Bad));
-        assert_eq!(grades([0.049, 0.099, 0.099]), (good, good, good, 0));
+        assert_eq!(grades([0.04998, 0.09996, 0.09996]), (good, good, good, 0));
         assert_eq!(
-            grades([0.051, 0.101, 0.101]),
+            grades([0.05002, 0.10004, 0.10004]),
             (doubtful, doubtful, doubtful, 3)
         );
         assert_eq!(
-            grades([0.249, 0.299, 0.299]),
+            grades([0.2499, 0.2999, 0.2999]),
             (doubtful, doubtful, doubtful, 3)
         );
         assert_eq!(grades([0.2, 0.301, 0.301]), (doubtful, bad, bad, 3));

@@ -87,13 +87,7 @@ impl<'a> RunMeans<'a> {
             return None;
         }
         let steps = self.steps(pole)?;
-        let known = |run: usize| known_shifts.map_or(Complex64::ZERO, |shifts| shifts[run]);
-        let all = steps.iter().enumerate();
-        let shifts = all.filter_map(|(run, step)| Some((step.as_ref()?, known(run))));
-        let shifts: Vec<(Complex64, f64)> = shifts
-            .map(|(step, known)| (step.0 + known, step.1))
-            .collect();
-        mean_over_runs(&shifts)
+        mean_over_runs(&total_shifts(&steps, known_shifts))
     }
 
     /// Step of the pole in each run, rad/s, with the variance of each of its parts in the noise;
@@ -141,6 +135,19 @@ impl<'a> RunMeans<'a> {
         };
         Some(self.runs.iter().map(step).collect())
     }
+}
+
+/// Step of each run that has one, with the shift of the same run that is corrected in the data.
+fn total_shifts(
+    steps: &[Option<(Complex64, f64)>],
+    known_shifts: Option<&[Complex64]>,
+) -> Vec<(Complex64, f64)> {
+    let known = |run: usize| known_shifts.map_or(Complex64::ZERO, |shifts| shifts[run]);
+    let total = |(run, step): (usize, &Option<(Complex64, f64)>)| {
+        let (step, variance) = (*step)?;
+        Some((step + known(run), variance))
+    };
+    steps.iter().enumerate().filter_map(total).collect()
 }
 
 /// The mean of the frequencies of shifts, with the variances of their parts; `None` where these
@@ -248,6 +255,16 @@ mod tests {
                 "{runs} runs: {share}"
             );
         }
+    }
+
+    #[test]
+    fn the_known_shift_of_a_run_is_added_to_its_step() {
+        let at = |im: f64| Complex64::new(0.0, im);
+        let steps = [Some((at(1.0), 0.1)), None, Some((at(2.0), 0.3))];
+        let known = [10.0, 20.0, 40.0].map(at);
+        let shifts = total_shifts(&steps, Some(&known));
+        assert_eq!(shifts, [(at(11.0), 0.1), (at(42.0), 0.3)]);
+        assert_eq!(total_shifts(&steps, None), [(at(1.0), 0.1), (at(2.0), 0.3)]);
     }
 
     #[test]
