@@ -245,10 +245,19 @@ impl VarianceSamples {
         if let Some(response_noise) = &self.response_noise {
             return response_noise[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
         }
-        let (variance, power) = (&self.variance[lines.clone()], &self.power[lines]);
-        let mut sorted = variance.to_vec();
+        let median = self.median(lines.clone());
+        self.mean_from_median(median, lines, b, max_ratio)
+    }
+
+    /// Median of the variances of some lines.
+    fn median(&self, lines: Range<usize>) -> f64 {
+        let mut sorted = self.variance[lines].to_vec();
         let middle = sorted.len() / 2;
-        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    fn mean_from_median(&self, median: f64, lines: Range<usize>, b: f64, max_ratio: f64) -> f64 {
+        let (variance, power) = (&self.variance[lines.clone()], &self.power[lines]);
         let minimum = MIN_RESPONSE_NOISE_RATIO * median;
         let mut a = median;
         for _ in 0..WEIGHT_ITERATIONS {
@@ -273,15 +282,18 @@ impl VarianceSamples {
     /// Log-likelihood of every trial value of b.
     fn likelihoods(&self, lines: Range<usize>, tried: &[f64], max_ratio: f64) -> Vec<f64> {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
-        let constant =
-            |b: f64| vec![self.mean_response_noise(lines.clone(), b, max_ratio); variance.len()];
+        let stated = self.response_noise.as_ref();
+        let median = match stated {
+            Some(_) => 0.0,
+            None => self.median(lines.clone()),
+        };
+        let constant = |b: f64| {
+            let mean = self.mean_from_median(median, lines.clone(), b, max_ratio);
+            vec![mean; variance.len()]
+        };
         let of = |b: &f64| {
-            let response_noise = self
-                .response_noise
-                .as_ref()
-                .map(|noise| &noise[lines.clone()]);
-            let sum = match response_noise {
-                Some(noise) => deviance(noise, variance, power, *b, max_ratio),
+            let sum = match stated {
+                Some(noise) => deviance(&noise[lines.clone()], variance, power, *b, max_ratio),
                 None => deviance(&constant(*b), variance, power, *b, max_ratio),
             };
             -0.5 * self.freedom() / self.lines_per_effective_line * sum

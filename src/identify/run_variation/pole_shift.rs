@@ -1,11 +1,13 @@
 //! The joint fit of all runs gives one resonance a pole in each run: initial poles, and a
 //! Gauss-Newton iteration over all runs together.
 
+use std::rc::Rc;
+
 use num_complex::Complex64;
 
 use crate::identify::run_variation::resonance::{CONVERGED_STEP_DECAY_RATES, Resonance};
 use crate::identify::run_variation::run_fit::{Best, Line, Run, Step};
-use crate::linalg::sort_ascending_by;
+use crate::linalg::{ComplexMatrix, sort_ascending_by};
 
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 30;
@@ -58,9 +60,18 @@ impl Resonance<'_> {
         runs: &'a [Vec<usize>],
         other_poles: impl Fn(usize) -> Vec<Complex64>,
     ) -> Vec<Run<'a>> {
-        (0..runs.len())
-            .map(|run| Run::new(self, self.values(), &runs[run], &other_poles(run)))
-            .collect()
+        // Poles that do not shift have the same profiles in all runs.
+        let mut last: Option<(Vec<Complex64>, Rc<ComplexMatrix>)> = None;
+        let mut run = |(run, functions): (usize, &'a Vec<usize>)| {
+            let poles = other_poles(run);
+            let basis = match last.take() {
+                Some((same, basis)) if same == poles => basis,
+                _ => Rc::new(self.basis(&poles)),
+            };
+            last = Some((poles, Rc::clone(&basis)));
+            Run::new(self, self.values(), functions, basis)
+        };
+        runs.iter().enumerate().map(&mut run).collect()
     }
 
     /// Fits poles with an individual frequency in every run by Gauss-Newton steps; `None` where a

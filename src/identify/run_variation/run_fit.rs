@@ -1,6 +1,8 @@
 //! The fit within one run: Gauss-Newton steps and initial poles from the FRFs of this run alone,
 //! with all other poles and out-of-band terms fitted as well.
 
+use std::rc::Rc;
+
 use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ThinQr, sort_ascending_by};
@@ -56,7 +58,7 @@ pub(super) struct Run<'a> {
     resonance: &'a Resonance<'a>,
     pub functions: &'a [usize],
     /// Orthonormal basis of out-of-band terms and other poles.
-    others: ComplexMatrix,
+    others: Rc<ComplexMatrix>,
     /// Values orthogonal to that basis: lines × FRFs of the run.
     values: ComplexMatrix,
 }
@@ -141,9 +143,8 @@ impl<'a> Run<'a> {
         resonance: &'a Resonance<'a>,
         values: &ComplexMatrix,
         functions: &'a [usize],
-        other_poles: &[Complex64],
+        others: Rc<ComplexMatrix>,
     ) -> Self {
-        let others = resonance.basis(other_poles);
         let values = linalg::complex_matrix(values.nrows(), functions.len(), |k, index| {
             values[(k, functions[index])]
         });

@@ -1,6 +1,8 @@
 //! The test whether an individual pole in every run fits a resonance better than several poles
 //! common to all runs.
 
+use std::rc::Rc;
+
 use num_complex::Complex64;
 
 use crate::linalg;
@@ -92,7 +94,8 @@ impl Resonance<'_> {
             return self.screen_strongest_runs(runs);
         };
         let functions: Vec<usize> = (0..self.functions()).collect();
-        let run = Run::new(self, &self.aligned, &functions, &self.others);
+        let others = Rc::new(self.basis(&self.others));
+        let run = Run::new(self, &self.aligned, &functions, others);
         let fit = run.fit_amplitudes(&[model_pole.lambda]);
         let run_step = |run: &Vec<usize>| fit.steps(run.iter().copied())[0];
         let steps: Vec<Step> = runs.iter().map(run_step).collect();
