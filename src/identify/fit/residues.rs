@@ -19,6 +19,9 @@ use crate::identify::data::band_frfs::BandFrfs;
 /// Iterations of the subtraction; each gains the coupling of separate modes, a factor of ten or
 /// more.
 const ITERATIONS: usize = 6;
+/// Change of the residues of a mode, over the largest of them, below which no further iteration is
+/// needed.
+const CONVERGED_CHANGE: f64 = 1e-9;
 /// Maximum distance of poles that are fitted jointly, mean half-power bandwidths.
 const JOINT_FIT_BANDWIDTHS: f64 = 6.0;
 
@@ -30,12 +33,34 @@ pub(in crate::identify) fn residues(
 ) -> Vec<Vec<Complex64>> {
     let mut residues = vec![vec![Complex64::ZERO; frfs.functions()]; poles.len()];
     for _ in 0..ITERATIONS {
+        let before = residues;
         residues = (0..poles.len())
             .into_par_iter()
-            .map(|j| residues_of_one_mode(frfs, poles, &residues, j, windows[j].clone()))
+            .map(|j| residues_of_one_mode(frfs, poles, &before, j, windows[j].clone()))
             .collect();
+        if before.iter().zip(&residues).all(are_equal) {
+            break;
+        }
     }
     residues
+}
+
+/// Whether an iteration hardly changed the residues of a mode.
+fn are_equal((before, now): (&Vec<Complex64>, &Vec<Complex64>)) -> bool {
+    let largest = now.iter().map(Complex64::norm_sqr).fold(0.0, f64::max);
+    let change = before.iter().zip(now).map(|(a, b)| (a - b).norm_sqr());
+    change.fold(0.0, f64::max) <= CONVERGED_CHANGE * CONVERGED_CHANGE * largest
+}
+
+/// `E|δA|²` of the residue of a single pole in white noise of unit variance, with constant and
+/// slope fitted on the same lines.
+pub(in crate::identify) fn variance_factor(omega: &[f64], lambda: Complex64) -> f64 {
+    let qr = linalg::ThinQr::or_not_a_number(&pole_columns(omega, lambda, 3));
+    let inverse = linalg::inverse_upper(&qr.r);
+    let sum: f64 = (0..inverse.ncols())
+        .map(|k| inverse[(0, k)].norm_sqr())
+        .sum();
+    sum * lambda.re * lambda.re
 }
 
 fn residues_of_one_mode(
@@ -150,23 +175,25 @@ pub(in crate::identify) fn remainder(
     kept: &[usize],
     lines: Range<usize>,
 ) -> Vec<Vec<Complex64>> {
-    let mut remaining: Vec<Vec<Complex64>> = frfs
-        .values
-        .iter()
-        .map(|v| v[lines.clone()].to_vec())
-        .collect();
-    for (j, (lambda, mode_residues)) in poles.iter().zip(residues).enumerate() {
-        let keep = kept.contains(&j);
-        for (i, line) in lines.clone().enumerate() {
-            let s = Complex64::new(0.0, frfs.omega[line]);
-            let (term, mirrored) = ((s - lambda).inv(), (s - lambda.conj()).inv());
-            for (values, residue) in remaining.iter_mut().zip(mode_residues) {
-                values[i] = values[i] - residue.conj() * mirrored;
-                if !keep {
-                    values[i] = values[i] - residue * term;
-                }
-            }
+    let columns = linalg::complex_matrix(lines.len(), 2 * poles.len(), |i, column| {
+        let lambda = poles[column / 2];
+        let s = Complex64::new(0.0, frfs.omega[lines.start + i]);
+        match column % 2 {
+            0 if kept.contains(&(column / 2)) => Complex64::ZERO,
+            0 => (s - lambda).inv(),
+            _ => (s - lambda.conj()).inv(),
         }
-    }
-    remaining
+    });
+    let amplitudes = linalg::complex_matrix(2 * poles.len(), frfs.functions(), |row, f| {
+        let residue = residues[row / 2][f];
+        match row % 2 {
+            0 => residue,
+            _ => residue.conj(),
+        }
+    });
+    let values = frfs.values.matrix().subrows(lines.start, lines.len());
+    let remaining = linalg::subtract_product(values, &columns, &amplitudes, |_, _| {});
+    (0..remaining.ncols())
+        .map(|f| remaining.col_as_slice(f).to_vec())
+        .collect()
 }

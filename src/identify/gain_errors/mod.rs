@@ -46,6 +46,11 @@ const MAX_REMAINING_FRACTION: f64 = 0.4;
 /// The same where modes were left out because they are not of rank one: of repeated roots alone, a
 /// selection of three modes comes below 0.7 in 1 of 8 (`repeated_roots_are_no_gain_errors`).
 const MAX_REMAINING_OF_SELECTED: f64 = 0.3;
+/// Energy beyond rank one of a mode, over that of noise, below which gains explain none of it: what
+/// remains with the gains of the other modes is the noise at least. Larger: errors that the limits
+/// below would find are missed; smaller: noise is searched for gains
+/// (`energy_beyond_rank_one_is_that_of_noise_where_there_are_no_gain_errors`).
+const MIN_ENERGY_OVER_NOISE: f64 = 1.5;
 /// Minimum fraction of the modes of each of which no more than this remains.
 const MIN_EXPLAINED_FRACTION: f64 = 0.6;
 /// The same with signs alone, where sizes are not plausible.
@@ -93,6 +98,14 @@ impl GainErrors {
         let mut modes = residues_at_peaks(set, band, &frf_matrix, false_alarm)?;
         let peaks = modes.len();
         let min_modes = MIN_MODES.max((MIN_MODES_FRACTION * peaks as f64).ceil() as usize);
+        let mut beyond_noise = 0;
+        for mode in &modes {
+            let ratio = mode.beyond_rank_one_over_noise()?;
+            beyond_noise += usize::from(ratio > MIN_ENERGY_OVER_NOISE || ratio.is_nan());
+        }
+        if (beyond_noise as f64) < MIN_EXPLAINED_FRACTION * min_modes as f64 {
+            return Ok(None);
+        }
         loop {
             let values = modes.len() * (outputs - 1) * (inputs - 1);
             if modes.len() < min_modes || values < MIN_VALUES {
@@ -268,13 +281,16 @@ fn residues_at_peaks(
     };
     let windows: Vec<_> = poles.iter().map(window).collect();
     let residues = residues::residues(frfs, &poles, &windows);
-    let mode = |values: Vec<Complex64>| {
-        let by_rows = frf_matrix
-            .outputs
-            .iter()
-            .flatten()
-            .map(|(_, function)| values[*function]);
-        ModeResidues::new(frf_matrix.inputs, by_rows.collect())
+    let mode = |(j, values): (usize, Vec<Complex64>)| {
+        let numbers = || frf_matrix.outputs.iter().flatten().map(|(_, f)| *f);
+        let noise = numbers().map(|f| data.noise.mean_variance(f, windows[j].clone()));
+        let factor = residues::variance_factor(&frfs.omega[windows[j].clone()], poles[j]);
+        let variance = factor * noise.sum::<f64>();
+        ModeResidues::new(
+            frf_matrix.inputs,
+            numbers().map(|f| values[f]).collect(),
+            variance,
+        )
     };
-    Ok(residues.into_iter().filter_map(mode).collect())
+    Ok(residues.into_iter().enumerate().filter_map(mode).collect())
 }

@@ -40,6 +40,8 @@ const MIN_SIGN_ENERGY: f64 = 1e-3;
 pub(super) struct ModeResidues {
     inputs: usize,
     values: Vec<Complex64>,
+    /// Expected energy beyond rank one of their noise.
+    noise: f64,
 }
 
 /// Gains with what they explain.
@@ -63,13 +65,24 @@ struct RankOne {
 }
 
 impl ModeResidues {
-    /// Residues by rows; `None` where all are zero.
-    pub fn new(inputs: usize, values: Vec<Complex64>) -> Option<Self> {
+    /// Residues by rows, with the sum of their variances; `None` where all are zero.
+    pub fn new(inputs: usize, values: Vec<Complex64>, variance: f64) -> Option<Self> {
         let norm = values.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+        let outputs = values.len() / inputs;
+        let beyond = ((outputs - 1) * (inputs - 1)) as f64 / values.len() as f64;
         (norm > 0.0 && norm.is_finite()).then(|| Self {
             inputs,
             values: values.into_iter().map(|value| value / norm).collect(),
+            noise: variance * beyond / (norm * norm),
         })
+    }
+
+    /// Energy beyond rank one, over that of the noise.
+    ///
+    /// # Errors
+    /// [`LinalgError`] where singular values do not converge.
+    pub fn beyond_rank_one_over_noise(&self) -> Result<f64, LinalgError> {
+        Ok(beyond_rank_one(&self.gram(), self.inputs)? / self.noise)
     }
 
     /// Residue of an FRF by its index in rows.
@@ -97,28 +110,22 @@ impl ModeResidues {
     /// The best shape and participation factors for given gains, from previous ones.
     fn refined(&self, gains: &[f64], mut start: RankOne) -> RankOne {
         for _ in 0..SHAPE_ALTERNATIONS {
-            for (output, factor) in start.outputs.iter_mut().enumerate() {
-                let gains = &gains[output * self.inputs..][..self.inputs];
-                *factor = ratio(self.row(output), gains, &start.inputs);
+            let mut by_input = vec![Projection::default(); self.inputs];
+            let rows = self
+                .values
+                .chunks(self.inputs)
+                .zip(gains.chunks(self.inputs));
+            for (factor, (row, gains)) in start.outputs.iter_mut().zip(rows) {
+                let mut by_output = Projection::default();
+                for ((value, gain), input) in row.iter().zip(gains).zip(&start.inputs) {
+                    by_output.add(value, input * *gain);
+                }
+                *factor = by_output.factor();
+                for ((sum, value), gain) in by_input.iter_mut().zip(row).zip(gains) {
+                    sum.add(value, *factor * *gain);
+                }
             }
-            for (input, factor) in start.inputs.iter_mut().enumerate() {
-                let at = |values: &[f64]| -> Vec<f64> {
-                    values
-                        .iter()
-                        .skip(input)
-                        .step_by(self.inputs)
-                        .copied()
-                        .collect()
-                };
-                let column: Vec<Complex64> = self
-                    .values
-                    .iter()
-                    .skip(input)
-                    .step_by(self.inputs)
-                    .copied()
-                    .collect();
-                *factor = ratio(&column, &at(gains), &start.outputs);
-            }
+            start.inputs = by_input.iter().map(Projection::factor).collect();
         }
         start
     }
@@ -160,17 +167,28 @@ impl RankOne {
     }
 }
 
-/// The factor x of `values ≈ x gains ∘ factors`.
-fn ratio(values: &[Complex64], gains: &[f64], factors: &[Complex64]) -> Complex64 {
-    let (mut along, mut energy) = (Complex64::ZERO, 0.0);
-    for ((value, gain), factor) in values.iter().zip(gains).zip(factors) {
-        along += value * factor.conj() * *gain;
-        energy += (factor * *gain).norm_sqr();
+/// Sums of the least squares solution x of `v ≈ x f`.
+#[derive(Clone, Copy, Default)]
+struct Projection {
+    /// `Σ v conj(f)`.
+    along: Complex64,
+    /// `Σ|f|²`.
+    energy: f64,
+}
+
+impl Projection {
+    fn add(&mut self, value: &Complex64, factor: Complex64) {
+        self.along = self.along + value * factor.conj();
+        self.energy += factor.norm_sqr();
     }
-    if energy > 0.0 {
-        along / energy
-    } else {
-        Complex64::ZERO
+
+    /// x; 0 where f is.
+    fn factor(&self) -> Complex64 {
+        if self.energy > 0.0 {
+            self.along / self.energy
+        } else {
+            Complex64::ZERO
+        }
     }
 }
 

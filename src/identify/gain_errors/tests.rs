@@ -176,6 +176,40 @@ fn a_driving_point_decides_which_of_two_frfs_is_reversed() {
     }
 }
 
+/// Energy beyond rank one of each mode over that of noise.
+fn energies_over_noise(set: &FrfSet) -> Vec<f64> {
+    let band = Band::new(20.0, 160.0).unwrap();
+    let modes = residues_at_peaks(set, band, &FrfMatrix::new(set.functions()), 1e-3).unwrap();
+    let ratio = |mode: &ModeResidues| mode.beyond_rank_one_over_noise().unwrap();
+    modes.iter().map(ratio).collect()
+}
+
+#[test]
+fn energy_beyond_rank_one_is_that_of_noise_where_there_are_no_gain_errors() {
+    let mut of_noise = Vec::new();
+    for seed in 0..8 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let shapes = shapes(&mut random, 8, 3);
+        let set = measured(&mut random, &shapes, |_, _| 1.0);
+        of_noise.extend(energies_over_noise(&set));
+        let errors: Vec<f64> = (0..24).map(|_| 0.02 * normal(&mut random)).collect();
+        let set = measured(&mut random, &shapes, |o, i| 1.0 + errors[o * 3 + i]);
+        let of_errors = energies_over_noise(&set);
+        let fewest = of_errors.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(
+            fewest > 3.0 * MIN_ENERGY_OVER_NOISE,
+            "{seed}: {of_errors:?}"
+        );
+    }
+    // Fourteen complex values each: a standard deviation of 0.27 of one, and of 0.04 of their mean.
+    let mean = of_noise.iter().sum::<f64>() / of_noise.len() as f64;
+    assert!((mean - 1.0).abs() < 0.25, "{mean}");
+    let above = of_noise
+        .iter()
+        .filter(|ratio| **ratio > MIN_ENERGY_OVER_NOISE);
+    assert!(above.count() <= of_noise.len() / 10, "{of_noise:?}");
+}
+
 #[test]
 fn right_frfs_have_no_gain_errors() {
     for seed in 0..8 {
