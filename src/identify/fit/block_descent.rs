@@ -18,7 +18,6 @@ use crate::linalg::{self, ComplexMatrix, sort_ascending_by};
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combined};
-use crate::identify::data::residual::residues;
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
@@ -36,10 +35,15 @@ const MAX_BLOCK_SEPARATION: f64 = 1.0;
 const MAX_FREE_SEPARATION: f64 = 4.0;
 /// Maximum length of the lines of a merged block, over the longer one of its groups.
 const MAX_MERGED_LENGTH_RATIO: f64 = 1.5;
+/// Maximum number of unknowns of a merged block: the work of a step rises with their third power.
+/// With 120 modes at three references a fit takes three times as long without this limit; with a
+/// third of it, fits of overlapping poles of recordings take up to four times as long.
+const MAX_MERGED_UNKNOWNS: usize = 60;
 /// Maximum number of steps of each block in a sweep.
 const MAX_STEPS: usize = 3;
-/// Maximum number of sweeps.
+/// Maximum number of sweeps, and of those of a trial.
 const MAX_SWEEPS: usize = 40;
+const MAX_TRIAL_SWEEPS: usize = 4;
 /// Step over its standard deviation below which a pole has converged.
 const CONVERGED_STEP_STDS: f64 = 1e-2;
 /// The same while poles may still be removed.
@@ -53,6 +57,8 @@ const CONVERGED_STEP_DECAY_RATES: f64 = 1e-10;
 pub(in crate::identify) enum Convergence {
     /// Residues alone: the poles are fixed.
     Residues,
+    /// Sufficient to compare the residual with that of another line shape.
+    Trial,
     /// Sufficient to decide which poles are kept.
     Coarse,
     /// Sufficient to assess the residual.
@@ -82,9 +88,13 @@ pub(in crate::identify) fn refine(
     let (mut sweep, mut next) = (0, 0);
     let mut lost = false;
     windows.retain(|window| window.is_of(data));
-    for round in 1..=MAX_SWEEPS {
+    let last = match stop {
+        Convergence::Trial => MAX_TRIAL_SWEEPS,
+        _ => MAX_SWEEPS,
+    };
+    for round in 1..=last {
         // The last fit of a block determines its variances.
-        is_final |= round == MAX_SWEEPS;
+        is_final |= round == last;
         let fresh = roots
             .iter()
             .any(|root| matches!(root.progress, FitState::Fresh(_)));
@@ -115,7 +125,6 @@ pub(in crate::identify) fn refine(
             data,
             frf_matrix,
             poles: &roots,
-            residues: &residues(&roots, data.frfs.functions()),
             out_of_band_coordinates: out_of_band_coordinates.as_ref(),
             needs_shape_stds: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
@@ -199,7 +208,9 @@ fn is_visible(frfs: &BandFrfs, root: &ModelPole) -> bool {
 fn update_poles(roots: &mut [ModelPole], block: &Block, fitted: &Fitted, stop: Convergence) {
     let misfit_factor = fitted.misfit.max(1.0).sqrt();
     let max_step_stds = match stop {
-        Convergence::Coarse | Convergence::Residues => COARSE_STEP_STDS * misfit_factor,
+        Convergence::Trial | Convergence::Coarse | Convergence::Residues => {
+            COARSE_STEP_STDS * misfit_factor
+        }
         Convergence::ResidualTest => CONVERGED_STEP_STDS * misfit_factor,
         Convergence::Fine => CONVERGED_STEP_STDS,
     };
@@ -295,15 +306,17 @@ fn blocks(
         .collect()
 }
 
-/// Merges groups on nearly the same lines: one block is faster than two.
+/// Merges groups on nearly the same lines: one block converges in fewer sweeps than two.
 fn merge_groups(frfs: &BandFrfs, roots: &[ModelPole], groups: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     let lines = |group: &[usize]| window(frfs, group.iter().map(|j| &roots[*j])).len();
+    let unknowns = |j: &usize| 1 + roots[*j].multiplicity() * roots[*j].free_inputs().count();
     let mut merged: Vec<Vec<usize>> = Vec::new();
     for group in groups {
         if let Some(last) = merged.last_mut() {
             let longest = lines(last).max(lines(&group));
             let both = [last.as_slice(), &group].concat();
-            if lines(&both) as f64 <= MAX_MERGED_LENGTH_RATIO * longest as f64 {
+            let few = both.iter().map(unknowns).sum::<usize>() <= MAX_MERGED_UNKNOWNS;
+            if few && lines(&both) as f64 <= MAX_MERGED_LENGTH_RATIO * longest as f64 {
                 *last = both;
                 continue;
             }

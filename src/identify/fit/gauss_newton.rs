@@ -9,9 +9,9 @@
 //! depends on λ and L alone; Gauss-Newton is applied to it with the Jacobian of Kaufman (1975). The
 //! model is analytic in all unknowns, so that the steps are complex least squares.
 //!
-//! The data of all FRFs are compressed to the coordinates of `1, x, g_j, g_j', …` with `g_j =
-//! σ_j/(iω − λ_j)` ([`compressed_band`](crate::identify::fit::compressed_band)): as many numbers as
-//! there are columns, without loss for a step.
+//! The data of all FRFs are compressed to the coordinates of the functions that poles and
+//! out-of-band terms can be ([`compressed_band`](crate::identify::fit::compressed_band)): a step
+//! reads no line.
 //!
 //! At convergence the matrix of the normal equations is the Fisher information of (λ, L) with all
 //! linear unknowns profiled out: its inverse holds the Cramér-Rao bounds, twice the variance of
@@ -27,10 +27,8 @@ use rayon::prelude::*;
 
 use crate::linalg::{self, ComplexMatrix};
 
-use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{ModelPole, is_allowed_pole};
-use crate::identify::data::residual::pole_columns;
 use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues, KnownResponse};
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::mode_strength::{Strength, Strengths};
@@ -86,24 +84,12 @@ pub(in crate::identify) struct Fitted {
 pub(in crate::identify) struct FitContext<'a> {
     pub data: &'a FitData,
     pub frf_matrix: &'a FrfMatrix,
-    /// All poles, and their residues.
+    /// All poles, with their residues.
     pub poles: &'a [ModelPole],
-    pub residues: &'a ComplexMatrix,
     /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
     pub out_of_band_coordinates: Option<&'a ComplexMatrix>,
     /// Whether the shapes need standard deviations: all poles have converged.
     pub needs_shape_stds: bool,
-}
-
-impl FitContext<'_> {
-    /// Response of the poles, with their line shapes, and of the out-of-band terms.
-    fn known_response<'a>(&'a self, line_shapes: &'a ComplexMatrix) -> KnownResponse<'a> {
-        KnownResponse {
-            line_shapes,
-            residues: self.residues,
-            out_of_band: self.out_of_band_coordinates,
-        }
-    }
 }
 
 /// Fits a block with at most `steps` steps; with none, the residues alone. The compressed band is
@@ -194,42 +180,29 @@ fn damped_step(
 /// The problem of a block in its compressed band.
 struct BandProblem<'a> {
     around: &'a FitContext<'a>,
+    block: &'a Block,
     window: CompressedBand,
-    /// Line shapes of all other poles and of all conjugates, lines × twice the number of poles.
-    known: ComplexMatrix,
-    /// Coordinates of the measured values minus these.
+    /// Coordinates of the measured values minus all other poles and all conjugates.
     values: CompressedValues,
-    /// Energy of the measured values minus these, over the noise.
-    energy: f64,
     patterns: Vec<Pattern>,
 }
 
 impl<'a> BandProblem<'a> {
-    fn new(around: &'a FitContext, block: &Block, window: &mut Option<CompressedBand>) -> Self {
-        let poles: Vec<Complex64> = block
-            .members
-            .iter()
-            .map(|j| around.poles[*j].lambda)
-            .collect();
+    fn new(around: &'a FitContext, block: &'a Block, window: &mut Option<CompressedBand>) -> Self {
+        let poles: Vec<Complex64> = around.poles.iter().map(|pole| pole.lambda).collect();
         let window = match window.take() {
             Some(mut band) => {
-                if !band.serves(&poles) {
-                    band.add_missing_expansion_points(around.data, poles);
-                }
+                band.follow(around.data, &poles);
                 band
             }
-            None => CompressedBand::new(around.data, &block.lines, poles),
+            None => CompressedBand::new(around.data, &block.lines, &poles, block.members.len()),
         };
-        let known = other_line_shapes(&around.data.frfs, around.poles, block);
-        let response = around.known_response(&known);
-        let values = window.without_known_response(&response);
         Self {
-            energy: window.energy(around.data, &response, &values),
-            values,
+            values: window.without_known_response(&known_response(around, block)),
             patterns: patterns(around.frf_matrix, window.profile()),
             around,
+            block,
             window,
-            known,
         }
     }
 
@@ -240,7 +213,7 @@ impl<'a> BandProblem<'a> {
         let fitted = self.window.background() * functions
             + shapes * self.around.frf_matrix.outputs.len()
             + unknowns.len();
-        (self.known.nrows() * functions)
+        (self.block.lines.len() * functions)
             .saturating_sub(fitted)
             .max(1) as f64
     }
@@ -267,13 +240,13 @@ impl<'a> BandProblem<'a> {
     /// Linearises the problem at some poles; the compressed band adds expansion points where
     /// needed.
     fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
-        let poles: Vec<Complex64> = members.iter().map(|root| root.lambda).collect();
-        if !self.window.serves(&poles) {
-            self.window
-                .add_missing_expansion_points(self.around.data, poles);
-            self.values = self
-                .window
-                .without_known_response(&self.around.known_response(&self.known));
+        let mut poles: Vec<Complex64> = self.around.poles.iter().map(|pole| pole.lambda).collect();
+        for (j, member) in self.block.members.iter().zip(members) {
+            poles[*j] = member.lambda;
+        }
+        if self.window.follow(self.around.data, &poles) {
+            let known = known_response(self.around, self.block);
+            self.values = self.window.without_known_response(&known);
         }
         let moving: Vec<usize> = unknowns
             .iter()
@@ -297,7 +270,7 @@ impl<'a> BandProblem<'a> {
         let terms: Vec<Linearised> = self.patterns.par_iter().map(linearise).collect();
         let functions = self.around.data.frfs.functions();
         let mut sums = Linearised::none(members, unknowns.len(), functions);
-        sums.cost = self.energy - explained;
+        sums.cost = self.values.energy - explained;
         for term in terms {
             sums.add(term);
         }
@@ -324,15 +297,13 @@ fn unknowns(members: &[ModelPole], free: &[usize]) -> Vec<Unknown> {
     unknowns
 }
 
-/// Line shapes of the other poles and of all conjugates; 0 for the members: lines × twice the
-/// poles.
-fn other_line_shapes(frfs: &BandFrfs, roots: &[ModelPole], block: &Block) -> ComplexMatrix {
-    let omega = &frfs.omega[block.lines.clone()];
-    let mut known = pole_columns(frfs.line_shape, omega, roots);
-    for j in &block.members {
-        known.col_as_slice_mut(2 * j).fill(Complex64::ZERO);
+/// Response of the poles outside a block, of all conjugates and of the out-of-band terms.
+fn known_response<'a>(around: &'a FitContext, block: &'a Block) -> KnownResponse<'a> {
+    KnownResponse {
+        poles: around.poles,
+        members: &block.members,
+        out_of_band: around.out_of_band_coordinates,
     }
-    known
 }
 
 /// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is

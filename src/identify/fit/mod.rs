@@ -8,6 +8,7 @@
 //! stated poles; *detection threshold*, the value that noise alone exceeds with the stated
 //! false-alarm probability.
 
+mod band_segment;
 pub(in crate::identify) mod block_descent;
 pub(in crate::identify) mod compressed_band;
 #[cfg(test)]

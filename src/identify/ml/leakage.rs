@@ -242,7 +242,7 @@ impl NearModes {
         let correlation = fit.data.noise.line_correlation.clone();
         fit.data.set_line_shape(shape);
         mark_unconverged(&mut fit.poles);
-        fit.refine(Convergence::Coarse);
+        fit.refine(Convergence::Trial);
         let residual = self.residual(fit);
         fit.data.set_line_shape(LineShape::EXACT);
         fit.data.noise.line_correlation = correlation;

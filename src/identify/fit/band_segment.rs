@@ -1,0 +1,313 @@
+//! One segment of a compressed band: an orthonormal basis of what poles and out-of-band terms can
+//! be on its lines, and the coordinates of the measured values in it.
+//!
+//! A pole farther from the middle of the segment than [`REACH`] half-lengths is a smooth function
+//! on its lines: a polynomial, found from the values at Chebyshev nodes, whose error falls by ρ =
+//! 3 + √8 with each degree (Trefethen 2013, Approximation Theory and Approximation Practice,
+//! theorem 8.2). A nearer pole λ has the first three powers of `x = |σ_0|/(iω − λ_0)` at an
+//! expansion point λ_0. With `ε = (λ − λ_0)/|σ_0|`
+//!
+//! ```text
+//! |σ|/(iω − λ) = |σ/σ_0| (x + ε x² + ε² x³ + …)
+//! ```
+//!
+//! (for a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`).
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use num_complex::Complex64;
+
+use crate::linalg::{self, ComplexMatrix, ThinQr};
+
+use crate::identify::data::line_shape::LineShape;
+use crate::identify::fit::fit_data::FitData;
+use crate::identify::noise::band_profile::BandProfile;
+
+/// Powers of the line shape at an expansion point.
+pub(super) const POWERS: usize = 3;
+/// Distance from the middle, in half-lengths, within which a pole has an expansion point.
+pub(super) const REACH: f64 = 3.0;
+/// Factor by which one more degree of the polynomials lowers their error at that distance: 3 + √8.
+const ERROR_RATIO: f64 = 5.83;
+/// Fewest and most polynomials: with eight the error is 1e-6, with 18 it is rounding.
+const POLYNOMIALS: [usize; 2] = [8, 18];
+
+/// Polynomials with which the strongest response has an error below a given one, over the noise.
+pub(super) fn polynomials(max_error_over_noise: f64, response_over_noise: f64) -> usize {
+    let needed = (response_over_noise / max_error_over_noise).ln() / ERROR_RATIO.ln();
+    (needed.ceil() as usize).clamp(POLYNOMIALS[0], POLYNOMIALS[1])
+}
+
+/// Which poles a segment has to represent, and how exactly.
+pub(super) struct Demand<'a> {
+    /// Poles and their conjugates.
+    pub poles: &'a [Complex64],
+    pub polynomials: usize,
+    /// Out-of-band terms on the lines of the band; exact where the band ends with the data.
+    pub background: &'a ComplexMatrix,
+    pub has_data_end: bool,
+}
+
+/// A segment of a compressed band.
+pub(super) struct Segment {
+    /// Lines, by their numbers in the data, and the first in the band.
+    lines: Range<usize>,
+    offset: usize,
+    /// Middle, as iω, and the distance from it within which a pole has an expansion point, rad/s.
+    middle: Complex64,
+    reach: f64,
+    /// Frequencies at which smooth functions are evaluated, and the coordinates of their values:
+    /// coordinates × nodes.
+    nodes: Vec<f64>,
+    from_nodes: ComplexMatrix,
+    /// Whether the nodes are the lines, so that every pole is exact.
+    is_on_lines: bool,
+    /// Expansion points λ_0, and the coordinates of the powers of each.
+    expansion_points: Vec<Complex64>,
+    powers: ComplexMatrix,
+    /// Weights that yield coordinates: lines × coordinates.
+    weights: ComplexMatrix,
+    /// Coordinates of the out-of-band terms of the band, of those of all lines, and of the measured
+    /// values, each a matrix of as many columns as there are.
+    pub background: ComplexMatrix,
+    pub out_of_band_columns: ComplexMatrix,
+    pub values: ComplexMatrix,
+    /// Energy over the noise of the measured values that the coordinates do not have.
+    pub energy_outside: f64,
+}
+
+impl Segment {
+    /// A segment of the lines of a band that begins at `first`, with the profile of its noise.
+    pub fn new(
+        data: &FitData,
+        profile: &BandProfile,
+        first: usize,
+        lines: Range<usize>,
+        demand: &Demand,
+    ) -> Self {
+        let (middle, half_length) = middle(data, &lines);
+        let mut segment = Self {
+            offset: lines.start - first,
+            lines,
+            middle,
+            reach: REACH * half_length,
+            nodes: Vec::new(),
+            from_nodes: zeros(0, 0),
+            is_on_lines: false,
+            expansion_points: Vec::new(),
+            powers: zeros(0, 0),
+            weights: zeros(0, 0),
+            background: zeros(0, 0),
+            out_of_band_columns: zeros(0, 0),
+            values: zeros(0, 0),
+            energy_outside: 0.0,
+        };
+        segment.renew(data, profile, demand);
+        segment
+    }
+
+    pub fn lines(&self) -> &Range<usize> {
+        &self.lines
+    }
+
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.weights.ncols()
+    }
+
+    /// Whether every pole within reach is within the distance of an expansion point.
+    pub fn serves(&self, poles: &[Complex64], max_distance: f64) -> bool {
+        let is_served = |lambda: &Complex64| {
+            let nearest = || self.expansion_of(*lambda);
+            !self.is_expanded(*lambda)
+                || nearest().is_some_and(|(_, offset)| offset.norm() <= max_distance)
+        };
+        poles.iter().all(is_served)
+    }
+
+    /// Takes new expansion points: those of the poles within reach.
+    pub fn renew(&mut self, data: &FitData, profile: &BandProfile, demand: &Demand) {
+        let near = demand.poles.iter().filter(|lambda| self.is_near(**lambda));
+        let near: Vec<Complex64> = near.copied().collect();
+        let ends = match demand.has_data_end {
+            true => demand.background.ncols(),
+            false => 0,
+        };
+        let columns = demand.polynomials + ends + POWERS * near.len();
+        if columns < self.lines.len() {
+            self.set_basis(data, profile, demand, near);
+        } else {
+            self.set_lines(data, profile);
+        }
+        let background = demand.background.subrows(self.offset, self.lines.len());
+        self.background = self.weights.adjoint() * background;
+        let rows = |matrix: &ComplexMatrix| {
+            let of_lines = matrix.subrows(self.lines.start, self.lines.len());
+            linalg::adjoint_product(&self.weights, of_lines)
+        };
+        self.out_of_band_columns = rows(data.out_of_band_fit().columns());
+        self.values = rows(data.frfs.values.matrix());
+        let noise_profile = self.profile(profile);
+        let outside = |f: usize| {
+            let values = data.frfs.values[f][self.lines.clone()]
+                .iter()
+                .zip(noise_profile);
+            let whole: f64 = values.map(|(h, u)| h.norm_sqr() / (u * u)).sum();
+            let inside: f64 = self.values.col(f).iter().map(Complex64::norm_sqr).sum();
+            (whole - inside) / profile.level[f].powi(2)
+        };
+        self.energy_outside = (0..self.values.ncols()).map(outside).sum();
+    }
+
+    /// Polynomials and powers as the basis.
+    fn set_basis(
+        &mut self,
+        data: &FitData,
+        profile: &BandProfile,
+        demand: &Demand,
+        near: Vec<Complex64>,
+    ) {
+        let omega = &data.frfs.omega[self.lines.clone()];
+        let noise_profile = self.profile(profile);
+        let half_length = self.reach / REACH;
+        let count = demand.polynomials;
+        let ends = match demand.has_data_end {
+            true => demand.background.ncols(),
+            false => 0,
+        };
+        let polynomial = |k: usize, n: usize| {
+            let position = ((omega[k] - self.middle.im) / half_length).clamp(-1.0, 1.0);
+            Complex64::from((n as f64 * position.acos()).cos())
+        };
+        let powers = near_powers(data.frfs.line_shape, omega, &near);
+        let columns = count + ends + powers.ncols();
+        let value = |k: usize, c: usize| {
+            let value = match c.checked_sub(count) {
+                None => polynomial(k, c),
+                Some(end) if end < ends => demand.background[(self.offset + k, end)],
+                Some(column) => powers[(k, column - ends)],
+            };
+            value / noise_profile[k]
+        };
+        let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
+        // Coefficient of the polynomial n from the value at the node i: (2 − δ_n0)/count T_n(x_i).
+        let angle = |i: usize| PI * (i as f64 + 0.5) / count as f64;
+        let coefficient = |n: usize, i: usize| {
+            let factor = if n == 0 { 1.0 } else { 2.0 };
+            Complex64::from(factor / count as f64 * (n as f64 * angle(i)).cos())
+        };
+        let coefficients = linalg::complex_matrix(count, count, coefficient);
+        let node = |i: usize| self.middle.im + half_length * angle(i).cos();
+        let nodes = (0..count).map(node).collect();
+        let weights =
+            linalg::complex_matrix(omega.len(), columns, |k, c| qr.q[(k, c)] / noise_profile[k]);
+        let of_powers =
+            linalg::complex_matrix(columns, powers.ncols(), |i, c| qr.r[(i, count + ends + c)]);
+        self.from_nodes = qr.r.subcols(0, count) * coefficients;
+        self.nodes = nodes;
+        self.weights = weights;
+        self.powers = of_powers;
+        self.expansion_points = near;
+        self.is_on_lines = false;
+    }
+
+    /// The lines themselves as the basis, where there are few: every pole is evaluated on them.
+    fn set_lines(&mut self, data: &FitData, profile: &BandProfile) {
+        let noise_profile = self.profile(profile);
+        let count = self.lines.len();
+        let weights = linalg::complex_matrix(count, count, |i, j| match i == j {
+            true => noise_profile[i].recip().into(),
+            false => Complex64::ZERO,
+        });
+        self.nodes = data.frfs.omega[self.lines.clone()].to_vec();
+        self.from_nodes = weights.clone();
+        self.weights = weights;
+        self.powers = zeros(count, 0);
+        self.expansion_points = Vec::new();
+        self.is_on_lines = true;
+    }
+
+    /// Coordinates of `scale/(iω − λ)` (n = 1) or of its square (n = 2), by column.
+    pub fn line_shapes(&self, shape: LineShape, poles: &[PoleColumn]) -> ComplexMatrix {
+        let is_smooth = |pole: &PoleColumn| !self.is_expanded(pole.lambda);
+        let smooth: Vec<usize> = (0..poles.len()).filter(|j| is_smooth(&poles[*j])).collect();
+        let at_nodes = linalg::complex_matrix(self.nodes.len(), smooth.len(), |i, c| {
+            let PoleColumn { lambda, scale, n } = poles[smooth[c]];
+            shape.power(scale, self.nodes[i], lambda, n)
+        });
+        let of_smooth = &self.from_nodes * at_nodes;
+        let mut columns = zeros(self.coordinates(), poles.len());
+        for (c, j) in smooth.iter().enumerate() {
+            columns.col_mut(*j).copy_from(of_smooth.col(c));
+        }
+        for (j, pole) in poles
+            .iter()
+            .enumerate()
+            .filter(|(_, pole)| !is_smooth(pole))
+        {
+            let expansion = self.expansion_of(pole.lambda);
+            let (point, offset) = expansion.expect("the segment follows the poles");
+            let ratio = pole.scale / self.expansion_points[point].re.abs();
+            for i in 0..self.coordinates() {
+                let power = |n: usize| self.powers[(i, POWERS * point + n)];
+                columns[(i, j)] = match pole.n {
+                    1 => ratio * (power(0) + offset * (power(1) + offset * power(2))),
+                    _ => ratio * ratio * (power(1) + 2.0 * offset * power(2)),
+                };
+            }
+        }
+        columns
+    }
+
+    fn is_near(&self, lambda: Complex64) -> bool {
+        (lambda - self.middle).norm() < self.reach
+    }
+
+    fn is_expanded(&self, lambda: Complex64) -> bool {
+        !self.is_on_lines && self.is_near(lambda)
+    }
+
+    /// Number of the expansion point nearest to a pole, and ε.
+    fn expansion_of(&self, lambda: Complex64) -> Option<(usize, Complex64)> {
+        let offset = |point: &Complex64| match lambda - point {
+            Complex64::ZERO => Complex64::ZERO,
+            difference => difference / point.re.abs(),
+        };
+        let offsets = self.expansion_points.iter().map(offset).enumerate();
+        offsets.min_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
+    }
+
+    fn profile<'a>(&self, profile: &'a BandProfile) -> &'a [f64] {
+        &profile.noise_profile[self.offset..][..self.lines.len()]
+    }
+}
+
+/// A column of a fit: `scale/(iω − λ)` to the power n.
+#[derive(Clone, Copy)]
+pub(super) struct PoleColumn {
+    pub lambda: Complex64,
+    pub scale: f64,
+    pub n: usize,
+}
+
+/// Middle of some lines, as iω, and half of their length, rad/s.
+pub(super) fn middle(data: &FitData, lines: &Range<usize>) -> (Complex64, f64) {
+    let (first, last) = (data.frfs.omega[lines.start], data.frfs.omega[lines.end - 1]);
+    (
+        Complex64::new(0.0, 0.5 * (first + last)),
+        (0.5 * (last - first)).max(0.5 * data.frfs.step),
+    )
+}
+
+/// Powers of the line shape at each expansion point: lines × powers of all.
+fn near_powers(line_shape: LineShape, omega: &[f64], points: &[Complex64]) -> ComplexMatrix {
+    linalg::complex_matrix(omega.len(), POWERS * points.len(), |k, column| {
+        let lambda = points[column / POWERS];
+        line_shape.power(lambda.re.abs(), omega[k], lambda, column % POWERS + 1)
+    })
+}
+
+fn zeros(rows: usize, columns: usize) -> ComplexMatrix {
+    linalg::complex_matrix(rows, columns, |_, _| Complex64::ZERO)
+}
