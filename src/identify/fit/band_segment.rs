@@ -11,7 +11,8 @@
 //! |σ|/(iω − λ) = |σ/σ_0| (x + ε x² + ε² x³ + …)
 //! ```
 //!
-//! (for a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`).
+//! (for a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`; between
+//! the lines it has a ripple that no polynomial represents, 1e-8 of its value under a Hann window).
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -30,7 +31,7 @@ pub(super) const POWERS: usize = 3;
 pub(super) const REACH: f64 = 3.0;
 /// Factor by which one more degree of the polynomials lowers their error at that distance: 3 + √8.
 const ERROR_RATIO: f64 = 5.83;
-/// Fewest and most polynomials: with eight the error is 1e-6, with 18 it is rounding.
+/// Minimum and maximum number of polynomials: with 8 the error is 1e-6, with 18 it is rounding.
 const POLYNOMIALS: [usize; 2] = [8, 18];
 
 /// Polynomials with which the strongest response has an error below a given one, over the noise.
@@ -41,12 +42,14 @@ pub(super) fn polynomials(max_error_over_noise: f64, response_over_noise: f64) -
 
 /// Which poles a segment has to represent, and how exactly.
 pub(super) struct Demand<'a> {
-    /// Poles and their conjugates.
+    /// Poles and conjugates that are evaluated.
     pub poles: &'a [Complex64],
     pub polynomials: usize,
-    /// Out-of-band terms on the lines of the band; exact where the band ends with the data.
+    /// Out-of-band terms on the lines of the band.
     pub background: &'a ComplexMatrix,
-    pub has_data_end: bool,
+    /// Out-of-band terms on the lines of the segment that are no polynomials there: near an end of
+    /// the data.
+    pub end_terms: ComplexMatrix,
 }
 
 /// A segment of a compressed band.
@@ -63,15 +66,18 @@ pub(super) struct Segment {
     from_nodes: ComplexMatrix,
     /// Whether the nodes are the lines, so that every pole is exact.
     is_on_lines: bool,
-    /// Expansion points λ_0, and the coordinates of the powers of each.
+    /// Expansion points λ_0, the distance of each from the nearest line in decay rates, and the
+    /// coordinates of its powers.
     expansion_points: Vec<Complex64>,
+    line_distances: Vec<f64>,
     powers: ComplexMatrix,
     /// Weights that yield coordinates: lines × coordinates.
     weights: ComplexMatrix,
-    /// Coordinates of the out-of-band terms of the band, of those of all lines, and of the measured
-    /// values, each a matrix of as many columns as there are.
+    /// Coordinates of the out-of-band terms of the band.
     pub background: ComplexMatrix,
+    /// Coordinates of the out-of-band terms of all lines.
     pub out_of_band_columns: ComplexMatrix,
+    /// Coordinates of the measured values, by FRF.
     pub values: ComplexMatrix,
     /// Energy over the noise of the measured values that the coordinates do not have.
     pub energy_outside: f64,
@@ -96,6 +102,7 @@ impl Segment {
             from_nodes: zeros(0, 0),
             is_on_lines: false,
             expansion_points: Vec::new(),
+            line_distances: Vec::new(),
             powers: zeros(0, 0),
             weights: zeros(0, 0),
             background: zeros(0, 0),
@@ -116,12 +123,15 @@ impl Segment {
         self.weights.ncols()
     }
 
-    /// Whether every pole within reach is within the distance of an expansion point.
+    /// Whether every pole within reach is within the distance of an expansion point. The distance
+    /// is that of a pole on the lines, in decay rates; off the lines the powers decrease with the
+    /// distance over that from the nearest line.
     pub fn serves(&self, poles: &[Complex64], max_distance: f64) -> bool {
         let is_served = |lambda: &Complex64| {
-            let nearest = || self.expansion_of(*lambda);
-            !self.is_expanded(*lambda)
-                || nearest().is_some_and(|(_, offset)| offset.norm() <= max_distance)
+            let is_close = |(point, offset): (usize, Complex64)| {
+                offset.norm() <= max_distance * self.line_distances[point]
+            };
+            !self.is_expanded(*lambda) || self.expansion_of(*lambda).is_some_and(is_close)
         };
         poles.iter().all(is_served)
     }
@@ -130,10 +140,7 @@ impl Segment {
     pub fn renew(&mut self, data: &FitData, profile: &BandProfile, demand: &Demand) {
         let near = demand.poles.iter().filter(|lambda| self.is_near(**lambda));
         let near: Vec<Complex64> = near.copied().collect();
-        let ends = match demand.has_data_end {
-            true => demand.background.ncols(),
-            false => 0,
-        };
+        let ends = demand.end_terms.ncols();
         let columns = demand.polynomials + ends + POWERS * near.len();
         if columns < self.lines.len() {
             self.set_basis(data, profile, demand, near);
@@ -171,11 +178,7 @@ impl Segment {
         let omega = &data.frfs.omega[self.lines.clone()];
         let noise_profile = self.profile(profile);
         let half_length = self.reach / REACH;
-        let count = demand.polynomials;
-        let ends = match demand.has_data_end {
-            true => demand.background.ncols(),
-            false => 0,
-        };
+        let (count, ends) = (demand.polynomials, demand.end_terms.ncols());
         let polynomial = |k: usize, n: usize| {
             let position = ((omega[k] - self.middle.im) / half_length).clamp(-1.0, 1.0);
             Complex64::from((n as f64 * position.acos()).cos())
@@ -185,7 +188,7 @@ impl Segment {
         let value = |k: usize, c: usize| {
             let value = match c.checked_sub(count) {
                 None => polynomial(k, c),
-                Some(end) if end < ends => demand.background[(self.offset + k, end)],
+                Some(end) if end < ends => demand.end_terms[(k, end)],
                 Some(column) => powers[(k, column - ends)],
             };
             value / noise_profile[k]
@@ -208,6 +211,12 @@ impl Segment {
         self.nodes = nodes;
         self.weights = weights;
         self.powers = of_powers;
+        let line_distance = |lambda: &Complex64| {
+            let distance = |w: &f64| (Complex64::new(0.0, *w) - lambda).norm();
+            let nearest = omega.iter().map(distance).fold(f64::INFINITY, f64::min);
+            nearest / lambda.re.abs()
+        };
+        self.line_distances = near.iter().map(line_distance).collect();
         self.expansion_points = near;
         self.is_on_lines = false;
     }
@@ -224,6 +233,7 @@ impl Segment {
         self.from_nodes = weights.clone();
         self.weights = weights;
         self.powers = zeros(count, 0);
+        self.line_distances = Vec::new();
         self.expansion_points = Vec::new();
         self.is_on_lines = true;
     }

@@ -35,7 +35,8 @@ const MAX_BLOCK_SEPARATION: f64 = 1.0;
 const MAX_FREE_SEPARATION: f64 = 4.0;
 /// Maximum length of the lines of a merged block, over the longer one of its groups.
 const MAX_MERGED_LENGTH_RATIO: f64 = 1.5;
-/// Maximum number of unknowns of a merged block: the work of a step rises with their third power.
+/// Maximum number of unknowns of the poles that a merged block updates: the work of a step rises
+/// with their third power.
 /// With 120 modes at three references a fit takes three times as long without this limit; with a
 /// third of it, fits of overlapping poles of recordings take up to four times as long.
 const MAX_MERGED_UNKNOWNS: usize = 60;

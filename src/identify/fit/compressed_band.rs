@@ -20,7 +20,7 @@ use crate::linalg::{self, ComplexMatrix, ThinQr};
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::data::out_of_band_basis::OutOfBandBasis;
+use crate::identify::data::out_of_band_basis::{MIN_OUT_OF_BAND_COLUMNS, OutOfBandBasis};
 use crate::identify::fit::band_segment::{
     Demand, POWERS, PoleColumn, REACH, Segment, middle, polynomials,
 };
@@ -75,7 +75,8 @@ pub(in crate::identify) struct CompressedValues {
 }
 
 impl CompressedBand {
-    /// Compresses a range of lines for poles, of which `members` are fitted there.
+    /// Compresses a range of lines for poles, conjugates included, of which `members` are fitted
+    /// there.
     pub fn new(data: &FitData, lines: &Range<usize>, poles: &[Complex64], members: usize) -> Self {
         let profile = BandProfile::new(&data.noise, lines.clone());
         let omega = &data.frfs.omega[lines.clone()];
@@ -84,23 +85,22 @@ impl CompressedBand {
             terms.value(c, omega, k)
         });
         let over_noise = response_over_noise(&data.frfs, lines, &profile);
-        let [least, most] = EXPANSION_DECAY_RATES;
+        let [minimum, maximum] = EXPANSION_DECAY_RATES;
         let mut band = Self {
             lines: lines.clone(),
             line_shape: data.frfs.line_shape,
             background,
             max_expansion_distance: (MAX_TRUNCATION_OVER_NOISE / over_noise)
                 .cbrt()
-                .clamp(least, most),
+                .clamp(minimum, maximum),
             polynomials: polynomials(MAX_POLYNOMIAL_ERROR_OVER_NOISE, over_noise),
             segments: Vec::new(),
             version: data.version(),
             profile,
         };
-        let poles = with_conjugates(poles);
-        let ranges = band.cheapest_ranges(data, &poles, members);
+        let ranges = band.cheapest_ranges(data, poles, members);
         let new = |range: Range<usize>| {
-            let demand = band.demand(data, &range, &poles);
+            let demand = band.demand(data, &range, poles);
             Segment::new(data, &band.profile, lines.start, range, &demand)
         };
         band.segments = ranges.into_par_iter().map(new).collect();
@@ -140,18 +140,17 @@ impl CompressedBand {
         same && ends(&self.lines) == ends(lines)
     }
 
-    /// Compresses those segments anew from which a pole has moved too far. Returns whether there
-    /// were any.
+    /// Compresses those segments anew in which a pole has moved too far from its expansion point.
+    /// Returns whether there were any.
     pub fn follow(&mut self, data: &FitData, poles: &[Complex64]) -> bool {
-        let poles = with_conjugates(poles);
-        let serves = |segment: &Segment| segment.serves(&poles, self.max_expansion_distance);
+        let serves = |segment: &Segment| segment.serves(poles, self.max_expansion_distance);
         let left: Vec<usize> = (0..self.segments.len())
             .filter(|index| !serves(&self.segments[*index]))
             .collect();
         let mut segments = std::mem::take(&mut self.segments);
         let renew = |(index, segment): (usize, &mut Segment)| {
             if left.binary_search(&index).is_ok() {
-                let demand = self.demand(data, segment.lines(), &poles);
+                let demand = self.demand(data, segment.lines(), poles);
                 segment.renew(data, &self.profile, &demand);
             }
         };
@@ -170,11 +169,36 @@ impl CompressedBand {
             poles,
             polynomials: self.polynomials,
             background: &self.background,
-            has_data_end: has_data_end(data, lines),
+            end_terms: self.end_terms(data, lines),
         }
     }
 
-    /// The segments that need the fewest operations: few long ones for few poles, where the
+    /// Out-of-band terms on the lines of a segment near an end of the data: those of the band where
+    /// both end there, else those of all lines, which are subtracted. None elsewhere: they are
+    /// polynomials there.
+    fn end_terms(&self, data: &FitData, lines: &Range<usize>) -> ComplexMatrix {
+        let all = data.frfs.lines();
+        let terms = match (
+            lines.start == 0 || lines.end == all,
+            is_near_end(lines, all),
+        ) {
+            (true, _) => self
+                .background
+                .subrows(lines.start - self.lines.start, lines.len()),
+            (false, true) => {
+                let columns = data.out_of_band_fit().columns();
+                columns.subrows(lines.start, lines.len())
+            }
+            (false, false) => {
+                return linalg::complex_matrix(lines.len(), 0, |_, _| Complex64::ZERO);
+            }
+        };
+        // Constant and slope are polynomials.
+        let columns = terms.ncols() - MIN_OUT_OF_BAND_COLUMNS;
+        terms.subcols(MIN_OUT_OF_BAND_COLUMNS, columns).to_owned()
+    }
+
+    /// The segments that need the least operations: few long ones for few poles, where the
     /// coordinates of all values count; short ones for many, where the decompositions count.
     fn cheapest_ranges(
         &self,
@@ -190,7 +214,7 @@ impl CompressedBand {
                 let (middle, half_length) = middle(data, range);
                 let is_near = |pole: &&Complex64| (*pole - middle).norm() < REACH * half_length;
                 let near = poles.iter().filter(is_near).count();
-                let ends = match has_data_end(data, range) {
+                let ends = match is_near_end(range, data.frfs.lines()) {
                     true => self.background.ncols(),
                     false => 0,
                 };
@@ -307,9 +331,9 @@ impl CompressedBand {
     }
 }
 
-/// Whether a segment is the first or the last of the data: modes beyond may be near it.
-fn has_data_end(data: &FitData, lines: &Range<usize>) -> bool {
-    lines.start == 0 || lines.end == data.frfs.lines()
+/// Whether a segment is within its length of an end of the data: modes beyond may be near it.
+fn is_near_end(lines: &Range<usize>, all: usize) -> bool {
+    lines.start < lines.len() || all - lines.end < lines.len()
 }
 
 /// Strongest value over its noise, at least 1.
@@ -325,12 +349,7 @@ fn response_over_noise(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandProf
     functions.map(strongest).reduce(|| 1.0, f64::max).sqrt()
 }
 
-fn with_conjugates(poles: &[Complex64]) -> Vec<Complex64> {
-    let mirrored = poles.iter().map(Complex64::conj);
-    poles.iter().copied().chain(mirrored).collect()
-}
-
-/// Matrices of as many columns below each other.
+/// Matrices of the same number of columns, below each other.
 fn stack(parts: &[ComplexMatrix], columns: usize) -> ComplexMatrix {
     let rows = parts.iter().map(ComplexMatrix::nrows).sum();
     let mut whole = ComplexMatrix::zeros(rows, columns);

@@ -25,6 +25,11 @@ fn measured_at(snr_db: f64) -> (FitData, [Complex64; 2]) {
 
 /// FRFs of modes from 80 to 120 Hz.
 fn structure_at(snr_db: f64, modes: &[(f64, f64)]) -> (FitData, Vec<Complex64>) {
+    structure_from(80.0, snr_db, modes)
+}
+
+/// FRFs of modes in 40 Hz from some frequency on.
+fn structure_from(start_hz: f64, snr_db: f64, modes: &[(f64, f64)]) -> (FitData, Vec<Complex64>) {
     let shape = |a: f64| {
         let value = |p: usize| {
             if p.is_multiple_of(2) {
@@ -40,7 +45,7 @@ fn structure_at(snr_db: f64, modes: &[(f64, f64)]) -> (FitData, Vec<Complex64>) 
         modes: modes.iter().enumerate().map(mode).collect(),
     };
     let axis = FrequencyAxis {
-        start_hz: 80.0,
+        start_hz,
         step_hz: 0.1,
         len: 401,
     };
@@ -49,7 +54,8 @@ fn structure_at(snr_db: f64, modes: &[(f64, f64)]) -> (FitData, Vec<Complex64>) 
         seed: 1,
         ..Measurement::of_sensors(SENSORS, axis)
     });
-    let data = FitData::guarded(&set, Band::new(80.0, 120.0).unwrap()).unwrap();
+    let band = Band::new(start_hz.max(0.1), start_hz + 40.0).unwrap();
+    let data = FitData::guarded(&set, band).unwrap();
     let pole = |(hz, zeta): &(f64, f64)| Pole::from_frequency(*hz, *zeta).lambda;
     (data, modes.iter().map(pole).collect())
 }
@@ -194,5 +200,51 @@ fn segments_explain_the_same_energy_as_the_lines() {
             assert!(difference < tolerance * all, "{explained} {expected} {all}");
             assert!((near.energy / all - 1.0).abs() < 1e-9);
         }
+    }
+}
+
+#[test]
+fn other_poles_conjugates_and_out_of_band_terms_are_subtracted_as_on_the_lines() {
+    // Conjugates of modes near 0 Hz are near the lines, which begin beside the end of the data.
+    let (data, truth) = structure_from(0.0, 80.0, &[(2.0, 0.1), (9.0, 0.02), (30.0, 0.01)]);
+    let mut poles = members(&truth);
+    for (j, pole) in poles.iter_mut().enumerate() {
+        for (f, residue) in pole.residues.iter_mut().enumerate() {
+            *residue = Complex64::from_polar(1e-4, (3 * j + f) as f64);
+        }
+    }
+    let conjugates = truth.iter().map(Complex64::conj);
+    let evaluated: Vec<Complex64> = truth.iter().copied().chain(conjugates).collect();
+    let fit = data.out_of_band_fit();
+    let out_of_band = fit.residual_coordinates(&poles);
+    for lines in [0..200, 3..250, 0..data.frfs.lines()] {
+        let window = CompressedBand::new(&data, &lines, &evaluated, 1);
+        let near = window.without_known_response(&KnownResponse {
+            poles: &poles,
+            members: &[1],
+            out_of_band: Some(&out_of_band),
+        });
+        let profile = window.profile();
+        let mut expected = 0.0;
+        for f in 0..SENSORS {
+            for (i, k) in lines.clone().enumerate() {
+                let s = Complex64::new(0.0, data.frfs.omega[k]);
+                let mut value = data.frfs.values[f][k];
+                for (j, pole) in poles.iter().enumerate() {
+                    let residue = pole.residues[f];
+                    value -= residue.conj() / (s - pole.lambda.conj());
+                    if j != 1 {
+                        value -= residue / (s - pole.lambda);
+                    }
+                }
+                for c in 0..out_of_band.nrows() {
+                    value -= fit.columns()[(k, c)] * out_of_band[(c, f)];
+                }
+                expected +=
+                    value.norm_sqr() / (profile.noise_profile[i] * profile.level[f]).powi(2);
+            }
+        }
+        let error = (near.energy / expected - 1.0).abs();
+        assert!(error < 1e-9, "{lines:?}: {error:e}");
     }
 }

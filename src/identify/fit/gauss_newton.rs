@@ -189,7 +189,7 @@ struct BandProblem<'a> {
 
 impl<'a> BandProblem<'a> {
     fn new(around: &'a FitContext, block: &'a Block, window: &mut Option<CompressedBand>) -> Self {
-        let poles: Vec<Complex64> = around.poles.iter().map(|pole| pole.lambda).collect();
+        let poles = evaluated_poles(around, block, None);
         let window = match window.take() {
             Some(mut band) => {
                 band.follow(around.data, &poles);
@@ -237,13 +237,9 @@ impl<'a> BandProblem<'a> {
         }
     }
 
-    /// Linearises the problem at some poles; the compressed band adds expansion points where
-    /// needed.
+    /// Linearises the problem at some poles; the compressed band follows them.
     fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
-        let mut poles: Vec<Complex64> = self.around.poles.iter().map(|pole| pole.lambda).collect();
-        for (j, member) in self.block.members.iter().zip(members) {
-            poles[*j] = member.lambda;
-        }
+        let poles = evaluated_poles(self.around, self.block, Some(members));
         if self.window.follow(self.around.data, &poles) {
             let known = known_response(self.around, self.block);
             self.values = self.window.without_known_response(&known);
@@ -304,6 +300,21 @@ fn known_response<'a>(around: &'a FitContext, block: &'a Block) -> KnownResponse
         members: &block.members,
         out_of_band: around.out_of_band_coordinates,
     }
+}
+
+/// The poles that a fit evaluates: all of them, the members of the block where they are now, and
+/// the conjugates that are subtracted.
+fn evaluated_poles(
+    around: &FitContext,
+    block: &Block,
+    members: Option<&[ModelPole]>,
+) -> Vec<Complex64> {
+    let mut poles: Vec<Complex64> = around.poles.iter().map(|pole| pole.lambda).collect();
+    poles.extend(around.poles.iter().map(|pole| pole.lambda.conj()));
+    for (j, member) in block.members.iter().zip(members.into_iter().flatten()) {
+        poles[*j] = member.lambda;
+    }
+    poles
 }
 
 /// Solution of the normal equations, scaled to a unit diagonal, with a ridge; zero where there is

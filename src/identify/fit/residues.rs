@@ -38,18 +38,19 @@ pub(in crate::identify) fn residues(
             .into_par_iter()
             .map(|j| residues_of_one_mode(frfs, poles, &before, j, windows[j].clone()))
             .collect();
-        if before.iter().zip(&residues).all(are_equal) {
+        if before.iter().zip(&residues).all(has_converged) {
             break;
         }
     }
     residues
 }
 
-/// Whether an iteration hardly changed the residues of a mode.
-fn are_equal((before, now): (&Vec<Complex64>, &Vec<Complex64>)) -> bool {
+/// Whether an iteration hardly changed the residues of a mode; never where one is no number.
+fn has_converged((before, now): (&Vec<Complex64>, &Vec<Complex64>)) -> bool {
     let largest = now.iter().map(Complex64::norm_sqr).fold(0.0, f64::max);
-    let change = before.iter().zip(now).map(|(a, b)| (a - b).norm_sqr());
-    change.fold(0.0, f64::max) <= CONVERGED_CHANGE * CONVERGED_CHANGE * largest
+    let limit = CONVERGED_CHANGE * CONVERGED_CHANGE * largest;
+    let mut pairs = before.iter().zip(now);
+    pairs.all(|(a, b)| (a - b).norm_sqr() <= limit)
 }
 
 /// `E|δA|²` of the residue of a single pole in white noise of unit variance, with constant and

@@ -283,18 +283,20 @@ impl VarianceSamples {
     fn likelihoods(&self, lines: Range<usize>, tried: &[f64], max_ratio: f64) -> Vec<f64> {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
         let stated = self.response_noise.as_ref();
-        let median = match stated {
-            Some(_) => 0.0,
-            None => self.median(lines.clone()),
-        };
-        let constant = |b: f64| {
+        let median = stated.is_none().then(|| self.median(lines.clone()));
+        let constant = |median: f64, b: f64| {
             let mean = self.mean_from_median(median, lines.clone(), b, max_ratio);
             vec![mean; variance.len()]
         };
         let of = |b: &f64| {
-            let sum = match stated {
-                Some(noise) => deviance(&noise[lines.clone()], variance, power, *b, max_ratio),
-                None => deviance(&constant(*b), variance, power, *b, max_ratio),
+            let sum = match (stated, median) {
+                (None, Some(median)) => {
+                    deviance(&constant(median, *b), variance, power, *b, max_ratio)
+                }
+                (stated, _) => {
+                    let noise = stated.map_or(&[][..], |noise| &noise[lines.clone()]);
+                    deviance(noise, variance, power, *b, max_ratio)
+                }
             };
             -0.5 * self.freedom() / self.lines_per_effective_line * sum
         };
