@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
-use crate::linalg::{self, ComplexMatrix, ThinQr};
+use crate::linalg::{self, ComplexMatrix, ComplexView, ThinQr};
 
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::fit::fit_data::FitData;
@@ -49,7 +49,7 @@ pub(super) struct Demand<'a> {
     pub background: &'a ComplexMatrix,
     /// Out-of-band terms on the lines of the segment that are no polynomials there: near an end of
     /// the data.
-    pub end_terms: ComplexMatrix,
+    pub end_terms: ComplexView<'a>,
 }
 
 /// A segment of a compressed band.

@@ -15,7 +15,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix, ThinQr};
+use crate::linalg::{self, ComplexMatrix, ComplexView, ThinQr};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
@@ -161,7 +161,7 @@ impl CompressedBand {
 
     fn demand<'a>(
         &'a self,
-        data: &FitData,
+        data: &'a FitData,
         lines: &Range<usize>,
         poles: &'a [Complex64],
     ) -> Demand<'a> {
@@ -169,33 +169,8 @@ impl CompressedBand {
             poles,
             polynomials: self.polynomials,
             background: &self.background,
-            end_terms: self.end_terms(data, lines),
+            end_terms: end_terms(data, lines),
         }
-    }
-
-    /// Out-of-band terms on the lines of a segment near an end of the data: those of the band where
-    /// both end there, else those of all lines, which are subtracted. None elsewhere: they are
-    /// polynomials there.
-    fn end_terms(&self, data: &FitData, lines: &Range<usize>) -> ComplexMatrix {
-        let all = data.frfs.lines();
-        let terms = match (
-            lines.start == 0 || lines.end == all,
-            is_near_end(lines, all),
-        ) {
-            (true, _) => self
-                .background
-                .subrows(lines.start - self.lines.start, lines.len()),
-            (false, true) => {
-                let columns = data.out_of_band_fit().columns();
-                columns.subrows(lines.start, lines.len())
-            }
-            (false, false) => {
-                return linalg::complex_matrix(lines.len(), 0, |_, _| Complex64::ZERO);
-            }
-        };
-        // Constant and slope are polynomials.
-        let columns = terms.ncols() - MIN_OUT_OF_BAND_COLUMNS;
-        terms.subcols(MIN_OUT_OF_BAND_COLUMNS, columns).to_owned()
     }
 
     /// The segments that need the least operations: few long ones for few poles, where the
@@ -214,10 +189,7 @@ impl CompressedBand {
                 let (middle, half_length) = middle(data, range);
                 let is_near = |pole: &&Complex64| (*pole - middle).norm() < REACH * half_length;
                 let near = poles.iter().filter(is_near).count();
-                let ends = match is_near_end(range, data.frfs.lines()) {
-                    true => self.background.ncols(),
-                    false => 0,
-                };
+                let ends = end_terms(data, range).ncols();
                 let columns = (self.polynomials + ends + POWERS * near).min(range.len());
                 coordinates += columns;
                 operations += range.len() * columns * (columns + functions);
@@ -331,9 +303,19 @@ impl CompressedBand {
     }
 }
 
-/// Whether a segment is within its length of an end of the data: modes beyond may be near it.
-fn is_near_end(lines: &Range<usize>, all: usize) -> bool {
-    lines.start < lines.len() || all - lines.end < lines.len()
+/// Out-of-band terms on the lines of a segment within its length of an end of the data, without
+/// constant and slope; none elsewhere, where they are polynomials. Those of all lines include those
+/// of a range that ends there.
+fn end_terms<'a>(data: &'a FitData, lines: &Range<usize>) -> ComplexView<'a> {
+    let columns = data.out_of_band_fit().columns();
+    let is_near = lines.start < lines.len() || columns.nrows() - lines.end < lines.len();
+    let count = match is_near {
+        true => columns.ncols() - MIN_OUT_OF_BAND_COLUMNS,
+        false => 0,
+    };
+    columns
+        .subrows(lines.start, lines.len())
+        .subcols(columns.ncols() - count, count)
 }
 
 /// Strongest value over its noise, at least 1.
