@@ -1,5 +1,5 @@
-//! One segment of a compressed band: an orthonormal basis of what poles and out-of-band terms can
-//! be on its lines, and the coordinates of the measured values in it.
+//! One segment of a compressed band: an orthonormal basis for the line shapes of poles and for the
+//! out-of-band terms on its lines, and the coordinates of the measured values in it.
 //!
 //! A pole farther from the middle of the segment than [`REACH`] half-lengths is a smooth function
 //! on its lines: a polynomial, found from the values at Chebyshev nodes, whose error falls by ρ =
@@ -46,7 +46,7 @@ pub(super) struct Demand<'a> {
     pub poles: &'a [Complex64],
     pub polynomials: usize,
     /// Out-of-band terms on the lines of the band.
-    pub background: &'a ComplexMatrix,
+    pub out_of_band_terms: &'a ComplexMatrix,
     /// Out-of-band terms on the lines of the segment that are no polynomials there: near an end of
     /// the data.
     pub end_terms: ComplexView<'a>,
@@ -74,7 +74,7 @@ pub(super) struct Segment {
     /// Weights that yield coordinates: lines × coordinates.
     weights: ComplexMatrix,
     /// Coordinates of the out-of-band terms of the band.
-    pub background: ComplexMatrix,
+    pub out_of_band_terms: ComplexMatrix,
     /// Coordinates of the out-of-band terms of all lines.
     pub out_of_band_columns: ComplexMatrix,
     /// Coordinates of the measured values, by FRF.
@@ -105,7 +105,7 @@ impl Segment {
             line_distances: Vec::new(),
             powers: zeros(0, 0),
             weights: zeros(0, 0),
-            background: zeros(0, 0),
+            out_of_band_terms: zeros(0, 0),
             out_of_band_columns: zeros(0, 0),
             values: zeros(0, 0),
             energy_outside: 0.0,
@@ -147,8 +147,10 @@ impl Segment {
         } else {
             self.set_lines(data, profile);
         }
-        let background = demand.background.subrows(self.offset, self.lines.len());
-        self.background = self.weights.adjoint() * background;
+        let terms = demand
+            .out_of_band_terms
+            .subrows(self.offset, self.lines.len());
+        self.out_of_band_terms = self.weights.adjoint() * terms;
         let rows = |matrix: &ComplexMatrix| {
             let of_lines = matrix.subrows(self.lines.start, self.lines.len());
             linalg::adjoint_product(&self.weights, of_lines)

@@ -1,5 +1,5 @@
 //! Compressed band: the values of all FRFs on a range of lines, projected on the few functions of
-//! frequency that poles and out-of-band terms can be there.
+//! frequency that represent poles and out-of-band terms there.
 //!
 //! The columns of a fit are out-of-band terms, `g_j = σ_j/(iω − λ_j)` and, for free poles, `g_j²`.
 //! The range is cut into segments. On the lines of one, a pole near it has three powers at an
@@ -39,7 +39,7 @@ const MAX_TRUNCATION_OVER_NOISE: f64 = 1e-3;
 const MAX_POLYNOMIAL_ERROR_OVER_NOISE: f64 = 1e-6;
 /// Maximum difference of the ends of two bands with the same lines, over their length.
 const MAX_END_DIFFERENCE: f64 = 1.0 / 32.0;
-/// Shortest segment, lines.
+/// Minimum length of a segment, lines.
 const MIN_SEGMENT_LINES: usize = 48;
 
 /// A compressed band.
@@ -48,7 +48,7 @@ pub(in crate::identify) struct CompressedBand {
     profile: BandProfile,
     line_shape: LineShape,
     /// Out-of-band terms on the lines: lines × terms.
-    background: ComplexMatrix,
+    out_of_band_terms: ComplexMatrix,
     /// Maximum |ε| of a pole near a segment, and number of polynomials.
     max_expansion_distance: f64,
     polynomials: usize,
@@ -81,7 +81,7 @@ impl CompressedBand {
         let profile = BandProfile::new(&data.noise, lines.clone());
         let omega = &data.frfs.omega[lines.clone()];
         let terms = OutOfBandBasis::new(&data.frfs.omega, lines, data.out_of_band_terms());
-        let background = linalg::complex_matrix(omega.len(), terms.columns(), |k, c| {
+        let out_of_band_terms = linalg::complex_matrix(omega.len(), terms.columns(), |k, c| {
             terms.value(c, omega, k)
         });
         let over_noise = response_over_noise(&data.frfs, lines, &profile);
@@ -89,7 +89,7 @@ impl CompressedBand {
         let mut band = Self {
             lines: lines.clone(),
             line_shape: data.frfs.line_shape,
-            background,
+            out_of_band_terms,
             max_expansion_distance: (MAX_TRUNCATION_OVER_NOISE / over_noise)
                 .cbrt()
                 .clamp(minimum, maximum),
@@ -122,8 +122,8 @@ impl CompressedBand {
     }
 
     /// Number of columns of the out-of-band terms.
-    pub fn background(&self) -> usize {
-        self.background.ncols()
+    pub fn out_of_band_columns(&self) -> usize {
+        self.out_of_band_terms.ncols()
     }
 
     /// Whether the data are unchanged since.
@@ -168,7 +168,7 @@ impl CompressedBand {
         Demand {
             poles,
             polynomials: self.polynomials,
-            background: &self.background,
+            out_of_band_terms: &self.out_of_band_terms,
             end_terms: end_terms(data, lines),
         }
     }
@@ -182,7 +182,7 @@ impl CompressedBand {
         members: usize,
     ) -> Vec<Range<usize>> {
         let functions = data.frfs.functions();
-        let fitted = self.background.ncols() + 2 * members;
+        let fitted = self.out_of_band_terms.ncols() + 2 * members;
         let cost = |ranges: &Vec<Range<usize>>| {
             let (mut coordinates, mut operations) = (0, 0);
             for range in ranges {
@@ -254,7 +254,7 @@ impl CompressedBand {
         members: &[ModelPole],
         moving: &[usize],
     ) -> (Compressed, f64) {
-        let (count, first) = (members.len(), self.background.ncols());
+        let (count, first) = (members.len(), self.out_of_band_terms.ncols());
         let column = |j: usize, n: usize| PoleColumn {
             lambda: members[j].lambda,
             scale: members[j].lambda.re.abs(),
@@ -267,7 +267,7 @@ impl CompressedBand {
             let line_shapes = segment.line_shapes(self.line_shape, &poles);
             linalg::complex_matrix(segment.coordinates(), first + poles.len(), |i, c| {
                 match c.checked_sub(first) {
-                    None => segment.background[(i, c)],
+                    None => segment.out_of_band_terms[(i, c)],
                     Some(c) => line_shapes[(i, c)],
                 }
             })

@@ -210,7 +210,7 @@ impl<'a> BandProblem<'a> {
     fn freedom(&self, members: &[ModelPole], unknowns: &[Unknown]) -> f64 {
         let shapes: usize = members.iter().map(ModelPole::multiplicity).sum();
         let functions = self.around.data.frfs.functions();
-        let fitted = self.window.background() * functions
+        let fitted = self.window.out_of_band_columns() * functions
             + shapes * self.around.frf_matrix.outputs.len()
             + unknowns.len();
         (self.block.lines.len() * functions)

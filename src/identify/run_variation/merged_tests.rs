@@ -60,9 +60,9 @@ fn a_mode_is_stated_at_its_mean_over_the_runs() {
     assert_eq!(merged.damping_std, Some(1e-4));
 }
 
-#[test]
-fn modes_without_a_common_cause_shift_where_nearly_all_are_conclusive() {
-    let decision = |shifts: [f64; 5], group: usize, is_conclusive: bool| ShiftDecision {
+/// A decision for a mode with these shifts of five runs.
+fn decision(shifts: [f64; 5], group: usize, is_conclusive: bool) -> ShiftDecision {
+    ShiftDecision {
         mode: ShiftedMode {
             lambda: Complex64::new(-1.0, 100.0),
             scatter: 1.0,
@@ -75,7 +75,11 @@ fn modes_without_a_common_cause_shift_where_nearly_all_are_conclusive() {
         was_shifted: false,
         group,
         gain: 1.0,
-    };
+    }
+}
+
+#[test]
+fn modes_without_a_common_cause_shift_where_nearly_all_are_conclusive() {
     let all = [
         decision([1.0, -1.0, 2.0, 0.0, -2.0], 0, true),
         decision([1.0, 1.0, -1.0, -1.0, 0.0], 1, true),
@@ -94,20 +98,7 @@ fn modes_without_a_common_cause_shift_where_nearly_all_are_conclusive() {
 
 #[test]
 fn a_mode_that_does_not_shift_with_the_others_is_excluded() {
-    let decision = |shifts: [f64; 5], group: usize| ShiftDecision {
-        mode: ShiftedMode {
-            lambda: Complex64::new(-1.0, 100.0),
-            scatter: 1.0,
-            decay_std: 0.0,
-            shifts: shifts.map(|shift| Complex64::new(0.0, shift)).to_vec(),
-            stds: vec![0.1; 5],
-            residues: vec![Complex64::ONE; 5],
-        },
-        is_conclusive: true,
-        was_shifted: false,
-        group,
-        gain: 1.0,
-    };
+    let decision = |shifts, group| decision(shifts, group, true);
     // The last two are one resonance, with one unshifted mode.
     let all = [
         decision([1.0, -1.0, 2.0, 0.0, -2.0], 0),
