@@ -10,6 +10,7 @@ use crate::signal::{ExponentialWindow, Outcome, Rule};
 
 use super::consistency::check_set;
 use super::estimate::{Estimated, estimate_recording};
+use super::force_levels::force_level_findings;
 use super::hammer_options::{HammerOptions, ResponseWindow};
 use super::hit_report::{HitReport, assess_hits};
 use super::selection::Selection;
@@ -79,6 +80,8 @@ pub fn evaluate_hammer_test(
     let truncated = findings.iter().any(cut_off);
     let checks = check_set(&estimated.set).into_iter();
     findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
+    let by_level = force_level_findings(recording, &hits, &estimated.set, &estimate);
+    findings.extend(by_level);
     estimated.set.findings = findings;
     Ok(HammerTestResult {
         estimated,

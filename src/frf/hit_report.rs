@@ -23,7 +23,7 @@ use super::hammer_options::HammerOptions;
 use super::preconditions::check;
 
 /// Responses of a hit that are assessed.
-const MAX_ASSESSED_RESPONSES: usize = 4;
+pub(super) const MAX_ASSESSED_RESPONSES: usize = 4;
 
 /// Hits that are read and assessed at a time.
 const HITS_PER_BLOCK: usize = 8;

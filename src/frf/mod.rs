@@ -7,6 +7,7 @@
 //! | [`estimate_recording`] | hits to a set, read as they are needed; [`estimate()`] those in memory: H1, H2, Hv (Bendat and Piersol 2010; Rocklin, Crowley and Vold 1985) |
 //! | [`evaluate_hammer_test`] | a whole test: quality of the hits, window, FRFs |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
+//! | `force_levels` | whether poles depend on the force, from single hits of different levels |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
 //! | [`convert`] | receptance, mobility and accelerance into each other |
 //! | [`check_set`] | signs, reciprocity, repeats, delays, frequencies that move from run to run |
@@ -20,6 +21,7 @@ mod convert;
 mod error;
 mod estimate;
 mod force;
+mod force_levels;
 mod frf_estimation;
 mod hammer_options;
 mod hammer_test;

@@ -97,7 +97,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
 }
 
 /// All functions with their summed power in units of their noise.
-struct SummedFrfs<'a> {
+pub(super) struct SummedFrfs<'a> {
     omega: &'a [f64],
     values: Vec<Vec<Complex64>>,
     variance: Vec<Vec<f64>>,
@@ -105,7 +105,7 @@ struct SummedFrfs<'a> {
 }
 
 impl<'a> SummedFrfs<'a> {
-    fn new(data: &'a Mobilities) -> Self {
+    pub fn new(data: &'a Mobilities) -> Self {
         let functions = 0..data.functions().len();
         let values: Vec<_> = functions.clone().map(|i| data.values(i)).collect();
         let variance: Vec<_> = functions.map(|i| data.variance(i)).collect();
@@ -125,7 +125,7 @@ impl<'a> SummedFrfs<'a> {
     }
 
     /// Clear peaks with five lines, far from each other.
-    fn isolated_peaks(&self) -> Vec<Peak> {
+    pub fn isolated_peaks(&self) -> Vec<Peak> {
         let floor = vec![
             CLEAR_PEAK_OVER_NOISE + CLEAR_SUM_OVER_NOISE * self.values.len() as f64;
             self.power.len()

@@ -9,6 +9,7 @@
 //! | [`repeatability`] | the same pair measured twice | — |
 //! | [`channel_delay`] | real modes: residues of one phase | — |
 //! | [`mass_loading`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
+//! | [`force_level`] | a linear structure: one pole whatever the force | Worden and Tomlinson (2001), section 3.2 |
 //!
 //! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A
 //! check says nothing where the data cannot carry it. It fits single resonances to compare
@@ -17,6 +18,7 @@
 mod channel_delay;
 mod discrepancy;
 mod driving_point;
+pub(super) mod force_level;
 mod mass_loading;
 mod mobility;
 mod reciprocity;
