@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::judge::Verdict;
-use super::pipeline::{Share, Tally, judged, judged_from_frfs_alone};
-use super::{draws, first_members, parts};
-use crate::population::Member;
+use modalign::finding::Code;
+
+use super::pipeline::{
+    self, Share, Tally, identified_by_default, judged, judged_by_default, judged_from_frfs_alone,
+};
+use super::{draws, first_members, members_of, parts};
+use crate::population::{Member, PopulationSpec};
 
 // The family and its seeds are fixed, so that the counts are too, but for roots on the edge of a
 // limit that another machine's rounding may tip over. Each limit is the count of all members or its
@@ -35,6 +39,12 @@ const COUNTS_OF_FRFS_ALONE: Counts = Counts {
     crowded_missed: 13,
     spurious: 9,
 };
+/// The same from hits with the windows that `frf` takes by default.
+const COUNTS_BY_DEFAULT: Counts = Counts {
+    separated_missed: 1,
+    crowded_missed: 7,
+    spurious: 13,
+};
 /// Spurious modes of the close kind, and of the other kinds, from hammer tests.
 const CLOSE_SPURIOUS: u64 = 1;
 const OTHER_SPURIOUS: u64 = 12;
@@ -57,6 +67,50 @@ fn frfs_without_variances_give_the_modes_as_well() {
         &tallies(judged_from_frfs_alone)["all"],
         &COUNTS_OF_FRFS_ALONE,
     );
+}
+
+#[test]
+fn hits_with_default_windows_give_the_modes_as_well() {
+    assert_counts(&tallies(judged_by_default)["all"], &COUNTS_BY_DEFAULT);
+}
+
+/// Kinds of structures that may have repeated roots.
+const REPEATED_KINDS: [&str; 2] = ["plate", "repeated"];
+
+#[test]
+fn repeated_roots_are_claimed_where_they_are() {
+    let family = pipeline::family();
+    // The family, and another draw of it.
+    let seeds = [family.seed, family.seed + 1];
+    let families = seeds.map(|seed| PopulationSpec {
+        seed,
+        ..family.clone()
+    });
+    let drawn: Vec<Member> = families
+        .iter()
+        .flat_map(|family| members_of(family, |count| draws(count as u64) as usize))
+        .collect();
+    let is_claimed = |member: &Member| {
+        let (_, found) = identified_by_default(member);
+        let mut codes = found.findings.iter().map(|finding| finding.code);
+        codes.any(|code| code == Code::RepeatedRoot)
+    };
+    let claims: Vec<bool> = drawn.par_iter().map(is_claimed).collect();
+    let mut by_kind: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for (member, claim) in drawn.iter().zip(claims) {
+        let [claimed, all] = by_kind.entry(member.kind).or_default();
+        *claimed += usize::from(claim);
+        *all += 1;
+    }
+    println!("repeated roots are claimed in {by_kind:?}");
+    for (kind, [claimed, _]) in &by_kind {
+        assert!(
+            REPEATED_KINDS.contains(kind) || *claimed == 0,
+            "{kind}: {claimed}"
+        );
+    }
+    let [claimed, all] = by_kind["repeated"];
+    assert!(claimed * 20 >= all * 19, "{claimed} of {all}");
 }
 
 fn assert_counts(all: &Tally, expected: &Counts) {

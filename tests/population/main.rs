@@ -34,7 +34,7 @@ mod window;
 
 use rayon::prelude::*;
 
-use population::Member;
+use population::{Member, PopulationSpec};
 
 /// Number of draws of a long test: all, divided by the environment variable `POPULATION_PARTS`.
 fn draws(all: u64) -> u64 {
@@ -53,7 +53,11 @@ fn members() -> Vec<Member> {
 
 /// The first members of each kind; `number` turns the number of all members of a kind into theirs.
 fn first_members(number: impl Fn(usize) -> usize) -> Vec<Member> {
-    let family = pipeline::family();
+    members_of(&pipeline::family(), number)
+}
+
+/// As [`first_members`], of another family.
+fn members_of(family: &PopulationSpec, number: impl Fn(usize) -> usize) -> Vec<Member> {
     let counts = family.members.iter().map(|member| number(member.count));
     let numbers: Vec<(usize, usize)> = counts
         .enumerate()

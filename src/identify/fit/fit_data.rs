@@ -136,6 +136,12 @@ impl FitData {
         self.invalidate();
     }
 
+    /// As [`NoiseModel::raise_to_misfit`].
+    pub fn raise_noise_to_misfit(&mut self, rest: &Residual) {
+        self.noise.raise_to_misfit(&self.frfs, rest);
+        self.invalidate();
+    }
+
     /// As [`NoiseModel::detect_correlated_noise`].
     pub fn detect_correlated_noise(&mut self, rest: &mut Residual) -> bool {
         let is_detected = self.noise.detect_correlated_noise(&self.frfs, rest);

@@ -97,7 +97,7 @@ impl PoleModel {
             return;
         }
         let tried: Vec<ModelPole> = modes.iter().map(|mode| trial(mode)).collect();
-        let (before, dropped) = (self.poles.clone(), self.dropped.len());
+        let before = self.snapshot();
         self.poles.extend(tried);
         mark_unconverged(&mut self.poles);
         self.refine_and_prune(Convergence::ResidualTest);
@@ -105,7 +105,7 @@ impl PoleModel {
         // A pole that was not in the fit before and is no companion is a failed trial.
         let is_mode = |pole: &ModelPole| {
             let distance = |mode: &ModelPole| (mode.lambda - pole.lambda).norm() / mode.decay();
-            before.iter().any(|mode| distance(mode) < 1.0)
+            before.poles.iter().any(|mode| distance(mode) < 1.0)
         };
         let all = self.poles.len();
         self.poles.retain(|pole| pole.is_companion || is_mode(pole));
@@ -116,9 +116,8 @@ impl PoleModel {
         }
         let modes = |poles: &[ModelPole]| poles.iter().filter(|pole| !pole.is_companion).count();
         let has_companions = self.poles.iter().any(|pole| pole.is_companion);
-        if !has_companions || modes(&self.poles) != modes(&before) {
-            self.poles = before;
-            self.dropped.truncate(dropped);
+        if !has_companions || modes(&self.poles) != modes(&before.poles) {
+            self.restore(before);
             return;
         }
         let is_fitted = |lambda: Complex64| {

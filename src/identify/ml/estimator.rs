@@ -229,6 +229,12 @@ impl PoleModel {
     /// Fits the stable poles of the LSCF.
     fn fit_stable_poles(&mut self, found: &DetectedPeaks) -> Result<InitialPoles, IdentifyError> {
         let poles = self.stable_poles(&self.lscf(), found)?;
+        if self.data.noise.is_negligible(&self.data.frfs) {
+            self.poles = poles.clone();
+            self.residues();
+            let misfit = self.residual();
+            self.data.raise_noise_to_misfit(&misfit);
+        }
         let noise = (self.frf_matrix.inputs > 1).then(|| self.data.noise.clone());
         self.poles = poles.clone();
         Ok(InitialPoles {

@@ -155,8 +155,7 @@ impl PoleModel {
         let is_other = |pole: &&ModelPole| !groups.iter().any(|group| is_of(pole, group));
         let others = |poles: &[ModelPole]| poles.iter().filter(is_other).count();
         let expected = others(&self.poles);
-        let (poles, dropped) = (self.poles.clone(), self.dropped.clone());
-        let (noise, scattered) = (self.data.noise.clone(), self.scattered);
+        let before = self.snapshot_with_noise();
         self.poles.retain(|pole| is_other(&pole));
         let merged = groups.iter().flat_map(|group| &group.merged);
         self.poles.extend(merged.cloned());
@@ -165,8 +164,7 @@ impl PoleModel {
         self.complete();
         let is_lost = |group: &Group| !self.poles.iter().any(|pole| is_of(pole, group));
         if others(&self.poles) < expected || groups.iter().any(is_lost) {
-            (self.poles, self.dropped, self.scattered) = (poles, dropped, scattered);
-            self.data.set_noise(noise);
+            self.restore(before);
             return Vec::new();
         }
         groups.into_iter().map(|group| group.mode(shape)).collect()

@@ -40,16 +40,15 @@ impl PoleModel {
     /// Tries a set of out-of-band terms. Returns whether they are sufficient; otherwise nothing
     /// changes.
     fn try_terms(&mut self, terms: Vec<OutOfBandTerm>) -> bool {
-        let (before, drops_before) = (self.poles.clone(), self.dropped.len());
+        let before = self.snapshot();
         self.alternate_terms_and_poles(terms);
         if self.out_of_band_is_significant() && self.search().is_some() {
             self.refine_and_prune(Convergence::ResidualTest);
         }
-        let enough = !self.out_of_band_is_significant() && self.poles.len() >= before.len();
+        let enough = !self.out_of_band_is_significant() && self.poles.len() >= before.poles.len();
         if !enough {
             self.data.set_out_of_band_terms(OutOfBandTerms::Anywhere);
-            self.poles = before;
-            self.dropped.truncate(drops_before);
+            self.restore(before);
         }
         enough
     }

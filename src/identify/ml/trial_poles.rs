@@ -36,20 +36,14 @@ impl PoleModel {
     /// search finds modes among them again. Where the residual without these poles is no noise, all
     /// changes are undone.
     pub fn detect_correlated_noise(&mut self) -> bool {
-        let (noise, poles, drops_before) = (
-            self.data.noise.clone(),
-            self.poles.clone(),
-            self.dropped.len(),
-        );
+        let before = self.snapshot_with_noise();
         if !self.data.detect_correlated_noise(&mut self.residual()) {
             return false;
         }
         self.reestimate_noise_and_prune();
         loop {
             if !LineCorrelation::frfs_have_independent_noise(&self.residual()) {
-                self.data.set_noise(noise);
-                self.poles = poles;
-                self.dropped.truncate(drops_before);
+                self.restore(before);
                 self.refine_and_prune(Convergence::ResidualTest);
                 return false;
             }
@@ -117,7 +111,7 @@ impl PoleModel {
 
     /// As [`Self::search`], with given trial poles, from the residual without them.
     fn try_poles(&mut self, found: Vec<ModelPole>, residual: &Residual) -> Option<f64> {
-        let (before, modes, drops_before) = (self.poles.clone(), self.modes(), self.dropped.len());
+        let (before, modes) = (self.snapshot(), self.modes());
         self.poles.extend(found.into_iter().map(|pole| ModelPole {
             suspect: true,
             ..pole
@@ -136,8 +130,7 @@ impl PoleModel {
         }
         if now < 1.0 {
             // Trial poles displaced other poles, or none of them was kept.
-            self.poles = before;
-            self.dropped.truncate(drops_before);
+            self.restore(before);
             return None;
         }
         for pole in &mut self.poles {
@@ -176,13 +169,10 @@ impl PoleModel {
             let Some(j) = nearest.filter(near) else {
                 continue;
             };
-            let (before, drops_before) = (self.poles.clone(), self.dropped.len());
+            let before = self.snapshot();
             match self.try_close_pair(j, second, residual_energy, false_alarm_probability) {
                 Some(now) => residual_energy = now,
-                None => {
-                    self.poles = before;
-                    self.dropped.truncate(drops_before);
-                }
+                None => self.restore(before),
             }
         }
         (residual_energy < first).then_some(first / residual_energy)

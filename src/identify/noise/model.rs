@@ -22,8 +22,17 @@ use crate::identify::noise::variance_model::SmoothedVariance;
 const MIN_FRFS: usize = 3;
 /// Mean power of the residual above which it is more than noise.
 const MAX_NOISE_POWER: f64 = 2.0;
-/// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter.
-const MIN_NOISE_OVER_RESPONSE: f64 = 1e-10;
+/// Minimum noise of an FRF over the largest response: a dynamic range beyond that of any converter
+/// (a 24-bit converter has 6e-8).
+const MIN_NOISE_OVER_RESPONSE: f64 = 1e-8;
+/// Noise over the response of an FRF below which the misfit of any model may exceed it.
+const NEGLIGIBLE_NOISE_OVER_RESPONSE: f64 = 1e-5;
+/// Minimum of such noise over the misfit of the initial poles.
+///
+/// Without noise, second differences are those of the response, smallest far from resonances: the
+/// fit then follows a smooth misfit there (filters, aliases) with its poles and loses modes. Larger:
+/// modes weaker than the misfit are not found. Test: `a_noise_free_hit_shows_all_modes`.
+const MIN_NOISE_OVER_MISFIT: f64 = 0.03;
 
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +62,8 @@ pub(in crate::identify) struct NoiseModel {
     variance_source: VarianceSource,
     /// Minimum variance of each FRF, in its measured quantity.
     min_variances: Vec<f64>,
+    /// Whether the minimum is that of the misfit.
+    is_below_misfit: bool,
 }
 
 impl NoiseModel {
@@ -85,6 +96,7 @@ impl NoiseModel {
             stated,
             variance_source: VarianceSource::SecondDifferences,
             min_variances: min_variances(frfs),
+            is_below_misfit: false,
         };
         model.raise_to_dynamic_range(frfs);
         model
@@ -217,6 +229,41 @@ impl NoiseModel {
         self.variance.par_iter_mut().enumerate().for_each(raise);
     }
 
+    /// Whether the noise is so low that the misfit of a good model can be larger.
+    pub fn is_negligible(&self, frfs: &BandFrfs) -> bool {
+        let ratio = |f: usize| {
+            let scales = frfs.measured_scale[f].iter();
+            let power = frfs.values[f].iter().zip(scales.clone());
+            let power: f64 = power.map(|(h, s)| h.norm_sqr() * s * s).sum();
+            let noise = self.variance[f].iter().zip(scales).map(|(v, s)| v * s * s);
+            median(noise.collect()) * frfs.lines() as f64 / power.max(f64::MIN_POSITIVE)
+        };
+        let limit = NEGLIGIBLE_NOISE_OVER_RESPONSE.powi(2);
+        (0..frfs.functions()).all(|f| ratio(f) < limit)
+    }
+
+    /// Whether the noise was raised to a fraction of the misfit.
+    pub fn is_below_misfit(&self) -> bool {
+        self.is_below_misfit
+    }
+
+    /// Raises the minimum of the noise of each FRF to a fraction of its misfit, constant over the
+    /// lines in the measured quantity: of the median of the squared residual.
+    pub fn raise_to_misfit(&mut self, frfs: &BandFrfs, rest: &Residual) {
+        self.is_below_misfit = true;
+        for f in 0..frfs.functions() {
+            let residual = rest.of(f, 0..frfs.lines()).iter();
+            let scales = self.variance[f].iter().zip(frfs.measured_scale[f].iter());
+            let squares = residual
+                .zip(scales)
+                .map(|(r, (v, s))| r.norm_sqr() * v * s * s);
+            let misfit = median(squares.collect()) / std::f64::consts::LN_2;
+            let floor = MIN_NOISE_OVER_MISFIT.powi(2) * misfit;
+            self.min_variances[f] = self.min_variances[f].max(floor);
+        }
+        self.raise_to_dynamic_range(frfs);
+    }
+
     /// Residual of FRF f, in its measured quantity.
     fn residual_of_frf(&self, f: usize, frfs: &BandFrfs, rest: &Residual) -> ResidualVariance {
         let scale = &frfs.measured_scale[f];
@@ -265,6 +312,11 @@ impl NoiseModel {
             variance,
         }
     }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Minimum variance of each FRF, in its measured quantity.

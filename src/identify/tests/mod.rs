@@ -7,6 +7,7 @@ mod high_snr;
 mod hump;
 mod methods;
 mod ml;
+mod noise_free_hits;
 mod options;
 mod peak_columns;
 mod rank;
