@@ -107,7 +107,7 @@ pub struct Dof {
     repeat: u32,
 }
 
-const EXPECTED: &str = "POINT:±AXIS with POINT 1 to 32 of [A-Za-z0-9_.-] (a `component.` may stand before it) and AXIS X Y Z RX RY RZ S";
+const EXPECTED: &str = "a point with a direction, such as 2:+Z or wing.12:-X: a name of letters, digits, _ . - (at most 32), and X, Y, Z, RX, RY, RZ or S (scalar) with its sign";
 
 impl Dof {
     /// A degree of freedom from its parts.

@@ -497,7 +497,7 @@ pub struct NewArgs {
     #[arg(long)]
     pub model: Option<PathBuf>,
     /// Response DOF of files that do not name it: one for all, or one for each file in their order,
-    /// 1:+Z,2:+Z.
+    /// 1:+Z,2:+Z; of tables with several responses, one for each in the order of the columns.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub response: Vec<Dof>,
     /// Excitation DOF of files that do not name it: one for all, or one for each file in their
@@ -604,8 +604,10 @@ fn code(text: &str) -> Result<Code, String> {
     found.ok_or_else(|| {
         let all: Vec<String> = Code::ALL.iter().map(|code| code.name()).collect();
         let near = nearest(text, all.iter().map(String::as_str));
-        let near = near.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
-        format!("got code `{text}`, expected one of {}{near}", all.join(" "))
+        match near {
+            Some(near) => format!("got code `{text}`; did you mean `{near}`?"),
+            None => format!("got code `{text}`, expected one of {}", all.join(" ")),
+        }
     })
 }
 

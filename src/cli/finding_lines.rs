@@ -129,18 +129,22 @@ impl Kind<'_> {
         lines
     }
 
-    /// A finding; where its sentence leaves no room for its numbers, these stand before it.
+    /// A finding; where its text leaves no room for its numbers, with the first sentence alone, or
+    /// else the numbers before it.
     fn single_line(&self, line: &str, language: Language) -> String {
         let tag = self.tag();
         let text = line.strip_suffix(&tag).unwrap_or(line);
         let sentence = language.sentence(self.code);
         let sentence = sentence.trim_end_matches(['.', '。']);
+        let first = first_sentence(sentence);
         match text.split_once(sentence) {
-            Some((place, numbers))
-                if !numbers.trim().is_empty() && leaves_no_room(place, sentence, &tag) =>
-            {
+            Some((place, numbers)) if leaves_no_room(place, sentence, &tag) => {
+                if !leaves_no_room(place, first, &tag) {
+                    return cut_before(&format!("{place}{first}{numbers}"), &tag);
+                }
                 let numbers = numbers.trim_start_matches([' ', ';']);
-                cut_before(&format!("{place}{numbers}: {sentence}"), &tag)
+                let between = if numbers.is_empty() { "" } else { ": " };
+                cut_before(&format!("{place}{numbers}{between}{first}"), &tag)
             }
             _ => cut_before(text, &tag),
         }
@@ -156,8 +160,11 @@ impl Kind<'_> {
             none if none.is_empty() => none,
             places => format!(": {places}"),
         };
-        let text = format!("{severity}: {count}× {sentence}{places}");
-        cut_before(&text, &self.tag())
+        let line = |sentence: &str| format!("{severity}: {count}× {sentence}{places}");
+        match line(sentence) {
+            text if is_line(&text, &self.tag()) => format!("{text}{}", self.tag()),
+            _ => cut_before(&line(first_sentence(sentence)), &self.tag()),
+        }
     }
 }
 
@@ -182,6 +189,12 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
     });
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.join("; ")
+}
+
+/// The first sentence of a text.
+fn first_sentence(text: &str) -> &str {
+    let end = text.find(". ").into_iter().chain(text.find('。')).min();
+    end.map_or(text, |end| &text[..end])
 }
 
 /// Whether the numbers of a finding do not fit behind its sentence.
@@ -258,8 +271,9 @@ mod tests {
             finding.value(89.0, "%"),
         );
         let lines = screen_lines(&[named], Language::English);
-        let beginning = "warning: a test with a long name: mode at 12.00 Hz: (89 %): The resonance";
-        assert!(lines[0].starts_with(beginning), "{}", lines[0]);
+        let expected = "warning: a test with a long name: mode at 12.00 Hz: \
+                        The resonance is few frequency lines wide (89 %) [damping-biased-high]";
+        assert_eq!(lines[0], expected);
     }
 
     #[test]

@@ -9,13 +9,14 @@ use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::io::{
-    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, IoError, ModeEntry,
-    SampleFormat, open_path,
+    ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, ModeEntry, SampleFormat,
+    open_path,
 };
 use crate::report::{Block, Cell, Column, Table, abridged};
 use crate::study::counted;
 
 use super::args::InspectArgs;
+use super::left_out::LeftOut;
 use super::outcome::Outcome;
 use super::output::Output;
 
@@ -28,8 +29,8 @@ pub fn inspect(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let (mut files, mut damaged) = (Vec::new(), false);
-    let (mut first_error, mut is_complete) = (None, true);
-    let mut catalogs = Vec::new();
+    let (mut catalogs, mut left_out) = (Vec::new(), Vec::new());
+    let mut read: Vec<&Path> = Vec::new();
     for path in &args.files {
         let hints = Hints {
             path: path.display().to_string(),
@@ -39,10 +40,9 @@ pub fn inspect(
             Ok(source) => source,
             // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
-                output.add_blocks(vec![Block::Text(not_used(path, &error))]);
-                files.push(json!({ "path": hints.path, "error": error.to_string() }));
-                is_complete &= error.is_no_measurement();
-                first_error.get_or_insert(error);
+                let file = LeftOut { path, error };
+                files.push(file.json());
+                left_out.push(file);
                 continue;
             }
             Err(error) => return Err(error.into()),
@@ -53,9 +53,13 @@ pub fn inspect(
             files.push(catalog_json(&catalog));
         }
         catalogs.push(catalog);
+        read.push(path);
     }
-    if let (true, Some(error)) = (catalogs.is_empty(), first_error.take()) {
-        return Err(error.into());
+    let is_complete = !left_out.iter().any(|file| file.may_hold_data(&read));
+    let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
+    output.add_blocks(lines.collect());
+    if let (true, Some(file)) = (catalogs.is_empty(), left_out.into_iter().next()) {
+        return Err(file.error.into());
     }
     for group in alike(&catalogs) {
         let full = || group.iter().flat_map(|catalog| blocks(catalog)).collect();
@@ -70,17 +74,6 @@ pub fn inspect(
         format!("{result:#}")
     });
     Ok(Outcome::missed_if(damaged || !is_complete))
-}
-
-/// The line for a file that is left out.
-pub(super) fn not_used(path: &Path, error: &IoError) -> String {
-    match error {
-        IoError::UnknownFormat { .. } => {
-            format!("not used: {}: of no known format", path.display())
-        }
-        error if error.is_no_measurement() => format!("not used: {error}"),
-        error => format!("not read: {error}"),
-    }
 }
 
 /// Catalogs in their order, those together that the screen shows alike: files without damage whose

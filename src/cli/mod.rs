@@ -17,6 +17,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod junit;
+mod left_out;
 mod man;
 mod meter;
 mod new;

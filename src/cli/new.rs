@@ -13,14 +13,14 @@ use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    DraftFile, DraftModel, DraftPlan, ModelKind, OpenLine, StatedUnits, draft_scene, load_model,
-    model_kind, open_lines, read_text,
+    Draft, DraftFile, DraftModel, DraftPlan, ModelKind, OpenLine, StatedUnits, TableContent,
+    draft_scene, load_model, model_kind, open_lines, read_text,
 };
 
 use crate::study::counted;
 
 use super::args::NewArgs;
-use super::inspect::not_used;
+use super::left_out::LeftOut;
 use super::outcome::Outcome;
 use super::output::Output;
 
@@ -45,11 +45,13 @@ const EXPECTED_TEMPLATE: &str =
 /// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; lists the entries that
 /// are still to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
-    check_new_files(args)?;
-    let opened = open_files(args, format, output)?;
-    let partly_bad = opened.iter().any(|file| file.is_bad);
+    let TestFiles { opened, left_out } = open_files(args, format, output)?;
+    check_new_files(args, &opened)?;
+    let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
+    let is_complete = !opened.iter().any(|file| file.is_bad)
+        && !left_out.iter().any(|file| file.may_hold_data(&read));
     let units = stated_units(args)?;
-    let responses = dofs_of_files("--response", &args.response, &opened, args.files.len())?;
+    let responses = responses_of_files(&args.response, &opened, args.files.len())?;
     let references = dofs_of_files("--reference", &args.reference, &opened, args.files.len())?;
     let files: Vec<DraftFile> = opened
         .iter()
@@ -57,8 +59,8 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         .map(|(file, (response, reference))| DraftFile {
             path: &file.scene_path,
             catalog: &file.catalog,
-            response: *response,
-            reference: *reference,
+            responses: response,
+            reference: reference.first(),
             units,
             sampling_rate_hz: args.sampling_rate,
             partial: args.partial && file.is_bad,
@@ -112,7 +114,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.add_blocks(vec![Block::Text(next_steps(
         args,
         &files,
-        &draft.scene,
+        &draft,
         has_positions,
     ))]);
     output.add_json(|| {
@@ -121,9 +123,41 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
             .map(|line| serde_json::json!({ "line": line.line, "key": line.key, "expected": line.expected }))
             .collect();
         let scene = args.folder.join("scene.toml").display().to_string();
-        format!("{:#}", serde_json::json!({ "schema": "modalign-new/1", "scene": scene, "open": open }))
+        format!("{:#}", serde_json::json!({
+            "schema": "modalign-new/1", "scene": scene, "open": open, "not_used": left_out.iter().map(LeftOut::json).collect::<Vec<_>>(),
+        }))
     });
-    Ok(Outcome::missed_if(partly_bad))
+    Ok(Outcome::missed_if(!is_complete))
+}
+
+/// The stated responses of each file: those of its columns where it is a table of several, else as
+/// [`dofs_of_files`] has them.
+fn responses_of_files<'a>(
+    stated: &'a [Dof],
+    files: &[NamedFile],
+    all: usize,
+) -> Result<Vec<&'a [Dof]>, Error> {
+    let columns = |file: &NamedFile| match TableContent::of(&file.catalog) {
+        Some(table) if table.responses > 1 => Some(table.responses),
+        _ => None,
+    };
+    let Some((file, count)) = files.iter().find_map(|file| Some((file, columns(file)?))) else {
+        return dofs_of_files("--response", stated, files, all);
+    };
+    let is_alike = files.iter().all(|file| columns(file) == Some(count));
+    if stated.is_empty() || (is_alike && stated.len() == count) {
+        return Ok(vec![stated; files.len()]);
+    }
+    let path = file.path.display();
+    let got = format!(
+        "{} for {count} responses of {path}",
+        counted(stated.len(), "DOF")
+    );
+    let expected = match is_alike {
+        true => "one for each response in the order of the columns, or none",
+        false => "files with the same number of responses, or none: the scene states them",
+    };
+    Err(argument_error("--response", got, expected))
 }
 
 /// The stated DOF of each file: one for all, one for each file with data of a test, or one for each
@@ -133,25 +167,28 @@ fn dofs_of_files<'a>(
     stated: &'a [Dof],
     files: &[NamedFile],
     all: usize,
-) -> Result<Vec<Option<&'a Dof>>, Error> {
-    let of_file = |(index, file): (usize, &NamedFile)| match stated {
-        [only] => Some(only),
-        several if several.len() == files.len() => several.get(index),
-        several => several.get(file.number),
-    };
-    if ![0, 1, files.len(), all].contains(&stated.len()) {
-        let with_data = match files.len() == all {
+) -> Result<Vec<&'a [Dof]>, Error> {
+    let tests = files.iter().filter(|file| file.has_test_data()).count();
+    if ![0, 1, tests, all].contains(&stated.len()) {
+        let with_data = match tests == all {
             true => String::new(),
             false => format!(" with data of a test ({all} in all)"),
         };
-        let got = format!("{} DOFs for {} files{with_data}", stated.len(), files.len());
+        let got = format!("{} DOFs for {tests} files{with_data}", stated.len());
         return Err(argument_error(
             option,
             got,
             "one for all files, or one for each",
         ));
     }
-    Ok(files.iter().enumerate().map(of_file).collect())
+    let mut of_tests = stated.chunks(1);
+    let of_file = |file: &NamedFile| match stated.len() {
+        0 | 1 => stated,
+        count if count != tests => &stated[file.number..=file.number],
+        _ if file.has_test_data() => of_tests.next().unwrap_or_default(),
+        _ => &[],
+    };
+    Ok(files.iter().map(of_file).collect())
 }
 
 /// The stated units by what they are of.
@@ -192,10 +229,13 @@ const OPTIONS_OF_LINES: &[(&str, &str, &str)] = &[
 ];
 
 /// The open lines of the scene, the options that fill them in, and the next command.
-fn next_steps(args: &NewArgs, files: &[DraftFile], scene: &str, has_positions: bool) -> String {
+fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions: bool) -> String {
     let path = args.folder.join("scene.toml");
-    let open = open_lines(scene);
+    let open = open_lines(&draft.scene);
     let mut paragraphs = vec![match open.is_empty() {
+        true if same_pair_count(files).is_some() => {
+            format!("{}: complete, but see below.", path.display())
+        }
         true => format!("{}: nothing is left to fill in.", path.display()),
         false => {
             let lines = open_text(&open);
@@ -216,7 +256,7 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], scene: &str, has_positions: b
     }
     if !options.is_empty() {
         paragraphs.push(format!(
-            "Options of `modalign new` fill in such lines: {}.",
+            "Options of `modalign new` fill in such lines, in a new folder: {}.",
             options.join(", ")
         ));
     }
@@ -231,6 +271,10 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], scene: &str, has_positions: b
             "No positions are stated: figures of shapes have the points in a row (--points FILE)."
                 .to_owned(),
         );
+    }
+    if !draft.points_without_position.is_empty() {
+        let points = draft.points_without_position.join(", ");
+        paragraphs.push(format!("No position is stated for: {points}."));
     }
     paragraphs.push(
         "SOURCE.md (where the data come from) and expected.toml (published results) are optional."
@@ -253,18 +297,21 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], scene: &str, has_positions: b
 fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
     let is_open = |file: &&DraftFile| {
         let mut entries = file.catalog.entries.iter();
-        entries.any(|entry| {
-            entry.function_type == FunctionType::Frf
-                && entry.response.is_none()
-                && entry.reference.is_none()
-        })
+        let is_table = TableContent::of(file.catalog).is_some_and(|table| table.is_functions);
+        is_table
+            || entries.any(|entry| {
+                entry.function_type == FunctionType::Frf
+                    && entry.response.is_none()
+                    && entry.reference.is_none()
+            })
     };
-    let pairs = files.iter().filter(is_open);
-    let pairs: Vec<_> = pairs
-        .map(|file| file.response.zip(file.reference))
-        .collect();
-    let is_same = pairs.iter().all(|pair| pair.is_some() && *pair == pairs[0]);
-    (pairs.len() > 1 && is_same).then_some(pairs.len())
+    let open: Vec<&DraftFile> = files.iter().filter(is_open).collect();
+    let is_same = |file: &&DraftFile| {
+        !file.responses.is_empty()
+            && file.reference.is_some()
+            && (file.responses, file.reference) == (open[0].responses, open[0].reference)
+    };
+    (open.len() > 1 && open.iter().all(is_same)).then_some(open.len())
 }
 
 /// The open lines, those of one key and expectation together.
@@ -303,9 +350,9 @@ fn shell_quoted(path: &Path) -> String {
 }
 
 /// Checks that no file to be written exists.
-fn check_new_files(args: &NewArgs) -> Result<(), Error> {
+fn check_new_files(args: &NewArgs, opened: &[NamedFile]) -> Result<(), Error> {
     let mut raws = BTreeSet::new();
-    for path in args.files.iter().filter(|_| args.copy) {
+    for path in opened.iter().filter(|_| args.copy).map(|file| file.path) {
         if !raws.insert(copy_path(args, path)) {
             return Err(argument_error(
                 "FILE",
@@ -320,7 +367,7 @@ fn check_new_files(args: &NewArgs) -> Result<(), Error> {
         Some(path) => Err(argument_error(
             "DIR",
             format!("{}, which exists", path.display()),
-            "a folder without it: nothing is written over, so name another one or delete the file",
+            "a folder without files of a scene: nothing is written over, so name another folder",
         )),
     }
 }
@@ -345,6 +392,20 @@ struct NamedFile<'a> {
     is_bad: bool,
 }
 
+impl NamedFile<'_> {
+    /// Whether it holds more than a geometry.
+    fn has_test_data(&self) -> bool {
+        let catalog = &self.catalog;
+        !(catalog.entries.is_empty() && catalog.modes.is_empty() && catalog.arrays.is_empty())
+    }
+}
+
+/// The exported files: those with data of a test, and the others.
+struct TestFiles<'a> {
+    opened: Vec<NamedFile<'a>>,
+    left_out: Vec<LeftOut<'a>>,
+}
+
 /// The files with data of a test; the others are named on the screen.
 ///
 /// # Errors
@@ -353,8 +414,8 @@ fn open_files<'a>(
     args: &'a NewArgs,
     format: Option<&str>,
     output: &mut Output,
-) -> Result<Vec<NamedFile<'a>>, Error> {
-    let (mut files, mut unused) = (Vec::new(), Vec::new());
+) -> Result<TestFiles<'a>, Error> {
+    let (mut opened, mut left_out) = (Vec::new(), Vec::new());
     for (number, path) in args.files.iter().enumerate() {
         let hints = Hints {
             path: path.display().to_string(),
@@ -363,14 +424,14 @@ fn open_files<'a>(
         let mut source = match open_path(path, &hints, format) {
             Ok(source) => source,
             Err(error) if error.is_no_measurement() => {
-                unused.push((path, error));
+                left_out.push(LeftOut { path, error });
                 continue;
             }
             Err(error) => return Err(error.into()),
         };
         let needs = [Need::Records, Need::Frfs, Need::Modes];
         let is_bad = check_damage(source.as_mut(), &needs, args.partial)?;
-        files.push(NamedFile {
+        opened.push(NamedFile {
             path,
             number,
             scene_path: scene_path(args, path),
@@ -378,18 +439,17 @@ fn open_files<'a>(
             is_bad,
         });
     }
-    if files.is_empty() {
-        unused
-            .into_iter()
-            .next()
-            .map_or(Ok(()), |(_, error)| Err(error))?;
-    } else {
-        let lines = unused
-            .iter()
-            .map(|(path, error)| Block::Text(not_used(path, error)));
-        output.add_blocks(lines.collect());
+    if opened.is_empty() {
+        let first = left_out.into_iter().next();
+        return Err(first
+            .expect("at least one file is an argument")
+            .error
+            .into());
     }
-    Ok(files)
+    let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
+    let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
+    output.add_blocks(lines.collect());
+    Ok(TestFiles { opened, left_out })
 }
 
 fn copy_path(args: &NewArgs, path: &Path) -> PathBuf {

@@ -29,6 +29,7 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
     let result = run_scene(&scene, output.observer())?;
     let blocks = blocks(&scene, &result, Columns::All);
+    let mut earlier = None;
     if let Some(folder) = &args.output {
         let translated = |blocks| output.language().translated(blocks);
         let page = translated(self::blocks(&scene, &result, Columns::Page));
@@ -41,21 +42,25 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             output.language(),
             args.png,
         )?);
+        earlier = earlier_figures(folder, &files);
         add_folder_files(folder, files, &scene, output)?;
     }
     output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
-        Some(_) => "All tables, columns and notes: --full, or report.html in the folder.",
-        None => "All tables, columns and notes: --full; with report and files: -o DIR.",
+        Some(_) => {
+            "All tables, columns and notes: --full, or report.html in the folder; a code in []: --explain CODE."
+        }
+        None => {
+            "All tables, columns and notes: --full; report and files: -o DIR; a code in []: --explain CODE."
+        }
     };
     let scene = args.scene.display();
     let next =
         format!("Next, the parameters that bring the model to the test: modalign update {scene}.");
     let can_update = result.table.is_some() && !result.theory.parameters.is_empty();
-    output.add_rest_note(&match can_update {
-        true => format!("{next}\n{rest}"),
-        false => rest.to_owned(),
-    });
+    let lines = [earlier, can_update.then_some(next), Some(rest.to_owned())];
+    let lines: Vec<String> = lines.into_iter().flatten().collect();
+    output.add_rest_note(&lines.join("\n"));
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result)),
         None if result.tests.is_empty() => {
@@ -70,6 +75,19 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let missed =
         result.limits.iter().any(|check| !check.is_met()) || result.tests.iter().any(without_modes);
     Ok(Outcome::missed_if(missed || result.partly_bad()))
+}
+
+/// A line on the figures in the folder that this run does not write.
+fn earlier_figures(folder: &Path, files: &[(String, Vec<u8>)]) -> Option<String> {
+    let is_written = |name: &str| files.iter().any(|(written, _)| written == name);
+    let figures = std::fs::read_dir(folder.join("figures")).ok()?;
+    let names = figures.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> = names
+        .map(|name| format!("figures/{name}"))
+        .filter(|name| !is_written(name))
+        .collect();
+    names.sort();
+    (!names.is_empty()).then(|| format!("Not of this run: {}.", names.join(", ")))
 }
 
 /// Adds files of a folder, none of which the scene reads.

@@ -184,6 +184,9 @@ pub enum IoError {
 }
 
 impl IoError {
+    /// What [`IoError::NoNumbers`] got from a file without a byte.
+    pub const EMPTY_FILE: &str = "an empty file";
+
     /// Whether the file is something other than test data, such as a picture or notes.
     pub fn is_no_measurement(&self) -> bool {
         matches!(

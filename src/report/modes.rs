@@ -64,7 +64,7 @@ pub fn modes_block(test: &str, model: &ModalModel) -> Block {
     };
     let mut footnotes =
         vec![
-            "f: natural frequency |λ|/2π; std: one standard deviation.".to_owned(),
+            "f: natural frequency |λ|/2π; std: one standard deviation, in the unit of its column.".to_owned(),
             "MPC: 1 for a shape on one line of the complex plane, 0 for a circle; mean phase: ½ arg Σφ²; MPD: mean angle from it, weighted by |φ|.".to_owned(),
             "quality: whether it is a mode of the structure; quality of f, of damping, of shape: what these are worth (—: not assessed).".to_owned(),
             "overlap: half-power bandwidth 2ζf over the mean distance to the neighbouring modes; lines in −3 dB band: frequency lines across the half-power bandwidth as measured.".to_owned(),

@@ -72,9 +72,10 @@ impl Terminal {
         let width = grid.lines().map(UnicodeWidthStr::width).max().unwrap_or(0);
         let rule = "-".repeat(width);
         let head_lines = head_line_count(table);
+        let caption = self.wrapped(&table.caption);
         let mut lines: Vec<&str> = Vec::new();
-        if !table.caption.is_empty() {
-            lines.push(&table.caption);
+        if !caption.is_empty() {
+            lines.push(&caption);
         }
         lines.push(&rule);
         lines.extend(grid.lines().take(head_lines));

@@ -194,6 +194,7 @@ pub(super) static TEXTS: Texts = Texts {
         quality_of_frequency: "quality of f", "频率质量";
         quality_of_damping: "quality of damping", "阻尼质量";
         quality_of_shape: "quality of shape", "振型质量";
+        uncertain: "uncertain", "不可靠的量";
         good: "good", "可信";
         doubtful: "doubtful", "存疑";
         bad: "bad", "差";
@@ -289,8 +290,8 @@ pub(super) static TEXTS: Texts = Texts {
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";
         next_update: "Next, the parameters that bring the model to the test: modalign update {}.", "下一步，使模型与试验一致的参数：modalign update {}。";
-        rest_of_run: "All tables, columns and notes: --full; with report and files: -o DIR.", "全部表格、列与说明：--full；报告与文件：-o DIR。";
-        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder.", "全部表格、列与说明：--full，或文件夹中的 report.html。";
+        rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a code in []: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
+        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a code in []: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
         rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";
@@ -301,7 +302,7 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
         rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
         counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
-        no_model: "No [model] is stated, so that nothing is compared.", "未给出 [model]，因此没有比较。";
+        no_model: "These are the modes of the test; a [model] in the scene is compared with them.", "以下为试验的模态；场景中给出 [model] 后与其比较。";
         chi_square: "Chi-square per degree of freedom {} ({} degrees; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
@@ -310,6 +311,18 @@ pub(super) static TEXTS: Texts = Texts {
         pairs_of_test_with_ambiguous: "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
     },
     labels: &[
+        (
+            "uncertain",
+            group! {
+                uncertain_frequency: "f", "频率";
+                uncertain_damping: "damping", "阻尼";
+                uncertain_shape: "shape", "振型";
+                uncertain_frequency_and_damping: "f, damping", "频率、阻尼";
+                uncertain_frequency_and_shape: "f, shape", "频率、振型";
+                uncertain_damping_and_shape: "damping, shape", "阻尼、振型";
+                all_uncertain: "f, damping, shape", "频率、阻尼、振型";
+            },
+        ),
         (
             "last_mode_added",
             group! {

@@ -11,7 +11,7 @@ use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::Quantity;
 
 use super::draft_columns::arrays_text;
-use super::draft_file::{DraftFile, StatedUnits, file_text, unit_line};
+use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
 
@@ -46,39 +46,8 @@ pub struct Draft {
     pub scene: String,
     /// Lines of it that have to be filled in.
     pub open_lines: usize,
-}
-
-/// Role of a file in a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Content {
-    /// Recorded hits.
-    Records,
-    /// FRFs, perhaps with coherence.
-    Functions,
-    /// Finished modes.
-    Modes,
-    /// Columns or arrays whose meaning the file does not say.
-    Arrays,
-    /// No test data, such as geometry only.
-    Nothing,
-}
-
-impl Content {
-    fn of(catalog: &Catalog) -> Self {
-        let holds = |wanted| {
-            catalog
-                .entries
-                .iter()
-                .any(|entry| entry.function_type == wanted)
-        };
-        match catalog {
-            _ if holds(FunctionType::Time) => Content::Records,
-            _ if holds(FunctionType::Frf) => Content::Functions,
-            file if !file.modes.is_empty() => Content::Modes,
-            file if !file.arrays.is_empty() => Content::Arrays,
-            _ => Content::Nothing,
-        }
-    }
+    /// Points of sensors and hits that have no position although others have one.
+    pub points_without_position: Vec<String>,
 }
 
 /// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one,
@@ -105,9 +74,17 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     text += OPTIONAL_TABLES;
     let is_open = |line: &&str| !line.starts_with('#') && line.contains(FILL_IN);
     let open_lines = text.lines().filter(is_open).count();
+    let points: BTreeSet<&str> = dofs.iter().map(Dof::point).collect();
+    let without_position = points
+        .into_iter()
+        .filter(|point| geometry.node(point).is_none());
     Draft {
         scene: text,
         open_lines,
+        points_without_position: match geometry.nodes.is_empty() {
+            true => Vec::new(),
+            false => without_position.map(str::to_owned).collect(),
+        },
     }
 }
 
@@ -244,7 +221,7 @@ fn open_records(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> BTreeMap<usiz
             hit.push(entry);
         }
         for hit in hits.values() {
-            let stated = file.response.filter(|_| has_one_unnamed(hit));
+            let stated = file.response().filter(|_| has_one_unnamed(hit));
             for (number, entry) in (1..).zip(hit) {
                 let lines = record_text(entry, stated, file.units);
                 if !lines.is_empty() {

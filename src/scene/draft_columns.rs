@@ -4,23 +4,56 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::dof::Dof;
-use crate::io::ArrayInfo;
+use crate::io::{ArrayInfo, Catalog};
 
-use super::draft_file::{DraftFile, StatedUnits, file_text, unit_line};
+use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
 
 /// Maximum number of columns of an array that is listed column by column.
 const MAX_COLUMNS: usize = 16;
 
+/// Roles of columns that hold responses or FRFs; one function may have one column of each.
+const RESPONSE_ROLES: [&str; 5] = ["response", "real", "imaginary", "magnitude", "complex"];
+
+/// What a draft takes the columns of a file for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TableContent {
+    /// Whether they are FRFs; time records otherwise.
+    pub is_functions: bool,
+    /// Number of responses or FRFs in the file.
+    pub responses: usize,
+}
+
+impl TableContent {
+    /// `None` where the file states itself what it holds.
+    pub fn of(catalog: &Catalog) -> Option<Self> {
+        let is_table = Content::of(catalog) == Content::Arrays;
+        is_table.then(|| Self::of_roles(&columns_to_state(&number_arrays(catalog)).roles()))
+    }
+
+    fn of_roles(roles: &[Option<&str>]) -> Self {
+        let count = |role: &str| roles.iter().filter(|other| **other == Some(role)).count();
+        TableContent {
+            is_functions: count("frequency") + count("complex") > 0,
+            responses: RESPONSE_ROLES.into_iter().map(count).max().unwrap_or(0),
+        }
+    }
+}
+
+fn number_arrays(catalog: &Catalog) -> Vec<&ArrayInfo> {
+    let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
+    catalog.arrays.iter().filter(is_number).collect()
+}
+
 /// Columns and arrays: their names are known, their meaning where a heading says it.
 pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
-    let catalog = files[0].catalog;
-    let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
-    let arrays: Vec<&ArrayInfo> = catalog.arrays.iter().filter(is_number).collect();
+    let arrays = number_arrays(files[0].catalog);
     let all = arrays.iter().flat_map(|array| columns_of(array)).count();
-    let DraftColumns { columns, unused } = columns_to_state(&arrays);
-    let roles: Vec<Option<&str>> = columns.iter().map(|column| column.role).collect();
-    let is_function = roles.contains(&Some("frequency")) || roles.contains(&Some("complex"));
+    let draft = columns_to_state(&arrays);
+    let roles = draft.roles();
+    let content = TableContent::of_roles(&roles);
+    let is_function = content.is_functions;
+    let DraftColumns { columns, unused } = draft;
     let has_axis = is_function || roles.contains(&Some("time"));
     let mut text = format!("# The file holds {all} columns without saying what they are");
     let lengths: BTreeSet<usize> = arrays
@@ -59,21 +92,25 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
     let by_file = is_function || hit_points.len() > 1;
-    // One response is that of one column; the parts of one function are one.
-    let several = ["response", "real", "imaginary", "magnitude", "complex"]
-        .iter()
-        .any(|role| roles.iter().filter(|other| **other == Some(*role)).count() > 1);
-    let responses: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.response).collect();
-    let response_by_file = !several && responses.len() > 1;
+    let responses: BTreeSet<&[Dof]> = files.iter().map(|file| file.responses).collect();
+    let response_by_file = content.responses <= 1 && responses.len() > 1;
     let stated = StatedPoints {
-        response: files[0].response.filter(|_| !several && !response_by_file),
+        responses: match files[0].responses {
+            stated if stated.len() == content.responses && responses.len() == 1 => stated,
+            _ => &[],
+        },
         hit_point: files[0].reference.filter(|_| !by_file),
         by_file,
         response_by_file,
         units: files[0].units,
     };
-    for column in &columns {
-        text += &stated.column_text(column, several, dofs);
+    for (index, column) in columns.iter().enumerate() {
+        // The columns of one role are those of the responses in their order.
+        let of_role = |roles: &[Option<&str>]| roles.iter().filter(|r| **r == column.role).count();
+        let response = (of_role(&roles) == content.responses)
+            .then(|| stated.responses.get(of_role(&roles[..index])));
+        let has_several = content.responses > 1;
+        text += &stated.column_text(column, response.flatten(), has_several, dofs);
     }
     for file in files.iter().filter(|_| by_file || response_by_file) {
         text += &file_text(file, response_by_file, by_file, dofs);
@@ -93,6 +130,12 @@ struct DraftColumn {
 struct DraftColumns {
     columns: Vec<DraftColumn>,
     unused: Vec<String>,
+}
+
+impl DraftColumns {
+    fn roles(&self) -> Vec<Option<&'static str>> {
+        self.columns.iter().map(|column| column.role).collect()
+    }
 }
 
 /// Maximum number of columns without a recognised heading that a draft lists one by one.
@@ -231,7 +274,8 @@ fn role_of(name: &str) -> Option<&'static str> {
 
 /// Points of columns that the user has stated.
 struct StatedPoints<'a> {
-    response: Option<&'a Dof>,
+    /// One for each response or FRF, or none.
+    responses: &'a [Dof],
     hit_point: Option<&'a Dof>,
     /// Whether hit points stand with the files.
     by_file: bool,
@@ -241,10 +285,12 @@ struct StatedPoints<'a> {
 }
 
 impl StatedPoints<'_> {
-    /// `has_several`: whether the file has several responses, so that a coherence says whose it is.
+    /// `response`: the stated one of this column; `has_several`: whether the file has several
+    /// responses, so that a coherence says whose it is.
     fn column_text(
         &self,
         column: &DraftColumn,
+        response: Option<&Dof>,
         has_several: bool,
         dofs: &mut BTreeSet<Dof>,
     ) -> String {
@@ -269,16 +315,19 @@ impl StatedPoints<'_> {
             "response" => (
                 self.units.response,
                 "m/s2, g, m/s or m; with `scale` where a calibration is missing",
-                self.response,
+                response,
                 "the sensor with its direction",
             ),
             "coherence" if has_several => {
-                let _ = writeln!(text, "dof = \"{FILL_IN}\"   # that of its FRF");
+                let _ = match response {
+                    Some(dof) => writeln!(text, "dof = \"{dof}\""),
+                    None => writeln!(text, "dof = \"{FILL_IN}\"   # that of its FRF"),
+                };
                 return text;
             }
             "real" | "imaginary" | "magnitude" | "complex" => {
                 let accepted = "(m/s2)/N, (m/s)/N or m/N";
-                (self.units.frf, accepted, self.response, "the sensor")
+                (self.units.frf, accepted, response, "the sensor")
             }
             _ => return text,
         };

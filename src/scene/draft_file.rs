@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::dof::Dof;
-use crate::io::Catalog;
+use crate::io::{Catalog, FunctionType};
 
 use super::toml_text::{FILL_IN, quoted};
 
@@ -15,8 +15,8 @@ pub struct DraftFile<'a> {
     pub path: &'a str,
     /// Contents of its headers.
     pub catalog: &'a Catalog,
-    /// The response of records and FRFs that do not name one.
-    pub response: Option<&'a Dof>,
+    /// The response of records and FRFs that do not name one; several for the columns of a table.
+    pub responses: &'a [Dof],
     /// The excitation point of records and FRFs that do not name one.
     pub reference: Option<&'a Dof>,
     /// Units that it does not state.
@@ -25,6 +25,16 @@ pub struct DraftFile<'a> {
     pub sampling_rate_hz: Option<f64>,
     /// Whether part of it is bad, and its good part is sufficient.
     pub partial: bool,
+}
+
+impl<'a> DraftFile<'a> {
+    /// The response of the whole file.
+    pub(super) fn response(&self) -> Option<&'a Dof> {
+        match self.responses {
+            [response] => Some(response),
+            _ => None,
+        }
+    }
 }
 
 /// Units that the user states for files without them.
@@ -36,6 +46,39 @@ pub struct StatedUnits<'a> {
     pub response: Option<&'a str>,
     /// Of FRFs.
     pub frf: Option<&'a str>,
+}
+
+/// Role of a file in a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Content {
+    /// Recorded hits.
+    Records,
+    /// FRFs, perhaps with coherence.
+    Functions,
+    /// Finished modes.
+    Modes,
+    /// Columns or arrays whose meaning the file does not say.
+    Arrays,
+    /// No test data, such as geometry only.
+    Nothing,
+}
+
+impl Content {
+    pub(super) fn of(catalog: &Catalog) -> Self {
+        let holds = |wanted| {
+            catalog
+                .entries
+                .iter()
+                .any(|entry| entry.function_type == wanted)
+        };
+        match catalog {
+            _ if holds(FunctionType::Time) => Content::Records,
+            _ if holds(FunctionType::Frf) => Content::Functions,
+            file if !file.modes.is_empty() => Content::Modes,
+            file if !file.arrays.is_empty() => Content::Arrays,
+            _ => Content::Nothing,
+        }
+    }
 }
 
 /// `unit = "N"`, or the line to be filled in with the accepted units.
@@ -58,7 +101,7 @@ pub(super) fn file_text(
         (
             response,
             "response",
-            file.response,
+            file.response(),
             "point and direction of the sensor, such as 1:+Z",
         ),
         (

@@ -284,7 +284,8 @@ fn columns_alone(files: &[HitFile]) -> Option<IoError> {
         what: format!("an FRF ({})", held(catalog)),
         expected: "FRFs; in a table the headings `frequency [Hz]`, then \
                    `re 1:+Z|2:+Z [(m/s2)/N]` and `im 1:+Z|2:+Z [(m/s2)/N]` for each response and \
-                   reference"
+                   reference. For other headings a scene states what the columns hold: \
+                   `modalign new FOLDER FILE...`"
             .to_owned(),
     })
 }

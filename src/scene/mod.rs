@@ -48,6 +48,7 @@ mod expected_tests;
 
 pub use damage::{damage, lost_part_findings};
 pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
+pub use draft_columns::TableContent;
 pub use draft_file::{DraftFile, StatedUnits};
 pub use error::{SceneError, TomlFault};
 pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expected};

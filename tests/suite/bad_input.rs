@@ -157,7 +157,7 @@ fn errors_of_scenes_and_tables_are_reported_with_their_line() {
             "force,acceleration\n1,2\n",
             "dof = \"1:+Z\"",
             "dof = \"1:+Q\"",
-            "scene.toml:10:7: got degree of freedom `1:+Q`, expected POINT",
+            "scene.toml:10:7: got degree of freedom `1:+Q`, expected a point with a direction",
         ),
         (
             "force,acceleration\n1,2\n",

@@ -178,30 +178,106 @@ fn unknown_meanings_of_columns_are_requested_line_by_line() {
     );
 }
 
+/// Writes a table of 64 rows of numbers under the headings.
+fn write_columns(folder: &Path, file: &str, headings: &str) {
+    let row = |i: usize| {
+        let values = headings.split(',').enumerate();
+        let values: Vec<String> = values
+            .map(|(j, heading)| match heading {
+                "frequency" => i.to_string(),
+                _ => (i % (7 - j)).to_string(),
+            })
+            .collect();
+        values.join(",") + "\n"
+    };
+    let rows: String = (0..64).map(row).collect();
+    write(folder, &[(file, &format!("{headings}\n{rows}"))]);
+}
+
+/// The lines of the scene in a folder that begin with `dof = `.
+fn dof_lines(folder: &Path, scene: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join(scene).join("scene.toml")).unwrap();
+    let (tests, _sensors) = text.split_once("[[sensor]]").unwrap_or((&text, ""));
+    let dofs = tests.lines().filter(|line| line.starts_with("dof = "));
+    dofs.map(str::to_owned).collect()
+}
+
 #[test]
-fn a_stated_sensor_is_that_of_one_column_alone() {
+fn stated_sensors_are_those_of_the_columns_in_their_order() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| at(folder.path(), name);
-    for (name, heading, open) in [
-        ("one", "force,acceleration", 0),
-        ("two", "force,acceleration,velocity", 2),
+    write_columns(folder.path(), "one.csv", "force,acceleration");
+    write_columns(folder.path(), "two.csv", "force,acceleration,velocity");
+    write_columns(
+        folder.path(),
+        "frfs.csv",
+        "frequency,real,imaginary,real 2,imaginary 2",
+    );
+    for (scene, sensors, hit, wanted) in [
+        ("one", "2:+Z", "1:+Z", vec!["1:+Z", "2:+Z"]),
+        ("two", "2:+Z,3:-X", "1:+Z", vec!["1:+Z", "2:+Z", "3:-X"]),
+        (
+            "frfs",
+            "2:+Z,3:-X",
+            "1:+Z",
+            vec!["2:+Z", "2:+Z", "3:-X", "3:-X"],
+        ),
     ] {
-        let row = |i: usize| {
-            let values = heading.split(',').enumerate();
-            let values: Vec<String> = values.map(|(j, _)| (i % (7 - j)).to_string()).collect();
-            values.join(",") + "\n"
-        };
-        let rows: String = (0..64).map(row).collect();
-        let file = format!("{name}.csv");
-        write(folder.path(), &[(&file, &format!("{heading}\n{rows}"))]);
-        succeed(["new", &path(name), &path(&file), "--response", "2:+Z"]);
-        let scene = std::fs::read_to_string(folder.path().join(name).join("scene.toml")).unwrap();
-        assert_eq!(
-            scene.matches("# the sensor with its direction").count(),
-            open,
-            "{scene}"
-        );
-        assert_eq!(scene.contains("\ndof = \"2:+Z\""), open == 0, "{scene}");
+        let file = path(&format!("{scene}.csv"));
+        let stated = ["--response", sensors, "--reference", hit];
+        succeed(["new", &path(scene), &file].into_iter().chain(stated));
+        let wanted: Vec<String> = wanted
+            .iter()
+            .map(|dof| format!("dof = \"{dof}\""))
+            .collect();
+        assert_eq!(dof_lines(folder.path(), scene), wanted, "{scene}");
+    }
+    let error = fail(["new", &path("x"), &path("two.csv"), "--response", "2:+Z"]);
+    assert!(
+        error.contains("1 DOF for 2 responses of") && error.contains("two.csv"),
+        "{error}"
+    );
+}
+
+#[test]
+fn tables_with_frfs_of_one_pair_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    for file in ["a.csv", "b.csv"] {
+        write_columns(folder.path(), file, "frequency,real,imaginary");
+    }
+    for (scene, hits, is_named) in [("same", "1:+Z", true), ("roving", "1:+Z,2:+Z", false)] {
+        let files = [path("a.csv"), path("b.csv")];
+        let stated = ["--response", "3:+Z", "--reference", hits];
+        let arguments = ["new", &path(scene), &files[0], &files[1]];
+        let printed = succeed(arguments.into_iter().chain(stated));
+        let warning = "2 files have the same response and reference";
+        assert_eq!(printed.contains(warning), is_named, "{printed}");
+    }
+}
+
+#[test]
+fn files_without_test_data_are_left_out_and_lost_ones_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write_columns(folder.path(), "a.csv", "frequency,real,imaginary");
+    write(
+        folder.path(),
+        &[
+            ("notes.txt", "Plate of 26 November\n"),
+            ("cut.csv", "frequency,real,imaginary\n"),
+            ("empty.txt", ""),
+        ],
+    );
+    for (file, code) in [("notes.txt", 0), ("cut.csv", 1), ("empty.txt", 1)] {
+        let scene = path(&format!("scene-{file}"));
+        let output = modalign(["new", &scene, &path("a.csv"), &path(file), "--json"]);
+        assert_eq!(output.status.code(), Some(code), "{file}");
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(result["not_used"][0]["path"], path(file), "{result}");
+        assert!(Path::new(&scene).join("scene.toml").exists());
+        let inspected = modalign(["inspect", &path("a.csv"), &path(file)]);
+        assert_eq!(inspected.status.code(), Some(code), "{file}");
     }
 }
 

@@ -96,7 +96,7 @@ const CASES: &[Case] = &[
         &[
             "3 faults",
             "scene.toml:3:1: got no key `name`",
-            "scene.toml:9:7: got degree of freedom `1:+Q`, expected POINT:±AXIS",
+            "scene.toml:9:7: got degree of freedom `1:+Q`, expected a point with a direction",
             "scene.toml:10:8: invalid type: integer `3`, expected a string",
         ],
     ),

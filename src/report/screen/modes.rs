@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
-use crate::modal::{ModalModel, Mode};
+use crate::modal::{Grade, ModalModel, Mode};
 use crate::report::modes::{largest_energy_fractions, remarks, root_labels};
 use crate::report::{Block, Cell, Column, Table};
 use crate::theory::ModelRoot;
@@ -49,6 +49,7 @@ pub(super) fn listed_modes(
             mode.quality
                 .as_ref()
                 .map_or(Cell::Missing, |quality| Cell::text(quality.verdict.name())),
+            Cell::text(uncertain_values(mode)),
             Cell::text(textwrap::fill(&remarks(model, mode), REMARK_WIDTH)),
         ]
     };
@@ -61,7 +62,7 @@ pub(super) fn listed_modes(
         "MPC",
     ];
     let mut columns: Vec<Column> = numbers.map(Column::number).to_vec();
-    columns.extend(["quality", "remark"].map(Column::text));
+    columns.extend(["quality", "uncertain", "remark"].map(Column::text));
     let omitted = model.modes.get(most).map(|first| {
         let modes = counted(model.modes.len() - most, "further mode");
         format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
@@ -72,12 +73,41 @@ pub(super) fn listed_modes(
         rows: (1..).zip(&model.modes).take(most).map(row).collect(),
         footnotes: omitted.into_iter().collect(),
     };
-    let table = without_empty_columns(table, &["std (Hz)", "std (%)", "MPC", "quality", "remark"]);
+    let table = without_empty_columns(
+        table,
+        &[
+            "std (Hz)",
+            "std (%)",
+            "MPC",
+            "quality",
+            "uncertain",
+            "remark",
+        ],
+    );
     vec![Block::Table(fitted(
         table,
         &["std (%)", "std (Hz)", "remark"],
         width,
     ))]
+}
+
+/// The values of a mode that need a check before they are used.
+fn uncertain_values(mode: &Mode) -> &'static str {
+    let Some(quality) = &mode.quality else {
+        return "";
+    };
+    let [f, damping, shape] =
+        [quality.frequency, quality.damping, quality.shape].map(|grade| grade > Some(Grade::Good));
+    match (f, damping, shape) {
+        (false, false, false) => "",
+        (true, false, false) => "f",
+        (false, true, false) => "damping",
+        (false, false, true) => "shape",
+        (true, true, false) => "f, damping",
+        (true, false, true) => "f, shape",
+        (false, true, true) => "damping, shape",
+        (true, true, true) => "f, damping, shape",
+    }
 }
 
 /// Natural frequencies of a model in the band, or the lowest ones, with the bodies that move most.

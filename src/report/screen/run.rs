@@ -40,7 +40,8 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
             ));
         }
         None => {
-            let sentence = "No [model] is stated, so that nothing is compared.";
+            let sentence =
+                "These are the modes of the test; a [model] in the scene is compared with them.";
             blocks.push(Block::Text(sentence.to_owned()));
             let most = (MAX_ROWS / result.tests.len()).max(MIN_MODES_OF_TEST);
             let of_test =

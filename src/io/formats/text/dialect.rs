@@ -138,7 +138,7 @@ pub(super) fn detect_dialect(
             path: path.to_owned(),
             line: 1 + skipped as u64,
             got: match block.is_empty() {
-                true => "an empty file",
+                true => IoError::EMPTY_FILE,
                 false => "text without rows of numbers",
             },
             separators: match stated {
