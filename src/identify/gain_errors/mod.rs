@@ -40,12 +40,14 @@ const MIN_OUTPUTS: usize = 3;
 /// Minimum number of values beyond rank one, `modes (outputs − 1) (inputs − 1)`.
 const MIN_VALUES: usize = 8;
 /// Energy beyond rank one of all modes with the gains that the other modes have, as a fraction of
-/// that without gains. In 360 simulated tests without common gains it is above one in half, and
-/// 0.36 at least. Larger, 0.7: close modes of hammer tests are taken for gain errors.
-const MAX_REMAINING_FRACTION: f64 = 0.4;
-/// The same where modes were left out because they are not of rank one: of repeated roots alone, a
-/// selection of three modes comes below 0.7 in 1 of 8 (`repeated_roots_are_no_gain_errors`).
-const MAX_REMAINING_OF_SELECTED: f64 = 0.3;
+/// that without gains. Gain errors of 0.3 to 3 % and wrong signs in 18 simulated tests leave 0.042
+/// at most; close modes of hammer tests, which share a second shape, leave 0.24 to 0.36 and were
+/// taken for gain errors at 0.4. Smaller: gain errors near the noise are missed. Test:
+/// `hits_with_default_windows_give_the_modes_as_well` (population).
+const MAX_REMAINING_FRACTION: f64 = 0.12;
+/// The same where modes were left out because they are not of rank one: a selection of three modes
+/// finds common gains more easily (`repeated_roots_are_no_gain_errors`).
+const MAX_REMAINING_OF_SELECTED: f64 = 0.1;
 /// Energy beyond rank one of a mode, over that of noise, below which gains explain none of it: what
 /// remains with the gains of the other modes is the noise at least. Larger: errors that the limits
 /// below would find are missed; smaller: noise is searched for gains

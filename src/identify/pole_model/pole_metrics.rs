@@ -29,8 +29,8 @@ pub(in crate::identify) const MIN_CONTRIBUTION_WITH_MISFIT: f64 = 0.2;
 /// Modal contribution above which a pole is a dominant mode.
 const DOMINANT_CONTRIBUTION: f64 = 0.5;
 /// Contribution over the misfit above which the misfit cannot be what a pole describes, in data of
-/// negligible noise: without this limit such data, whose small misfit is far above their noise, lose
-/// modes (`a_noise_free_hit_shows_all_modes`).
+/// negligible noise: without this limit such data, whose small misfit is far above their noise,
+/// lose modes (`a_noise_free_hit_shows_all_modes`).
 const MAX_CONTRIBUTION_OVER_MISFIT: f64 = 10.0;
 /// Separation, in sums of half-power bandwidths, below which two poles are neighbours.
 const NEIGHBOUR_BANDWIDTHS: f64 = 4.0;
