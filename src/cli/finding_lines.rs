@@ -138,6 +138,7 @@ impl Kind<'_> {
         let sentence = sentence.trim_end_matches(['.', '。']);
         let first = first_sentence(sentence);
         match text.split_once(sentence) {
+            _ if is_line(text, &tag) => format!("{text}{tag}"),
             Some((place, numbers)) if leaves_no_room(place, sentence, &tag) => {
                 if !leaves_no_room(place, first, &tag) {
                     return cut_before(&format!("{place}{first}{numbers}"), &tag);

@@ -19,9 +19,7 @@ impl LeftOut<'_> {
         match &self.error {
             IoError::NoNumbers { got, .. } => {
                 *got == IoError::EMPTY_FILE
-                    || read
-                        .iter()
-                        .any(|path| path.extension() == self.path.extension())
+                    || read.iter().any(|path| has_same_extension(path, self.path))
             }
             error => !error.is_no_measurement(),
         }
@@ -32,12 +30,12 @@ impl LeftOut<'_> {
         match &self.error {
             IoError::NoNumbers { .. } if self.may_hold_data(read) => {
                 format!(
-                    "not used: {}; if it was to hold data, export it again",
+                    "not used: {}; if it should contain data, export it again",
                     self.error
                 )
             }
             IoError::UnknownFormat { .. } => {
-                format!("not used: {}: of no known format", self.path.display())
+                format!("not used: {}: of unknown format", self.path.display())
             }
             error if error.is_no_measurement() => format!("not used: {error}"),
             error => format!("not read: {error}"),
@@ -46,5 +44,12 @@ impl LeftOut<'_> {
 
     pub(super) fn json(&self) -> Value {
         json!({ "path": self.path.display().to_string(), "error": self.error.to_string() })
+    }
+}
+
+fn has_same_extension(a: &Path, b: &Path) -> bool {
+    match (a.extension(), b.extension()) {
+        (Some(a), Some(b)) => a.eq_ignore_ascii_case(b),
+        (a, b) => a == b,
     }
 }

@@ -78,6 +78,19 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Names that a line lists one by one.
+const MAX_LISTED_NAMES: usize = 8;
+
+/// The names, of many the first and their number.
+fn first_names(names: &[String]) -> String {
+    match names.get(..MAX_LISTED_NAMES) {
+        Some(first) if names.len() > MAX_LISTED_NAMES => {
+            format!("{}, … ({} in all)", first.join(", "), names.len())
+        }
+        _ => names.join(", "),
+    }
+}
+
 /// The arguments of the process. `--explain CODE` needs no other one, so that of a verb's arguments
 /// only the options of the explanation remain.
 fn arguments() -> Vec<OsString> {

@@ -20,6 +20,7 @@ use crate::scene::{
 use crate::study::counted;
 
 use super::args::NewArgs;
+use super::first_names;
 use super::left_out::LeftOut;
 use super::outcome::Outcome;
 use super::output::Output;
@@ -144,7 +145,8 @@ fn responses_of_files<'a>(
     let Some((file, count)) = files.iter().find_map(|file| Some((file, columns(file)?))) else {
         return dofs_of_files("--response", stated, files, all);
     };
-    let is_alike = files.iter().all(|file| columns(file) == Some(count));
+    let tests = files.iter().filter(|file| file.has_test_data());
+    let is_alike = tests.into_iter().all(|file| columns(file) == Some(count));
     if stated.is_empty() || (is_alike && stated.len() == count) {
         return Ok(vec![stated; files.len()]);
     }
@@ -234,7 +236,10 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
     let open = open_lines(&draft.scene);
     let mut paragraphs = vec![match open.is_empty() {
         true if same_pair_count(files).is_some() => {
-            format!("{}: complete, but see below.", path.display())
+            format!(
+                "{}: complete, but several files have the same DOFs (below).",
+                path.display()
+            )
         }
         true => format!("{}: nothing is left to fill in.", path.display()),
         false => {
@@ -263,7 +268,11 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
     if let Some(count) = same_pair_count(files) {
         paragraphs.push(format!(
             "{count} files have the same response and reference: FRFs of one pair, measured again. \
-             A roving test needs one DOF for each file: --reference DOF,DOF,... or --response DOF,DOF,..."
+             A roving test needs one DOF for each file: --reference DOF,DOF,...{}",
+            match files.iter().any(|file| file.responses.len() > 1) {
+                true => "",
+                false => " or --response DOF,DOF,...",
+            }
         ));
     }
     if !has_positions {
@@ -273,7 +282,7 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
         );
     }
     if !draft.points_without_position.is_empty() {
-        let points = draft.points_without_position.join(", ");
+        let points = first_names(&draft.points_without_position);
         paragraphs.push(format!("No position is stated for: {points}."));
     }
     paragraphs.push(

@@ -15,6 +15,7 @@ use crate::report::{
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
 use super::args::RunArgs;
+use super::first_names;
 use super::outcome::Outcome;
 use super::output::Output;
 use super::report::{report_files, table_group};
@@ -48,10 +49,10 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
         Some(_) => {
-            "All tables, columns and notes: --full, or report.html in the folder; a code in []: --explain CODE."
+            "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE."
         }
         None => {
-            "All tables, columns and notes: --full; report and files: -o DIR; a code in []: --explain CODE."
+            "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE."
         }
     };
     let scene = args.scene.display();
@@ -77,17 +78,19 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
 
-/// A line on the figures in the folder that this run does not write.
+/// A line on the figures in the folder that are of an earlier run.
 fn earlier_figures(folder: &Path, files: &[(String, Vec<u8>)]) -> Option<String> {
     let is_written = |name: &str| files.iter().any(|(written, _)| written == name);
     let figures = std::fs::read_dir(folder.join("figures")).ok()?;
     let names = figures.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut names: Vec<String> = names
+        .filter(|name| name.ends_with(".svg") || name.ends_with(".png"))
         .map(|name| format!("figures/{name}"))
         .filter(|name| !is_written(name))
         .collect();
     names.sort();
-    (!names.is_empty()).then(|| format!("Not of this run: {}.", names.join(", ")))
+    let first = first_names(&names);
+    (!names.is_empty()).then(|| format!("Left from an earlier run: {first}."))
 }
 
 /// Adds files of a folder, none of which the scene reads.
@@ -291,4 +294,24 @@ fn published_tables(result: &SceneResult) -> Vec<(String, Vec<u8>)> {
         Some((name.to_owned(), text.into_bytes()))
     };
     tables.into_iter().filter_map(file).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_an_earlier_run_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(earlier_figures(folder.path(), &[]), None);
+        std::fs::create_dir(folder.path().join("figures")).unwrap();
+        for name in ["a.svg", "b.svg", "notes.txt"] {
+            std::fs::write(folder.path().join("figures").join(name), "").unwrap();
+        }
+        let written = [("figures/a.svg".to_owned(), Vec::new())];
+        let line = earlier_figures(folder.path(), &written).unwrap();
+        assert_eq!(line, "Left from an earlier run: figures/b.svg.");
+        let both = [("figures/b.svg".to_owned(), Vec::new()), written[0].clone()];
+        assert_eq!(earlier_figures(folder.path(), &both), None);
+    }
 }

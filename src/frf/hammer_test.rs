@@ -80,7 +80,7 @@ pub fn evaluate_hammer_test(
     let truncated = findings.iter().any(cut_off);
     let checks = check_set(&estimated.set).into_iter();
     findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
-    let by_level = force_level_findings(recording, &hits, &estimated.set, &estimate);
+    let by_level = force_level_findings(recording, &hits, &estimated.set, &selection, &estimate);
     findings.extend(by_level);
     estimated.set.findings = findings;
     Ok(HammerTestResult {

@@ -23,7 +23,14 @@ use super::hammer_options::HammerOptions;
 use super::preconditions::check;
 
 /// Responses of a hit that are assessed.
-pub(super) const MAX_ASSESSED_RESPONSES: usize = 4;
+const MAX_ASSESSED_RESPONSES: usize = 4;
+
+/// The responses of a hit that are assessed, of `count`: spread over the channels, as neighbours in
+/// a file often sit side by side.
+pub(super) fn assessed_responses(count: usize) -> impl Iterator<Item = usize> {
+    let step = count.div_ceil(MAX_ASSESSED_RESPONSES);
+    (0..count).step_by(step.max(1))
+}
 
 /// Hits that are read and assessed at a time.
 const HITS_PER_BLOCK: usize = 8;
@@ -184,11 +191,8 @@ impl HitSamples {
             recording.read(&segment, &mut samples)?;
             Ok::<Samples, FrfError>(samples)
         };
-        // Spread over the channels: neighbours in a file often sit side by side.
-        let count = info.responses.len();
-        let step = count.div_ceil(MAX_ASSESSED_RESPONSES);
         let force = read(ChannelPlace::Force)?;
-        let responses = (0..count).step_by(step.max(1));
+        let responses = assessed_responses(info.responses.len());
         let responses = responses.map(|r| Ok((r, read(ChannelPlace::Response(r))?)));
         Ok(Self {
             hit,

@@ -290,8 +290,8 @@ pub(super) static TEXTS: Texts = Texts {
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";
         next_update: "Next, the parameters that bring the model to the test: modalign update {}.", "下一步，使模型与试验一致的参数：modalign update {}。";
-        rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a code in []: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
-        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a code in []: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
+        rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
+        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
         rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";
@@ -302,7 +302,7 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
         rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
         counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
-        no_model: "These are the modes of the test; a [model] in the scene is compared with them.", "以下为试验的模态；场景中给出 [model] 后与其比较。";
+        no_model: "Modes of the test; a [model] in scene.toml would be compared with them.", "以下为试验的模态；场景中给出 [model] 后与其比较。";
         chi_square: "Chi-square per degree of freedom {} ({} degrees; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";

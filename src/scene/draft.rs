@@ -81,9 +81,10 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     Draft {
         scene: text,
         open_lines,
-        points_without_position: match geometry.nodes.is_empty() {
-            true => Vec::new(),
-            false => without_position.map(str::to_owned).collect(),
+        points_without_position: match plan.model {
+            _ if geometry.nodes.is_empty() => Vec::new(),
+            Some(model) if model.has_sensors => Vec::new(),
+            _ => without_position.map(str::to_owned).collect(),
         },
     }
 }

@@ -14,7 +14,7 @@ use crate::identify::{
     indicators,
 };
 use crate::io::{sha256_hex, sha256_of_bytes};
-use crate::modal::{InputFile, ModalModel};
+use crate::modal::{InputFile, ModalModel, Mode};
 use crate::theory::{ModeOptions, ModelRoot};
 
 use super::SceneError;
@@ -424,11 +424,41 @@ pub fn identify_sets(
     }
     let outside = modes_above_valid_band(model, set.valid_band);
     model.findings.extend(outside);
+    let is_of_force = |finding: &Finding| finding.code == Code::ForceLevelDependent;
+    let (of_force, mut findings): (Vec<Finding>, Vec<Finding>) =
+        set.findings.iter().cloned().partition(is_of_force);
+    let at_mode = |finding| at_nearest_mode(finding, &model.modes);
+    let of_force: Vec<Finding> = of_force.into_iter().map(at_mode).collect();
+    model.findings.extend(of_force);
     assess(model);
-    let mut findings = set.findings.clone();
     findings.append(&mut model.findings);
     model.findings = findings;
     Ok(identification_result)
+}
+
+/// Half-power bandwidths within which a resonance of the FRFs is an identified mode.
+const MAX_DISTANCE_BANDWIDTHS: f64 = 1.0;
+
+/// A finding about a resonance of the FRFs, at the identified mode there.
+fn at_nearest_mode(finding: Finding, modes: &[Mode]) -> Finding {
+    let Location::Mode(hz) = finding.location else {
+        return finding;
+    };
+    let distance = |mode: &&Mode| (mode.frequency_hz - hz).abs();
+    let nearest = modes
+        .iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let is_there = |mode: &&Mode| {
+        let width = 2.0 * mode.damping_ratio.unwrap_or(0.0) * mode.frequency_hz;
+        distance(mode) <= MAX_DISTANCE_BANDWIDTHS * width
+    };
+    match nearest.filter(is_there) {
+        Some(mode) => Finding {
+            location: Location::Mode(mode.frequency_hz),
+            ..finding
+        },
+        None => finding,
+    }
 }
 
 /// The columns of stable poles of a stabilization diagram without modes, those over the most orders

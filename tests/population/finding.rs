@@ -6,10 +6,12 @@ use rayon::prelude::*;
 
 use super::judge::{Root, Verdict, judge};
 use modalign::finding::Code;
+use modalign::frf::{HammerOptions, HammerTestResult, evaluate_hammer_test};
+use modalign::identify::{IdentifyOptions, identify};
+use modalign::modal::ModalModel;
+use modalign::record::InMemory;
 
-use super::pipeline::{
-    self, Share, Tally, identified_by_default, judged, judged_by_default, judged_from_frfs_alone,
-};
+use super::pipeline::{self, Share, Tally, judged, judged_from_frfs_alone};
 use super::{draws, first_members, members_of, parts};
 use crate::population::{Member, PopulationSpec};
 
@@ -67,6 +69,21 @@ fn frfs_without_variances_give_the_modes_as_well() {
         &tallies(judged_from_frfs_alone)["all"],
         &COUNTS_OF_FRFS_ALONE,
     );
+}
+
+/// Modes of the hits of a member with the windows and options that `frf` takes by default.
+fn identified_by_default(member: &Member) -> (HammerTestResult, ModalModel) {
+    let hits = member.test.generate().unwrap();
+    let options = HammerOptions::default();
+    let result = evaluate_hammer_test(&mut InMemory::new(&hits), &options).unwrap();
+    let found = identify(&result.estimated.set, &IdentifyOptions::default()).unwrap();
+    (result, found)
+}
+
+/// As [`judged`], with the windows that `frf` takes by default.
+fn judged_by_default(member: &Member) -> Verdict {
+    let (result, found) = identified_by_default(member);
+    judge(member, &result.estimate, &found)
 }
 
 #[test]

@@ -2,13 +2,8 @@
 //! them, and counts the results of a kind.
 
 use modalign::FrfSet;
-use modalign::frf::{
-    EstimateOptions, Function, FunctionData, HammerOptions, HammerTestResult, estimate,
-    evaluate_hammer_test,
-};
+use modalign::frf::{EstimateOptions, Function, FunctionData, estimate};
 use modalign::identify::{IdentifyOptions, identify};
-use modalign::modal::ModalModel;
-use modalign::record::InMemory;
 use modalign::signal::ForceWindow;
 use modalign::synth::HammerTest;
 
@@ -35,21 +30,6 @@ fn estimate_options(test: &HammerTest) -> EstimateOptions {
 /// Records a member, estimates its FRFs, identifies its modes and judges them.
 pub fn judged(member: &Member) -> Verdict {
     judged_of(member, |set| set)
-}
-
-/// Modes of the hits of a member with the windows and options that `frf` takes by default.
-pub fn identified_by_default(member: &Member) -> (HammerTestResult, ModalModel) {
-    let hits = member.test.generate().unwrap();
-    let options = HammerOptions::default();
-    let result = evaluate_hammer_test(&mut InMemory::new(&hits), &options).unwrap();
-    let found = identify(&result.estimated.set, &IdentifyOptions::default()).unwrap();
-    (result, found)
-}
-
-/// As [`judged`], with the windows that `frf` takes by default.
-pub fn judged_by_default(member: &Member) -> Verdict {
-    let (result, found) = identified_by_default(member);
-    judge(member, &result.estimate, &found)
 }
 
 /// As [`judged`], from FRFs alone: without variances and coherence, as most files hold them.

@@ -16,6 +16,9 @@ use crate::frf::FrfSet;
 use crate::frf::local_pole::ResonanceLines;
 use crate::frf::peaks::Peak;
 
+/// Smallest difference of the force levels of a series of hits from which dependence on the force
+/// is estimated, dB: a smaller one divides the scatter of other causes by little.
+pub(in crate::frf) const MIN_LEVEL_RANGE_DB: f64 = 3.0;
 /// Probability that noise alone gives a finding for a test.
 const FALSE_ALARM_PROBABILITY: f64 = 1e-3;
 /// Frequency shift for each doubling of the force, in half-power bandwidths, below which it is
@@ -24,32 +27,43 @@ const MIN_SHIFT_BANDWIDTHS: f64 = 0.02;
 /// Relative change of the damping for each doubling of the force below which it is without
 /// consequence.
 const MIN_DAMPING_CHANGE: f64 = 0.03;
+/// Correlation of force and order of the hits above which a drift looks like a dependence on the
+/// force.
+const MAX_ORDER_CORRELATION: f64 = 0.8;
 /// Doubling of the force, dB.
 const DOUBLING_DB: f64 = 6.020_599_913_279_624;
 
 /// FRFs of one hit at each excitation point.
 pub(in crate::frf) struct SingleHits {
     pub set: FrfSet,
-    /// Peak force of the hit at each excitation point, dB over 1 N.
-    pub levels_db: BTreeMap<Dof, f64>,
+    /// The hit at each excitation point.
+    pub levels: BTreeMap<Dof, HitLevel>,
+}
+
+/// The force of a hit.
+#[derive(Clone, Copy)]
+pub(in crate::frf) struct HitLevel {
+    /// Peak force, dB over 1 N.
+    pub level_db: f64,
+    /// Number of its series: hits at one point with the same sensors.
+    pub series: usize,
 }
 
 /// Pole of a resonance in one function of one hit.
 struct HitPole {
-    /// Number of the [`SingleHits`]; with the excitation point it is a hit.
-    round: usize,
+    /// Number of the [`SingleHits`]; with the series it is a hit.
+    turn: usize,
     response: Dof,
-    reference: Dof,
-    level_db: f64,
+    level: HitLevel,
     lambda: Complex64,
     /// Of the decay rate as of the frequency, (rad/s)².
     variance: f64,
 }
 
-/// A hit: force and pole less the means of its excitation point.
+/// A hit: `x` and pole less the means of its series.
 struct HitDeviation {
     /// Function of the force level on which the pole may depend.
-    force: f64,
+    x: f64,
     lambda: Complex64,
     weight: f64,
 }
@@ -63,13 +77,14 @@ const DEPENDENCES: [fn(f64) -> f64; 2] =
 ///
 /// For each hit the pole `λ` of the resonance is fitted to each function of the hit alone. The
 /// deviation of a hit is the weighted mean over its functions of `λ` less the mean of that function
-/// over all hits: a sensor or a point with another frequency drops out. The slopes of `Im λ` and
+/// over the hits of its series, those at one point with the same sensors: a sensor or a point with
+/// another frequency drops out. The slopes of `Im λ` and
 /// `-Re λ` against `x = log F` or `x = F²`, F the peak of the force, follow from weighted least
-/// squares within each excitation point,
+/// squares within each series,
 ///
 /// `b = Σ w x d / Σ w x²`, `var(b) = Σ w (d - b x)² / ((n - 1) Σ w x²)`,
 ///
-/// with n the hits less their excitation points. A slope counts where Student's t of `n - 1`
+/// with n the hits less their series. A slope counts where Student's t of `n - 1`
 /// degrees of freedom exceeds its quantile and the change for each doubling of the force is of
 /// consequence. Of the two dependences the one with the smaller residual is stated.
 ///
@@ -83,20 +98,32 @@ pub(in crate::frf) fn findings(
         return Vec::new();
     };
     let peaks = SummedFrfs::new(&data).isolated_peaks();
+    // Lines of the averaged functions; those of a single hit may have another spacing.
+    let ranges: Vec<Option<[f64; 2]>> = peaks
+        .iter()
+        .map(|peak| {
+            let lines = fit_lines(peak, data.omega.len())?;
+            Some([data.omega[lines.start], data.omega[lines.end - 1]])
+        })
+        .collect();
+    if ranges.iter().all(Option::is_none) {
+        return Vec::new();
+    }
     let mut poles: Vec<Vec<HitPole>> = peaks.iter().map(|_| Vec::new()).collect();
-    for (round, mut single) in hits.enumerate() {
-        // The lines of the peaks are those of the averaged functions.
+    for (turn, mut single) in hits.enumerate() {
         single.set.valid_band = averaged.valid_band;
         let Some(hit) = Mobilities::new(&single.set) else {
             continue;
         };
         let of_function = |i: usize| {
             let (values, variance) = (hit.values(i), hit.variance(i));
-            let pole = |peak| {
-                let lines = fit_lines(peak, data.omega.len())?;
-                ResonanceLines::of(lines, &data.omega, &values, &variance).fit()
+            let pole = |range: &Option<[f64; 2]>| {
+                let [first, last] = (*range)?;
+                let start = hit.omega.partition_point(|omega| *omega < first);
+                let end = hit.omega.partition_point(|omega| *omega <= last);
+                ResonanceLines::of(start..end, &hit.omega, &values, &variance).fit()
             };
-            peaks.iter().map(pole).collect::<Vec<_>>()
+            ranges.iter().map(pole).collect::<Vec<_>>()
         };
         let functions = hit.functions();
         let fitted: Vec<_> = (0..functions.len())
@@ -104,18 +131,17 @@ pub(in crate::frf) fn findings(
             .map(of_function)
             .collect();
         for (function, fitted) in functions.iter().zip(fitted) {
+            let Some(level) = single.levels.get(&function.reference) else {
+                continue;
+            };
             for (poles, pole) in poles.iter_mut().zip(fitted) {
-                let level_db = single.levels_db.get(&function.reference);
-                if let (Some(pole), Some(level_db)) = (pole, level_db) {
-                    poles.push(HitPole {
-                        round,
-                        response: function.response.clone(),
-                        reference: function.reference.clone(),
-                        level_db: *level_db,
-                        lambda: pole.lambda,
-                        variance: pole.frequency_variance.max(f64::MIN_POSITIVE),
-                    });
-                }
+                poles.extend(pole.map(|pole| HitPole {
+                    turn,
+                    response: function.response.clone(),
+                    level: *level,
+                    lambda: pole.lambda,
+                    variance: pole.frequency_variance.max(f64::MIN_POSITIVE),
+                }));
             }
         }
     }
@@ -145,42 +171,50 @@ struct Slopes {
     misfit: f64,
     freedom: f64,
     hits: usize,
-    /// Highest over lowest level at one excitation point, dB.
+    /// Correlation of the force with the order of the hits.
+    order_correlation: f64,
+    /// Highest over lowest level of the series with the largest change, dB.
     range_db: f64,
 }
 
 impl Slopes {
     /// `None` where less than one degree of freedom is left.
     fn of(poles: &[HitPole], dependence: fn(f64) -> f64) -> Option<Self> {
-        let points = deviations(poles, dependence);
-        let hits: usize = points.iter().map(Vec::len).sum();
-        let freedom = hits.checked_sub(points.len() + 1).filter(|n| *n > 0)? as f64;
-        let all = || points.iter().flatten();
-        let square: f64 = all().map(|hit| hit.weight * hit.force.powi(2)).sum();
-        let cross: Complex64 = all().map(|hit| hit.weight * hit.force * hit.lambda).sum();
+        let series = deviations(poles, |hit| dependence(hit.level.level_db));
+        let hits: usize = series.values().map(Vec::len).sum();
+        let freedom = hits.checked_sub(series.len() + 1).filter(|n| *n > 0)? as f64;
+        let all = || series.values().flatten();
+        let square: f64 = all().map(|hit| hit.weight * hit.x.powi(2)).sum();
+        let cross: Complex64 = all().map(|hit| hit.weight * hit.x * hit.lambda).sum();
         let slope = cross / square;
         let misfit = |part: fn(Complex64) -> f64| -> f64 {
-            let of = |hit: &HitDeviation| hit.weight * part(hit.lambda - hit.force * slope).powi(2);
+            let of = |hit: &HitDeviation| hit.weight * part(hit.lambda - hit.x * slope).powi(2);
             all().map(of).sum()
         };
         let misfits = [misfit(|z| z.re), misfit(|z| z.im)];
-        let span = points
-            .iter()
-            .map(|hits| range(hits.iter().map(|hit| hit.force)));
-        let span = span.fold(0.0, f64::max);
-        let range_db = points_of(poles).into_values();
-        let range_db = range_db.map(|poles| range(poles.iter().map(|pole| pole.level_db)));
+        let span = |hits: &Vec<HitDeviation>| range(hits.iter().map(|hit| hit.x));
+        let spans = series.iter().map(|(number, hits)| (*number, span(hits)));
+        let (widest, span) = spans.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let of_widest = poles.iter().filter(|pole| pole.level.series == widest);
         let (weights, sum) = poles.iter().fold((0.0, Complex64::ZERO), |(w, sum), pole| {
             (w + 1.0 / pole.variance, sum + pole.lambda / pole.variance)
         });
+        let order = deviations(poles, |hit| hit.turn as f64);
+        let order = order.values().flatten();
+        let (mut with_order, mut order_square) = (0.0, 0.0);
+        for (hit, order) in all().zip(order) {
+            with_order += hit.weight * hit.x * order.x;
+            order_square += hit.weight * order.x.powi(2);
+        }
         Some(Slopes {
+            order_correlation: with_order / (square * order_square).sqrt(),
             lambda: sum / weights,
             change: span * slope,
             stds: misfits.map(|misfit| span * (misfit / (freedom * square)).sqrt()),
             misfit: misfits[0] + misfits[1],
             freedom,
             hits,
-            range_db: range_db.fold(0.0, f64::max),
+            range_db: range(of_widest.map(|pole| pole.level.level_db)),
         })
     }
 
@@ -190,6 +224,9 @@ impl Slopes {
         let limit = student.inverse_cdf(1.0 - 0.5 * FALSE_ALARM_PROBABILITY / tests as f64);
         let decay = -self.lambda.re - added_rad_s;
         let doublings = self.range_db / DOUBLING_DB;
+        if self.range_db < MIN_LEVEL_RANGE_DB {
+            return None;
+        }
         let is_frequency_dependent = self.change.im.abs() > limit * self.stds[1]
             && self.change.im.abs() > MIN_SHIFT_BANDWIDTHS * width_rad_s * doublings;
         let is_damping_dependent = self.change.re.abs() > limit * self.stds[0]
@@ -201,13 +238,23 @@ impl Slopes {
         let omega = self.lambda.im;
         let percent = 100.0 / omega;
         let of_decay = 100.0 / decay;
+        let damping = match decay > 0.0 {
+            true => format!(
+                ", damping {:+.1} ± {:.1} %",
+                -of_decay * self.change.re,
+                of_decay * self.stds[0]
+            ),
+            false => String::new(),
+        };
+        let order = match self.order_correlation.abs() > MAX_ORDER_CORRELATION {
+            true => "; force and order of the hits go together",
+            false => "",
+        };
         let detail = format!(
-            "over {:.1} dB of force: frequency {:+.3} ± {:.3} %, damping {:+.1} ± {:.1} %; {} hits",
+            "from the weakest to the strongest hit ({:.1} dB): frequency {:+.3} ± {:.3} %{damping}; {} hits{order}",
             self.range_db,
             percent * self.change.im,
             percent * self.stds[1],
-            -of_decay * self.change.re,
-            of_decay * self.stds[0],
             self.hits,
         );
         let location = Location::Mode(omega / std::f64::consts::TAU);
@@ -223,30 +270,25 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     highest - lowest
 }
 
-fn points_of(poles: &[HitPole]) -> BTreeMap<&Dof, Vec<&HitPole>> {
-    let mut points: BTreeMap<&Dof, Vec<&HitPole>> = BTreeMap::new();
+/// The hits of each series, their `x` and poles less the weighted means of the series.
+fn deviations(
+    poles: &[HitPole],
+    x: impl Fn(&HitPole) -> f64,
+) -> BTreeMap<usize, Vec<HitDeviation>> {
+    let mut functions: BTreeMap<(usize, &Dof), Vec<&HitPole>> = BTreeMap::new();
     for pole in poles {
-        points.entry(&pole.reference).or_default().push(pole);
-    }
-    points
-}
-
-/// The hits of each excitation point, their forces and poles less the weighted means of the point.
-fn deviations(poles: &[HitPole], dependence: fn(f64) -> f64) -> Vec<Vec<HitDeviation>> {
-    let mut functions: BTreeMap<(&Dof, &Dof), Vec<&HitPole>> = BTreeMap::new();
-    for pole in poles {
-        let key = (&pole.reference, &pole.response);
+        let key = (pole.level.series, &pole.response);
         functions.entry(key).or_default().push(pole);
     }
-    let mut points: BTreeMap<&Dof, BTreeMap<usize, HitDeviation>> = BTreeMap::new();
-    for ((reference, _), poles) in functions {
+    let mut series: BTreeMap<usize, BTreeMap<usize, HitDeviation>> = BTreeMap::new();
+    for ((number, _), poles) in functions {
         let weights: f64 = poles.iter().map(|pole| 1.0 / pole.variance).sum();
         let mean = poles.iter().map(|pole| pole.lambda / pole.variance);
         let mean = mean.sum::<Complex64>() / weights;
         for pole in poles {
-            let hits = points.entry(reference).or_default();
-            let hit = hits.entry(pole.round).or_insert(HitDeviation {
-                force: dependence(pole.level_db),
+            let hits = series.entry(number).or_default();
+            let hit = hits.entry(pole.turn).or_insert(HitDeviation {
+                x: x(pole),
                 lambda: Complex64::ZERO,
                 weight: 0.0,
             });
@@ -258,15 +300,15 @@ fn deviations(poles: &[HitPole], dependence: fn(f64) -> f64) -> Vec<Vec<HitDevia
         let mut hits: Vec<HitDeviation> = hits.into_values().collect();
         hits.iter_mut().for_each(|hit| hit.lambda /= hit.weight);
         let weights: f64 = hits.iter().map(|hit| hit.weight).sum();
-        let force = hits.iter().map(|hit| hit.weight * hit.force);
-        let force = force.sum::<f64>() / weights;
+        let x = hits.iter().map(|hit| hit.weight * hit.x).sum::<f64>() / weights;
         let lambda = hits.iter().map(|hit| hit.weight * hit.lambda);
         let lambda = lambda.sum::<Complex64>() / weights;
         for hit in &mut hits {
-            hit.force -= force;
+            hit.x -= x;
             hit.lambda -= lambda;
         }
         hits
     };
-    points.into_values().map(centred).collect()
+    let centred = |(number, hits)| (number, centred(hits));
+    series.into_iter().map(centred).collect()
 }

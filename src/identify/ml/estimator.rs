@@ -229,7 +229,7 @@ impl PoleModel {
     /// Fits the stable poles of the LSCF.
     fn fit_stable_poles(&mut self, found: &DetectedPeaks) -> Result<InitialPoles, IdentifyError> {
         let poles = self.stable_poles(&self.lscf(), found)?;
-        if self.data.noise.is_negligible(&self.data.frfs) {
+        if self.data.noise.may_be_below_misfit(&self.data.frfs) {
             self.poles = poles.clone();
             self.residues();
             let misfit = self.residual();

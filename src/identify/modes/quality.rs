@@ -111,6 +111,10 @@ const EFFECTS: &[(Code, &[(Value, Grade)])] = &[
     (Code::DampingBiasedHigh, &[(Damping, Grade::Doubtful)]),
     (Code::BandDependent, &[(Damping, Grade::Doubtful)]),
     (Code::AmplitudeDependent, &[(Damping, Grade::Doubtful)]),
+    (
+        Code::ForceLevelDependent,
+        &[(Frequency, Grade::Doubtful), (Damping, Grade::Doubtful)],
+    ),
     (Code::PolesMerged, &[(Damping, Grade::Doubtful)]),
     (Code::FewTimeConstants, &[(Damping, Grade::Doubtful)]),
     (Code::NearBandEdge, &[(Damping, Grade::Doubtful)]),

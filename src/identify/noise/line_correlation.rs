@@ -359,7 +359,7 @@ fn mean_product(phases: &[Vec<Complex64>], segment: Range<usize>, lag: usize) ->
     phases.iter().map(product).sum::<Complex64>() / ((last - segment.start) * phases.len()) as f64
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     0.5 * (values[values.len() / 2] + values[(values.len() - 1) / 2])
 }

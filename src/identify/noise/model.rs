@@ -14,7 +14,7 @@ use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::residual::Residual;
 use crate::identify::noise::data_variance::{self, Noise};
 use crate::identify::noise::force_noise::ForceNoise;
-use crate::identify::noise::line_correlation::LineCorrelation;
+use crate::identify::noise::line_correlation::{LineCorrelation, median};
 use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
 use crate::identify::noise::variance_model::SmoothedVariance;
 
@@ -62,8 +62,8 @@ pub(in crate::identify) struct NoiseModel {
     variance_source: VarianceSource,
     /// Minimum variance of each FRF, in its measured quantity.
     min_variances: Vec<f64>,
-    /// Whether the minimum is that of the misfit.
-    is_below_misfit: bool,
+    /// Whether a minimum is that of the misfit.
+    is_raised_to_misfit: bool,
 }
 
 impl NoiseModel {
@@ -96,7 +96,7 @@ impl NoiseModel {
             stated,
             variance_source: VarianceSource::SecondDifferences,
             min_variances: min_variances(frfs),
-            is_below_misfit: false,
+            is_raised_to_misfit: false,
         };
         model.raise_to_dynamic_range(frfs);
         model
@@ -229,28 +229,29 @@ impl NoiseModel {
         self.variance.par_iter_mut().enumerate().for_each(raise);
     }
 
-    /// Whether the noise is so low that the misfit of a good model can be larger.
-    pub fn is_negligible(&self, frfs: &BandFrfs) -> bool {
-        let ratio = |f: usize| {
+    /// Whether the noise is so low that the misfit of a good model can be larger, in all FRFs whose
+    /// noise is above the minimum.
+    pub fn may_be_below_misfit(&self, frfs: &BandFrfs) -> bool {
+        let is_low = |f: usize| {
             let scales = frfs.measured_scale[f].iter();
             let power = frfs.values[f].iter().zip(scales.clone());
             let power: f64 = power.map(|(h, s)| h.norm_sqr() * s * s).sum();
             let noise = self.variance[f].iter().zip(scales).map(|(v, s)| v * s * s);
-            median(noise.collect()) * frfs.lines() as f64 / power.max(f64::MIN_POSITIVE)
+            let noise = median(noise.collect());
+            let limit = NEGLIGIBLE_NOISE_OVER_RESPONSE.powi(2) * power / frfs.lines() as f64;
+            noise <= self.min_variances[f] || noise < limit
         };
-        let limit = NEGLIGIBLE_NOISE_OVER_RESPONSE.powi(2);
-        (0..frfs.functions()).all(|f| ratio(f) < limit)
+        (0..frfs.functions()).all(is_low)
     }
 
     /// Whether the noise was raised to a fraction of the misfit.
-    pub fn is_below_misfit(&self) -> bool {
-        self.is_below_misfit
+    pub fn is_raised_to_misfit(&self) -> bool {
+        self.is_raised_to_misfit
     }
 
     /// Raises the minimum of the noise of each FRF to a fraction of its misfit, constant over the
     /// lines in the measured quantity: of the median of the squared residual.
     pub fn raise_to_misfit(&mut self, frfs: &BandFrfs, rest: &Residual) {
-        self.is_below_misfit = true;
         for f in 0..frfs.functions() {
             let residual = rest.of(f, 0..frfs.lines()).iter();
             let scales = self.variance[f].iter().zip(frfs.measured_scale[f].iter());
@@ -259,6 +260,7 @@ impl NoiseModel {
                 .map(|(r, (v, s))| r.norm_sqr() * v * s * s);
             let misfit = median(squares.collect()) / std::f64::consts::LN_2;
             let floor = MIN_NOISE_OVER_MISFIT.powi(2) * misfit;
+            self.is_raised_to_misfit |= floor > self.min_variances[f];
             self.min_variances[f] = self.min_variances[f].max(floor);
         }
         self.raise_to_dynamic_range(frfs);
@@ -312,11 +314,6 @@ impl NoiseModel {
             variance,
         }
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Minimum variance of each FRF, in its measured quantity.

@@ -31,7 +31,7 @@ const DOMINANT_CONTRIBUTION: f64 = 0.5;
 /// Contribution over the misfit above which the misfit cannot be what a pole describes, in data of
 /// negligible noise: without this limit such data, whose small misfit is far above their noise,
 /// lose modes (`a_noise_free_hit_shows_all_modes`).
-const MAX_CONTRIBUTION_OVER_MISFIT: f64 = 10.0;
+const SUFFICIENT_CONTRIBUTION_OVER_MISFIT: f64 = 10.0;
 /// Separation, in sums of half-power bandwidths, below which two poles are neighbours.
 const NEIGHBOUR_BANDWIDTHS: f64 = 4.0;
 /// Distance, in half-power bandwidths of the other pole, below which a pole lies inside its
@@ -83,8 +83,8 @@ pub(in crate::identify) struct PoleMetrics {
     /// Minimum contribution of a mode here beside the ghosts that errors of the force or of a
     /// sensor produce; 0 where it repeats no other shape.
     pub ghost_limit: f64,
-    /// Whether the noise is far below the misfit of any model: the chi-square then says nothing.
-    pub has_negligible_noise: bool,
+    /// Whether the misfit of any model is far above the noise: the chi-square then says nothing.
+    pub is_noise_below_misfit: bool,
     /// Whether its frequency shifts between runs.
     pub has_shifts: bool,
     /// Standard deviation of each part of the pole by narrower bands, rad/s, where they move it by
@@ -113,7 +113,7 @@ pub(in crate::identify) fn pole_metrics(
             misfit: ((reduced_chi_square - 1.0).max(0.0) * values / whole).sqrt(),
             contribution: (0.5 * pole.quality.significance().max(0.0) / whole).sqrt(),
             ghost_limit: 0.0,
-            has_negligible_noise: data.noise.is_below_misfit(),
+            is_noise_below_misfit: data.noise.is_raised_to_misfit(),
             has_shifts: false,
             band_deviation: 0.0,
         }
@@ -318,11 +318,11 @@ pub(in crate::identify) fn rejection_reason(
     };
     let limit = match policy {
         RejectionPolicy::ScatteredPhases => MIN_CONTRIBUTION_WITH_MISFIT,
-        _ if metrics.has_negligible_noise => {
-            MIN_CONTRIBUTION_WITH_MISFIT.min(MAX_CONTRIBUTION_OVER_MISFIT * metrics.misfit)
+        _ if metrics.reduced_chi_square <= most => 0.0,
+        _ if metrics.is_noise_below_misfit => {
+            MIN_CONTRIBUTION_WITH_MISFIT.min(SUFFICIENT_CONTRIBUTION_OVER_MISFIT * metrics.misfit)
         }
-        _ if metrics.reduced_chi_square > most => MIN_CONTRIBUTION_WITH_MISFIT,
-        _ => 0.0,
+        _ => MIN_CONTRIBUTION_WITH_MISFIT,
     };
     if metrics.contribution < limit {
         return Some(Rejection::LowContribution(metrics.contribution));

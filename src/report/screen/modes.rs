@@ -12,8 +12,10 @@ use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Number of roots on the screen where no band is stated.
 const MAX_ROOTS: usize = 20;
-/// Width at which remarks are wrapped.
-const REMARK_WIDTH: usize = 32;
+/// Widths at which remarks are wrapped, without and with a column of uncertain values.
+const REMARK_WIDTHS: [usize; 2] = [32, 20];
+/// Width at which the uncertain values are wrapped.
+const UNCERTAIN_WIDTH: usize = 9;
 
 /// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks, of
 /// at most so many modes. Without modes the advice says what to try.
@@ -37,6 +39,9 @@ pub(super) fn listed_modes(
         return vec![Block::Text(format!("{sentence}\n{advice}"))];
     }
     let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
+    let is_uncertain = |mode: &Mode| !uncertain_values(mode).is_empty();
+    let has_uncertain = model.modes.iter().take(most).any(is_uncertain);
+    let remark_width = REMARK_WIDTHS[usize::from(has_uncertain)];
     let row = |(number, mode): (usize, &Mode)| {
         let (damping, damping_std) = (percent(mode.damping_ratio), percent(mode.damping_std));
         vec![
@@ -49,8 +54,8 @@ pub(super) fn listed_modes(
             mode.quality
                 .as_ref()
                 .map_or(Cell::Missing, |quality| Cell::text(quality.verdict.name())),
-            Cell::text(uncertain_values(mode)),
-            Cell::text(textwrap::fill(&remarks(model, mode), REMARK_WIDTH)),
+            Cell::text(textwrap::fill(uncertain_values(mode), UNCERTAIN_WIDTH)),
+            Cell::text(textwrap::fill(&remarks(model, mode), remark_width)),
         ]
     };
     let numbers = [
@@ -67,11 +72,13 @@ pub(super) fn listed_modes(
         let modes = counted(model.modes.len() - most, "further mode");
         format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
     });
+    let meaning = has_uncertain
+        .then(|| "quality: whether it is a mode; uncertain: to be checked before use.".to_owned());
     let table = Table {
         caption: format!("Identified modes: {test}"),
         columns,
         rows: (1..).zip(&model.modes).take(most).map(row).collect(),
-        footnotes: omitted.into_iter().collect(),
+        footnotes: omitted.into_iter().chain(meaning).collect(),
     };
     let table = without_empty_columns(
         table,

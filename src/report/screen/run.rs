@@ -41,7 +41,7 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
         }
         None => {
             let sentence =
-                "These are the modes of the test; a [model] in the scene is compared with them.";
+                "Modes of the test; a [model] in scene.toml would be compared with them.";
             blocks.push(Block::Text(sentence.to_owned()));
             let most = (MAX_ROWS / result.tests.len()).max(MIN_MODES_OF_TEST);
             let of_test =
