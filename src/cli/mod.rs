@@ -11,6 +11,7 @@ mod correlate_dofs;
 mod correlate_frfs;
 mod correlation_output;
 mod finding_lines;
+mod first_names;
 mod frf;
 mod hint;
 mod identify;
@@ -75,19 +76,6 @@ pub fn main() -> ExitCode {
             let _ = writeln!(&stderr, "{line}");
             ExitCode::from(2)
         }
-    }
-}
-
-/// Names that a line lists one by one.
-const MAX_LISTED_NAMES: usize = 8;
-
-/// The names, of many the first and their number.
-fn first_names(names: &[String]) -> String {
-    match names.get(..MAX_LISTED_NAMES) {
-        Some(first) if names.len() > MAX_LISTED_NAMES => {
-            format!("{}, … ({} in all)", first.join(", "), names.len())
-        }
-        _ => names.join(", "),
     }
 }
 

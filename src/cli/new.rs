@@ -20,7 +20,7 @@ use crate::scene::{
 use crate::study::counted;
 
 use super::args::NewArgs;
-use super::first_names;
+use super::first_names::first_names;
 use super::left_out::LeftOut;
 use super::outcome::Outcome;
 use super::output::Output;

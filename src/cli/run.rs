@@ -15,7 +15,7 @@ use crate::report::{
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
 use super::args::RunArgs;
-use super::first_names;
+use super::first_names::first_names;
 use super::outcome::Outcome;
 use super::output::Output;
 use super::report::{report_files, table_group};
