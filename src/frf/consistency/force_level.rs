@@ -76,17 +76,16 @@ const DEPENDENCES: [fn(f64) -> f64; 2] =
 /// A finding for every isolated resonance whose frequency or damping depends on the force level.
 ///
 /// For each hit the pole `λ` of the resonance is fitted to each function of the hit alone. The
-/// deviation of a hit is the weighted mean over its functions of `λ` less the mean of that function
-/// over the hits of its series, those at one point with the same sensors: a sensor or a point with
-/// another frequency drops out. The slopes of `Im λ` and
-/// `-Re λ` against `x = log F` or `x = F²`, F the peak of the force, follow from weighted least
-/// squares within each series,
+/// deviation of a hit is the weighted mean over its functions of `λ` less the mean of that
+/// function over the hits of its series, those at one point with the same sensors: a sensor or a
+/// point with another frequency drops out. The slopes of `Im λ` and `-Re λ` against `x = log F` or
+/// `x = F²`, F the peak of the force, follow from weighted least squares within each series,
 ///
 /// `b = Σ w x d / Σ w x²`, `var(b) = Σ w (d - b x)² / ((n - 1) Σ w x²)`,
 ///
-/// with n the hits less their series. A slope counts where Student's t of `n - 1`
-/// degrees of freedom exceeds its quantile and the change for each doubling of the force is of
-/// consequence. Of the two dependences the one with the smaller residual is stated.
+/// with n the hits less their series. A slope counts where Student's t of `n - 1` degrees of
+/// freedom exceeds its quantile and the change for each doubling of the force is of consequence.
+/// Of the two dependences the one with the smaller residual is stated.
 ///
 /// # Reference
 /// Worden and Tomlinson (2001), Nonlinearity in Structural Dynamics, section 3.2 (homogeneity).
