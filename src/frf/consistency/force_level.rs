@@ -311,3 +311,59 @@ fn deviations(
     let centred = |(number, hits)| (number, centred(hits));
     series.into_iter().map(centred).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Poles of two series of three hits at one function each, with `λ = λ₀ + level · slope`.
+    fn poles(slope: Complex64) -> Vec<HitPole> {
+        let first = [0.0, 3.0, 6.0].map(|level_db| (level_db, 0));
+        let second = [19.0, 10.0, 14.0].map(|level_db| (level_db, 1));
+        let hits = first.into_iter().chain(second).enumerate();
+        let pole = |(turn, (level_db, series)): (usize, (f64, usize))| HitPole {
+            turn,
+            response: format!("{}:+Z", series + 1).parse().unwrap(),
+            level: HitLevel { level_db, series },
+            // Another sensor has another frequency.
+            lambda: Complex64::new(-3.0, 300.0 + 2.0 * series as f64) + level_db * slope,
+            variance: 1.0 + turn as f64,
+        };
+        hits.map(pole).collect()
+    }
+
+    #[test]
+    fn slopes_are_exact_within_series_of_different_sensors() {
+        let slope = Complex64::new(-0.02, -0.1);
+        let slopes = Slopes::of(&poles(slope), DEPENDENCES[0]).unwrap();
+        // The second series is the wider one: 9 dB.
+        assert!(
+            (slopes.change - 9.0 * slope).norm() < 1e-12,
+            "{}",
+            slopes.change
+        );
+        assert_eq!(
+            (slopes.freedom, slopes.hits, slopes.range_db),
+            (3.0, 6, 9.0)
+        );
+        assert!(slopes.stds.iter().all(|std| *std < 1e-9));
+        let finding = slopes.finding(6.0, 1.0, 4).unwrap();
+        let percent = finding.value.unwrap();
+        assert!(
+            (percent + 90.0 / slopes.lambda.im).abs() < 1e-9,
+            "{percent}"
+        );
+        // The damping without that of the window: 0.18 of the mean decay rate less 1.
+        let damping = 18.0 / (-slopes.lambda.re - 1.0);
+        let detail = finding.detail.unwrap();
+        assert!(
+            detail.contains(&format!("damping {damping:+.1} ± 0.0 %")),
+            "{detail}"
+        );
+        // As much in the other direction, and none where it is of no consequence.
+        let opposite = Slopes::of(&poles(-slope), DEPENDENCES[0]).unwrap();
+        assert!(opposite.finding(6.0, 1.0, 4).unwrap().value > Some(0.0));
+        let small = Slopes::of(&poles(slope * 1e-3), DEPENDENCES[0]).unwrap();
+        assert_eq!(small.finding(6.0, 1.0, 4), None);
+    }
+}
