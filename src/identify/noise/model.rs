@@ -31,7 +31,8 @@ const NEGLIGIBLE_NOISE_OVER_RESPONSE: f64 = 1e-5;
 ///
 /// Without noise, second differences are those of the response, smallest far from resonances: the
 /// fit then follows a smooth misfit there (filters, aliases) with its poles and loses modes.
-/// Larger: modes weaker than the misfit are not found. Test: `a_noise_free_hit_shows_all_modes`.
+/// Larger: modes weaker than the misfit are not found. Test:
+/// `aliases_near_the_band_edge_draw_no_pole_away`.
 const MIN_NOISE_OVER_MISFIT: f64 = 0.03;
 
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
