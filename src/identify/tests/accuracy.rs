@@ -52,7 +52,7 @@ fn frequency_and_damping_at_sixty_decibels_are_far_within_the_target() {
     // The target is 5e-4 in frequency for all and 3 % in damping for the circle fit.
     for (method, damping_limit) in [("peak", 5e-3), ("circle", 1e-3), ("line", 1e-3)] {
         let mut squares = Vec::new();
-        for seed in 0..12 {
+        for seed in seeds(24) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
                 snr_db: Some(60.0),
@@ -75,7 +75,7 @@ fn frequency_and_damping_at_sixty_decibels_are_far_within_the_target() {
         squares.sort_by(f64::total_cmp);
         let median = squares[squares.len() / 2];
         assert!(
-            squares.len() > 40 && (0.25..0.85).contains(&median),
+            squares.len() > 20 && (0.25..0.85).contains(&median),
             "{method} {median}"
         );
     }
@@ -90,7 +90,8 @@ fn separated_modes_are_never_reported_close_and_noise_is_never_a_mode() {
         (Some(30.0), true),
     ] {
         // With seed 296 a ripple of 1e-6 at the top of a peak was once detected as a second peak.
-        for seed in seeds(6).map(|draw| 20 + draw).chain([296]) {
+        let rippled = snr_db.is_none().then_some(296);
+        for seed in seeds(4).map(|draw| 20 + draw).chain(rippled) {
             let (structure, how) = separated_modes(seed);
             let set = structure.measured(&Measurement {
                 snr_db,
