@@ -23,6 +23,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::frf::{FrfSet, Window};
+use crate::linalg::{self, ComplexMatrix};
 
 /// Maximum number of cosines of a window.
 const TERMS: usize = 5;
@@ -41,6 +42,8 @@ const MAX_SERIES_ARGUMENT: f64 = 2.0;
 /// Terms of the series: `2^25/25!` is below rounding.
 const SERIES_TERMS: usize = 25;
 
+/// Largest distance of a frequency from its line, lines, that is rounding.
+const MAX_LINE_DEVIATION: f64 = 1e-6;
 /// Steps of a bisection, to rounding.
 const HALVINGS: usize = 60;
 
@@ -166,6 +169,40 @@ impl LineShape {
         }
     }
 
+    /// [`Self::power`] for n = 1 to `count` at each frequency: lines × powers. Where the
+    /// frequencies are consecutive lines, a smoothed pole needs one exponential for all of them.
+    pub fn powers(
+        &self,
+        scale: f64,
+        omega: &[f64],
+        lambda: Complex64,
+        count: usize,
+    ) -> ComplexMatrix {
+        if let Some(smoothing) = &self.0
+            && smoothing.are_consecutive_lines(omega)
+        {
+            let of_lines = smoothing.powers_on_lines(omega, lambda, count);
+            return linalg::complex_matrix(omega.len(), count, |k, n| {
+                of_lines[k][n] * scale.powi(n as i32 + 1)
+            });
+        }
+        linalg::complex_matrix(omega.len(), count, |k, n| {
+            self.power(scale, omega[k], lambda, n + 1)
+        })
+    }
+
+    /// Fills a column with [`Self::pole`] at each frequency.
+    pub fn fill_pole(&self, omega: &[f64], lambda: Complex64, column: &mut [Complex64]) {
+        if self.is_smoothed() {
+            let powers = self.powers(1.0, omega, lambda, 1);
+            column.copy_from_slice(powers.col_as_slice(0));
+            return;
+        }
+        for (value, omega) in column.iter_mut().zip(omega) {
+            *value = self.pole(*omega, lambda);
+        }
+    }
+
     /// `1/(iω − λ)`, smoothed by the window where there is one.
     pub fn pole(&self, omega: f64, lambda: Complex64) -> Complex64 {
         match self.0 {
@@ -214,15 +251,61 @@ impl Smoothing {
     fn power(&self, s: Complex64, n: usize) -> Complex64 {
         let z = -s * self.record_s;
         let end = z.exp();
+        self.sum_of_moments(n, |turns| {
+            moments(z + Complex64::new(0.0, TAU * turns as f64), end, n + 1)
+        })
+    }
+
+    /// Whether each frequency is one line above the one before.
+    fn are_consecutive_lines(&self, omega: &[f64]) -> bool {
+        let lines = |k: usize| (omega[k] - omega[0]) * self.record_s / TAU;
+        (0..omega.len()).all(|k| (lines(k) - k as f64).abs() < MAX_LINE_DEVIATION)
+    }
+
+    /// The first `count` powers of a pole at each of some consecutive lines: from one line to the
+    /// next z decreases by 2πi, so that `e^z` stays and the moments are shared.
+    fn powers_on_lines(
+        &self,
+        omega: &[f64],
+        lambda: Complex64,
+        count: usize,
+    ) -> Vec<[Complex64; POWERS]> {
+        let z = match omega.first() {
+            Some(first) => (lambda - Complex64::new(0.0, *first)) * self.record_s,
+            None => return Vec::new(),
+        };
+        let (end, margin) = (z.exp(), self.terms_used() as i32 - 1);
+        let of_line = |line: i32| {
+            let turns = Complex64::new(0.0, TAU * f64::from(line));
+            moments(z - turns, end, count + 1)
+        };
+        let lines = -margin..omega.len() as i32 + margin;
+        let of_lines: Vec<[Complex64; MOMENTS]> = lines.map(of_line).collect();
+        let powers = |line: usize| {
+            let mut powers = [Complex64::ZERO; POWERS];
+            for (order, power) in powers[..count].iter_mut().enumerate() {
+                let shifted = |turns: i32| of_lines[(line as i32 + margin - turns) as usize];
+                *power = self.sum_of_moments(order + 1, shifted);
+            }
+            powers
+        };
+        (0..omega.len()).map(powers).collect()
+    }
+
+    /// The power n of a pole from the moments at `z + 2πik` by k.
+    fn sum_of_moments(
+        &self,
+        n: usize,
+        moments_at: impl Fn(i32) -> [Complex64; MOMENTS],
+    ) -> Complex64 {
         let order = n - 1;
         let term = |(k, (c, s)): (usize, &(f64, f64))| {
-            let turn = Complex64::new(0.0, TAU * k as f64);
-            let above = moments(z + turn, end, n + 1);
+            let above = moments_at(k as i32);
             let fading = |moments: &[Complex64; MOMENTS]| moments[order] - moments[order + 1];
             if k == 0 {
                 return *c * fading(&above);
             }
-            let below = moments(z - turn, end, n + 1);
+            let below = moments_at(-(k as i32));
             let cosine = 0.5 * (fading(&above) + fading(&below));
             let sine = (above[order] - below[order]) / Complex64::new(0.0, 2.0);
             *c * cosine + *s * sine
@@ -334,6 +417,35 @@ mod tests {
                         // |s|²/12 over the square of the steps, 1e-5 at most.
                         assert!(error < 2e-5, "{s} {n}: {error}");
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn powers_at_several_frequencies_are_those_at_each() {
+        let lines = |first: i32, last: i32| (first..last).map(f64::from).collect();
+        let cases: [Vec<f64>; 4] = [lines(300, 340), lines(317, 318), vec![316.0, 318.5], vec![]];
+        for (window, lines) in [Window::HannBroad, Window::FlatTop]
+            .into_iter()
+            .flat_map(|window| cases.iter().map(move |lines| (window, lines)))
+        {
+            let shape = LineShape(Smoothing::new(0.5, window));
+            let omega: Vec<f64> = lines.iter().map(|k| 2.0 * TAU * k).collect();
+            let lambda = Complex64::new(-3.0, 2.0 * TAU * 317.3);
+            let powers = shape.powers(5.0, &omega, lambda, POWERS);
+            let mut column = vec![Complex64::ZERO; omega.len()];
+            shape.fill_pole(&omega, lambda, &mut column);
+            for (k, omega) in omega.iter().enumerate() {
+                let error = (column[k] - shape.pole(*omega, lambda)).norm();
+                assert!(error < 1e-11 * column[k].norm(), "{window:?} {k}: {error}");
+                for n in 1..=POWERS {
+                    let expected = shape.power(5.0, *omega, lambda, n);
+                    let error = (powers[(k, n - 1)] - expected).norm();
+                    assert!(
+                        error < 1e-11 * expected.norm(),
+                        "{window:?} {k} {n}: {error}"
+                    );
                 }
             }
         }

@@ -255,15 +255,17 @@ pub(in crate::identify) fn pole_columns(
     omega: &[f64],
     roots: &[ModelPole],
 ) -> ComplexMatrix {
-    linalg::complex_matrix(omega.len(), 2 * roots.len(), |k, column| {
+    let mut columns = ComplexMatrix::zeros(omega.len(), 2 * roots.len());
+    linalg::for_each_column(&mut columns, |column, values| {
         let lambda = roots[column / 2].lambda;
         let lambda = if column % 2 == 0 {
             lambda
         } else {
             lambda.conj()
         };
-        line_shape.pole(omega[k], lambda)
-    })
+        line_shape.fill_pole(omega, lambda, values);
+    });
+    columns
 }
 
 /// Residues of every pole and of its conjugate: twice the number of poles × FRFs.

@@ -314,9 +314,10 @@ pub(super) fn middle(data: &FitData, lines: &Range<usize>) -> (Complex64, f64) {
 
 /// Powers of the line shape at each expansion point: lines × powers of all.
 fn near_powers(line_shape: LineShape, omega: &[f64], points: &[Complex64]) -> ComplexMatrix {
+    let powers = |lambda: &Complex64| line_shape.powers(lambda.re.abs(), omega, *lambda, POWERS);
+    let of_points: Vec<ComplexMatrix> = points.iter().map(powers).collect();
     linalg::complex_matrix(omega.len(), POWERS * points.len(), |k, column| {
-        let lambda = points[column / POWERS];
-        line_shape.power(lambda.re.abs(), omega[k], lambda, column % POWERS + 1)
+        of_points[column / POWERS][(k, column % POWERS)]
     })
 }
 
