@@ -200,7 +200,10 @@ impl MaximumLikelihood {
             fit.run_shifts = aligned;
             let changed = moved.update_from_fit(&fit.data, &fit.poles);
             fits.push((fit, found));
-            if !changed {
+            // A shift may be found in the runs as measured and not in the aligned ones. Shifts that
+            // agree with those of an earlier fit would repeat it.
+            let mut earlier = fits.iter().map(|(fit, _)| &fit.run_shifts);
+            if !changed || earlier.any(|shifts| moved.agrees_with(shifts)) {
                 break;
             }
         }

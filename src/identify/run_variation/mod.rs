@@ -149,11 +149,22 @@ impl RunShifts {
             return false;
         }
         self.rounds += 1;
-        let modes = self.shifted_modes(data, model_poles);
-        let same = |(now, before): (&ShiftedMode, &ShiftedMode)| now.is_converged(before);
-        let changed = modes.len() != self.modes.len() || !modes.iter().zip(&self.modes).all(same);
-        self.modes = modes;
+        let now = Self {
+            modes: self.shifted_modes(data, model_poles),
+            ..self.clone()
+        };
+        let changed = !now.agrees_with(self);
+        *self = now;
         changed
+    }
+
+    /// Whether others are of the same runs, with the same modes and with shifts that are equal to
+    /// within the convergence limit of these.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        let same = |(now, before): (&ShiftedMode, &ShiftedMode)| now.is_converged(before);
+        self.runs == other.runs
+            && self.modes.len() == other.modes.len()
+            && self.modes.iter().zip(&other.modes).all(same)
     }
 
     /// Whether any mode shifts between runs.
