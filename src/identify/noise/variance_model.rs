@@ -14,7 +14,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::linalg::vectorised;
+use crate::linalg::{sort_descending_by, vectorised};
 
 /// Lines of a block with one `a`, and further lines on either side that it is estimated from.
 const BLOCK_LINES: usize = 16;
@@ -27,8 +27,18 @@ const WEIGHT_ITERATIONS: usize = 3;
 /// Number of trial values of b, from that of force noise alone downwards, and their ratio.
 const TRIAL_VALUES: usize = 12;
 const TRIAL_RATIO: f64 = 2.5;
+/// Part of the FRFs, one in this number, whose b of force noise alone is below the highest trial
+/// value. With the largest b of all FRFs, sensors at rest hide the force noise of the others
+/// (`force_noise_is_found_beside_frfs_without_response`).
+const STRONGEST_ONE_IN: usize = 10;
 /// Steps of the search between two of them, each of which keeps two thirds.
 const SEARCH_STEPS: usize = 12;
+/// Number of FRFs that exclude values of b before all are tried: those that determine b best.
+///
+/// A value that is less likely than none in them, by [`MIN_LIKELIHOOD_GAIN`], is no maximum of all,
+/// as b is common. More: a large set takes longer; fewer: more values are tried in all. Test:
+/// `force_noise_is_found_beside_frfs_without_response`.
+const EXCLUDING_FRFS: usize = 64;
 /// Maximum b that a residual may give: 5 % of the response. A pole that shifts from FRF to FRF
 /// leaves a larger residual in its resonance, which is no noise.
 const MAX_RESIDUAL_COEFFICIENT: f64 = 2.5e-3;
@@ -169,27 +179,47 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
         .iter()
         .map(|frf| frf.max_outlier_ratio())
         .collect();
-    let likelihoods = |n: usize, tried: &[f64]| -> Vec<f64> {
+    let likelihoods_of = |frfs: &[usize], n: usize, tried: &[f64]| -> Vec<f64> {
         let mut sums = vec![0.0; tried.len()];
-        for (frf, max_ratio) in functions.iter().zip(&max_ratios) {
-            let terms = frf.likelihoods(segments[n].clone(), tried, *max_ratio);
+        for f in frfs {
+            let terms = functions[*f].likelihoods(segments[n].clone(), tried, max_ratios[*f]);
             sums.iter_mut()
                 .zip(terms)
                 .for_each(|(sum, term)| *sum += term);
         }
         sums
     };
+    let all: Vec<usize> = (0..functions.len()).collect();
+    let likelihoods = |n: usize, tried: &[f64]| likelihoods_of(&all, n, tried);
+    let not_excluded = |n: usize, tried: Vec<f64>| -> Vec<f64> {
+        if functions.len() <= EXCLUDING_FRFS {
+            return tried;
+        }
+        let mut best = all.clone();
+        sort_descending_by(&mut best, |f| {
+            functions[*f].information(segments[n].clone())
+        });
+        let likelihood = likelihoods_of(&best[..EXCLUDING_FRFS], n, &tried);
+        let limit = likelihood[0] - MIN_LIKELIHOOD_GAIN;
+        let with_likelihood = tried.into_iter().zip(likelihood);
+        let kept = with_likelihood.filter(|(_, likelihood)| *likelihood >= limit);
+        kept.map(|(b, _)| b).collect()
+    };
     let mean = |n: usize, frf: &&VarianceSamples| {
         let sum = |values: &[f64]| values[segments[n].clone()].iter().sum::<f64>();
         sum(&frf.variance) / sum(&frf.power)
     };
     let likeliest = |n: usize| -> Option<f64> {
+        // Force noise alone in the FRFs of the strongest response over their noise: b is common,
+        // and a response near 0 would allow any b.
         let means = functions.iter().map(|frf| mean(n, frf));
-        let max_coefficient = means.filter(|b| b.is_finite()).fold(0.0, f64::max);
-        let max_coefficient = max_coefficient.min(limit);
+        let mut means: Vec<f64> = means.filter(|b| b.is_finite() && *b > 0.0).collect();
+        means.sort_by(f64::total_cmp);
+        let max_coefficient = means.get(means.len() / STRONGEST_ONE_IN)?.min(limit);
         let tried = (0..TRIAL_VALUES)
             .map(|step| max_coefficient * TRIAL_RATIO * TRIAL_RATIO.powi(-(step as i32)));
         let tried: Vec<f64> = std::iter::once(0.0).chain(tried).collect();
+        let tried = not_excluded(n, tried);
         let likelihood = likelihoods(n, &tried);
         let best = (1..tried.len()).max_by(|a, b| likelihood[*a].total_cmp(&likelihood[*b]))?;
         // The maximum between two trial values may have twice the gain.
@@ -237,6 +267,13 @@ impl VarianceSamples {
         quantile.map_or(f64::INFINITY, |chi| {
             chi.inverse_cdf(1.0 - OUTLIER_PROBABILITY) / self.freedom()
         })
+    }
+
+    /// Information on b on some lines where there is little of it, `Σ p²/v²` with the mean of v.
+    fn information(&self, lines: Range<usize>) -> f64 {
+        let squares: f64 = self.power[lines.clone()].iter().map(|p| p * p).sum();
+        let variance: f64 = self.variance[lines.clone()].iter().sum();
+        squares / (variance / lines.len() as f64).powi(2)
     }
 
     /// `a` of some lines for a given b: the mean of the variances minus force noise, weighted by
@@ -482,6 +519,33 @@ mod tests {
         }
         // Some four lines of the resonance determine its height to a third: their mean to 3 %.
         assert!((0.85..1.1).contains(&peak), "{peak}");
+    }
+
+    #[test]
+    fn force_noise_is_found_beside_frfs_without_response() {
+        // Two of three FRFs have no response, and all together just show the force noise.
+        let coefficient = 1.5e-5;
+        let samples = |f: u64| {
+            let values = resonance(20.0);
+            let scale = if f % 3 == 0 { 1.0 } else { 1e-6 };
+            let power: Vec<f64> = values.iter().map(|h| scale * h.norm_sqr()).collect();
+            let truth: Vec<f64> = power.iter().map(|p| 1e-4 + coefficient * p).collect();
+            VarianceSamples {
+                variance: estimated(&truth, 4.0, f),
+                power,
+                degrees_of_freedom: Some(4.0),
+                lines_per_effective_line: 1.0,
+                response_noise: Some(vec![1e-4; LINES]),
+            }
+        };
+        let mut found = 0;
+        for draw in 0..8 {
+            let all: Vec<VarianceSamples> = (0..384).map(|f| samples(1000 * draw + f)).collect();
+            let functions: Vec<&VarianceSamples> = all.iter().collect();
+            let b = per_segment(&functions, &segments(LINES), f64::INFINITY)[0];
+            found += usize::from((b / coefficient - 1.0).abs() < 0.5);
+        }
+        assert!(found >= 7, "{found} of 8");
     }
 
     #[test]
