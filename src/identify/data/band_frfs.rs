@@ -120,6 +120,24 @@ impl BandFrfs {
         })
     }
 
+    /// Some of the FRFs, by their numbers.
+    pub fn sample(&self, functions: &[usize]) -> Self {
+        let mut values = ComplexMatrix::zeros(self.lines(), functions.len());
+        linalg::for_each_column(&mut values, |i, column| {
+            column.copy_from_slice(&self.values[functions[i]]);
+        });
+        let scale = |f: &usize| Arc::clone(&self.measured_scale[*f]);
+        Self {
+            lines_of_set: self.lines_of_set.clone(),
+            omega: self.omega.clone(),
+            step: self.step,
+            line_shape: self.line_shape,
+            leakage: self.leakage,
+            values: Values(values),
+            measured_scale: functions.iter().map(scale).collect(),
+        }
+    }
+
     /// Number of FRFs.
     pub fn functions(&self) -> usize {
         self.values.0.ncols()

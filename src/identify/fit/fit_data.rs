@@ -61,6 +61,17 @@ impl FitData {
         }
     }
 
+    /// Some of the FRFs, by their numbers, with their noise.
+    pub fn sample(&self, functions: &[usize]) -> Self {
+        Self {
+            frfs: self.frfs.sample(functions),
+            noise: self.noise.sample(functions),
+            out_of_band_terms: self.out_of_band_terms.clone(),
+            out_of_band_fit: OnceLock::new(),
+            version: 0,
+        }
+    }
+
     /// Version number: it changes with values, line shape, variances and out-of-band terms.
     pub fn version(&self) -> u64 {
         self.version

@@ -87,6 +87,19 @@ impl ForceNoise {
         }
     }
 
+    /// That of some of the FRFs, by their numbers, as if no noise were common: g depends on all.
+    pub fn sample(&self, functions: &[usize]) -> Self {
+        let of_group = |group: &Vec<usize>| -> Vec<usize> {
+            let is_of = |place: &usize| group.contains(&functions[*place]);
+            (0..functions.len()).filter(is_of).collect()
+        };
+        Self {
+            groups: self.groups.iter().map(of_group).collect(),
+            variance_ratio: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// Numbers of the FRFs of each reference.
     pub fn groups(&self) -> &[Vec<usize>] {
         &self.groups

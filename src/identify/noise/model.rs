@@ -103,6 +103,21 @@ impl NoiseModel {
         model
     }
 
+    /// The noise of some of the FRFs, by their numbers.
+    pub fn sample(&self, functions: &[usize]) -> Self {
+        let of = |values: &[Vec<f64>]| functions.iter().map(|f| values[*f].clone()).collect();
+        Self {
+            variance: of(&self.variance),
+            force_fraction: of(&self.force_fraction),
+            line_correlation: self.line_correlation.clone(),
+            force_noise: self.force_noise.sample(functions),
+            stated: functions.iter().map(|f| self.stated[*f].clone()).collect(),
+            variance_source: self.variance_source,
+            min_variances: functions.iter().map(|f| self.min_variances[*f]).collect(),
+            is_raised_to_misfit: self.is_raised_to_misfit,
+        }
+    }
+
     /// Whether the data supply the variances of all FRFs.
     pub fn is_stated(&self) -> bool {
         self.stated.iter().all(Option::is_some)

@@ -38,6 +38,7 @@ mod misfit;
 pub(in crate::identify) mod multiplicity;
 mod narrower_bands;
 pub(in crate::identify) mod pole_metrics;
+mod sample;
 mod snapshot;
 mod spurious_poles;
 
