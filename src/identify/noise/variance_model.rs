@@ -527,7 +527,7 @@ mod tests {
         let coefficient = 1.5e-5;
         let samples = |f: u64| {
             let values = resonance(20.0);
-            let scale = if f % 3 == 0 { 1.0 } else { 1e-6 };
+            let scale = if f.is_multiple_of(3) { 1.0 } else { 1e-6 };
             let power: Vec<f64> = values.iter().map(|h| scale * h.norm_sqr()).collect();
             let truth: Vec<f64> = power.iter().map(|p| 1e-4 + coefficient * p).collect();
             VarianceSamples {
