@@ -12,6 +12,7 @@ mod correlate_tables;
 mod cycloid_ball;
 mod examples;
 mod exchange;
+mod exports;
 mod faults;
 mod faulty_streams;
 mod file_circles;

@@ -1,0 +1,5 @@
+//! Files as measurement systems export them: each kind in the form in which a public report of a
+//! reader describes it, with siblings of it, made here.
+
+mod control;
+mod universal_file;
