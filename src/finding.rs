@@ -88,6 +88,9 @@ codes! {
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
         "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+    /// A stated unit that is not that of the file.
+    UnitContradictsFile: "The stated unit contradicts the header of the file. The stated unit was used.",
+        "A unit in [[test.channel]] or --unit precedes the header, since some programs write a fixed code for every function. The detail has both. If the header is right, remove the stated unit.";
     /// Coherence outside 0 to 1.
     CoherenceInvalid: "Coherence outside 0 to 1 was ignored. The FRF was kept.",
         "Coherence lies between 0 and 1. Some analysers write other values, mostly at 0 Hz. At these lines the coherence of the nearest valid lines was used for the variance. Where most lines are invalid, coherence was not used at all, and the noise is estimated from the fit residual. The value is the largest of the ignored values.";

@@ -1,9 +1,12 @@
 //! Physical quantities, units to SI, and the kind of an FRF. No value here has a default.
 
+mod unit_text;
+
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+use unit_text::measure;
 
 /// What a channel measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -44,15 +47,17 @@ impl fmt::Display for Quantity {
 
 /// A unit text that is not known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("got unit `{got}`, expected one of {}", unit_names())]
+#[error("got unit `{got}`, expected {expected}")]
 pub struct UnitError {
     /// The text as given.
     pub got: String,
+    /// What could stand there.
+    pub expected: &'static str,
 }
 
-/// Text, quantity, factor to SI. 1 lbf = 4.4482216152605 N and g = 9.80665 m/s² are exact by
-/// definition.
-const UNITS: [(&str, Quantity, f64); 24] = [
+/// Units as they are written: name, quantity, factor to SI. 1 lbf = 4.4482216152605 N and
+/// g = 9.80665 m/s² are exact by definition.
+const WRITTEN_UNITS: [(&str, Quantity, f64); 16] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
     ("kN", Quantity::Force, 1e3),
@@ -61,33 +66,29 @@ const UNITS: [(&str, Quantity, f64); 24] = [
     ("m", Quantity::Displacement, 1.0),
     ("mm", Quantity::Displacement, 1e-3),
     ("um", Quantity::Displacement, 1e-6),
-    ("µm", Quantity::Displacement, 1e-6),
     ("in", Quantity::Displacement, 0.0254),
     ("m/s", Quantity::Velocity, 1.0),
     ("mm/s", Quantity::Velocity, 1e-3),
     ("in/s", Quantity::Velocity, 0.0254),
     ("m/s2", Quantity::Acceleration, 1.0),
-    ("m/s^2", Quantity::Acceleration, 1.0),
-    ("m/s²", Quantity::Acceleration, 1.0),
-    ("m/s/s", Quantity::Acceleration, 1.0),
     ("mm/s2", Quantity::Acceleration, 1e-3),
-    ("mm/s^2", Quantity::Acceleration, 1e-3),
     ("in/s2", Quantity::Acceleration, 0.0254),
-    ("in/s^2", Quantity::Acceleration, 0.0254),
     ("g", Quantity::Acceleration, 9.806_65),
-    ("gn", Quantity::Acceleration, 9.806_65),
-    ("G", Quantity::Acceleration, 9.806_65),
 ];
 
-fn unit_names() -> String {
-    UNITS.iter().map(|row| row.0).collect::<Vec<_>>().join(" ")
-}
-
-/// A unit of one of the quantities: its text and its factor to SI.
+/// A unit of one of the quantities.
+///
+/// Read from any usual spelling: `mm/s2`, `mm/s^2`, `mm/s**2`, `mm/s²`, `mm/sec/sec`. `g` is the
+/// acceleration of free fall, `lb` a force. In SI, `0.1 m/s2` for a unit without a name.
+///
+/// ```
+/// use modalign::quantity::{Quantity, Unit};
+/// let unit: Unit = "in/sec^2".parse().unwrap();
+/// assert_eq!(unit, Unit { quantity: Quantity::Acceleration, to_si: 0.0254 });
+/// assert_eq!(unit.to_string(), "in/s2");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// The text, as printed.
-    pub name: &'static str,
     /// What it measures.
     pub quantity: Quantity,
     /// Value in SI = factor × value in this unit.
@@ -95,21 +96,27 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// The first unit of this quantity with exactly this factor to SI.
+    /// The name under which it is written; `None` for a unit without one.
     ///
     /// ```
     /// use modalign::quantity::{Quantity, Unit};
-    /// assert_eq!(Unit::of(Quantity::Force, 1e3).map(|unit| unit.name), Some("kN"));
+    /// let unit = Unit { quantity: Quantity::Force, to_si: 1e3 };
+    /// assert_eq!(unit.name(), Some("kN"));
     /// ```
-    pub fn of(quantity: Quantity, to_si: f64) -> Option<Self> {
-        let row = UNITS
-            .iter()
-            .find(|row| row.1 == quantity && row.2.to_bits() == to_si.to_bits());
-        row.map(|&(name, quantity, to_si)| Self {
-            name,
-            quantity,
-            to_si,
-        })
+    pub fn name(&self) -> Option<&'static str> {
+        let is_this = |row: &&(&str, Quantity, f64)| {
+            row.1 == self.quantity && row.2.to_bits() == self.to_si.to_bits()
+        };
+        WRITTEN_UNITS.iter().find(is_this).map(|row| row.0)
+    }
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name() {
+            Some(name) => f.write_str(name),
+            None => write!(f, "{} x {}", self.to_si, self.quantity.si_unit()),
+        }
     }
 }
 
@@ -117,16 +124,59 @@ impl FromStr for Unit {
     type Err = UnitError;
 
     fn from_str(text: &str) -> Result<Self, UnitError> {
-        let row = UNITS.iter().find(|row| row.0 == text.trim());
-        row.map(|&(name, quantity, to_si)| Unit {
-            name,
-            quantity,
-            to_si,
-        })
-        .ok_or_else(|| UnitError {
+        let quantities = [
+            (Quantity::Force, unit_text::FORCE),
+            (Quantity::Displacement, unit_text::DISPLACEMENT),
+            (Quantity::Velocity, unit_text::VELOCITY),
+            (Quantity::Acceleration, unit_text::ACCELERATION),
+        ];
+        let unit = measure(text).and_then(|measure| {
+            let mut rows = quantities.into_iter();
+            let row = rows.find(|row| row.1 == measure.dimension);
+            row.map(|(quantity, _)| Unit {
+                quantity,
+                to_si: measure.to_si,
+            })
+        });
+        unit.ok_or_else(|| UnitError {
             got: text.to_owned(),
+            expected: "a unit of force (N kN lbf kgf), displacement (m mm um in), velocity (m/s \
+                       mm/s in/s) or acceleration (m/s2 mm/s2 in/s2 g)",
         })
     }
+}
+
+/// Factor of a unit of time to s; `None` for any other text.
+pub(crate) fn time_factor(text: &str) -> Option<f64> {
+    let measure = measure(text).filter(|measure| measure.dimension == unit_text::TIME)?;
+    Some(measure.to_si)
+}
+
+/// Factor of a unit of frequency to Hz; `None` for any other text.
+pub(crate) fn frequency_factor(text: &str) -> Option<f64> {
+    let measure = measure(text).filter(|measure| measure.dimension == unit_text::FREQUENCY)?;
+    Some(measure.to_si)
+}
+
+/// Factor of a unit of rotation, such as `rpm` or `rad/s`, to turns per second; `None` for any
+/// other text.
+pub(crate) fn rotation_factor(text: &str) -> Option<f64> {
+    let measure = measure(text).filter(|measure| measure.dimension == unit_text::ROTATION)?;
+    Some(measure.to_si / std::f64::consts::TAU)
+}
+
+/// Whether a unit text names another quantity than force, motion and motion over force, as the
+/// whole, the numerator or the denominator: sound pressure over force, a rotation, a voltage.
+///
+/// A text that cannot be read names nothing: its function may be one that is needed.
+pub(crate) fn names_other_quantity(text: &str) -> bool {
+    if text.parse::<Unit>().is_ok() || text.parse::<FrfUnit>().is_ok() {
+        return false;
+    }
+    let is_other = |part: &str| measure(part).is_some() && part.parse::<Unit>().is_err();
+    let slashes = text.match_indices('/').map(|(place, _)| place);
+    let mut sides = slashes.flat_map(|place| [&text[..place], &text[place + 1..]]);
+    is_other(text) || sides.any(is_other)
 }
 
 /// Response per force: receptance X/F, mobility V/F, accelerance A/F.
@@ -180,7 +230,8 @@ impl FrfKind {
     }
 }
 
-/// Unit of an FRF: a response unit over a force unit, such as `(m/s2)/N`, `m/N` or `(g)/(lbf)`.
+/// Unit of an FRF: a response unit over a force unit, such as `(m/s2)/N`, `m/N`, `(g)/(lbf)` or
+/// `1/kg`.
 ///
 /// ```
 /// use modalign::quantity::{FrfKind, FrfUnit};
@@ -200,27 +251,23 @@ impl FromStr for FrfUnit {
     type Err = UnitError;
 
     fn from_str(text: &str) -> Result<Self, UnitError> {
-        let error = || UnitError {
-            got: text.to_owned(),
-        };
-        let bare = |part: &str| {
-            part.trim()
-                .trim_start_matches('(')
-                .trim_end_matches(')')
-                .parse::<Unit>()
-        };
-        let (response, force) = text.rsplit_once('/').ok_or_else(error)?;
-        let (response, force) = (
-            bare(response).map_err(|_| error())?,
-            bare(force).map_err(|_| error())?,
-        );
-        match (FrfKind::from_response(response.quantity), force.quantity) {
-            (Some(kind), Quantity::Force) => Ok(Self {
+        let kinds = [
+            (FrfKind::Receptance, unit_text::RECEPTANCE),
+            (FrfKind::Mobility, unit_text::MOBILITY),
+            (FrfKind::Accelerance, unit_text::ACCELERANCE),
+        ];
+        let unit = measure(text).and_then(|measure| {
+            let mut kinds = kinds.into_iter();
+            let row = kinds.find(|row| row.1 == measure.dimension);
+            row.map(|(kind, _)| Self {
                 kind,
-                to_si: response.to_si / force.to_si,
-            }),
-            _ => Err(error()),
-        }
+                to_si: measure.to_si,
+            })
+        });
+        unit.ok_or_else(|| UnitError {
+            got: text.to_owned(),
+            expected: "a unit of motion over one of force, such as (m/s2)/N, mm/N or g/lbf",
+        })
     }
 }
 
@@ -254,6 +301,78 @@ mod tests {
                 .to_string()
                 .contains("`furlong`")
         );
+    }
+
+    #[test]
+    fn other_quantities_are_named_as_whole_numerator_or_denominator() {
+        for text in [
+            "Pa",
+            "Pa/N",
+            "(Pa)/(N)",
+            "V/N",
+            "N/V",
+            "[rad/s^2]/N",
+            "(rad/s2)/Nm",
+            "rad/s**2/N",
+            "m/s2/V",
+            "N/m^2",
+            "µm/m",
+            "Pa/EU",
+            "%",
+            "dB",
+        ] {
+            assert!(names_other_quantity(text), "{text}");
+        }
+        for text in [
+            "m/s",
+            "(mm/s)",
+            "in/s",
+            "m/s2",
+            "(m/s2)/N",
+            "mm/N",
+            "g/lbf",
+            "m s-2",
+            "m.s-2/N",
+            "ms-2/N",
+            "1/kg",
+            "furlong/N",
+            "EU",
+            "EU/EU",
+            "?",
+            "",
+        ] {
+            assert!(!names_other_quantity(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_motion_over_a_force_is_read_in_every_spelling() {
+        for (text, kind, to_si) in [
+            ("g/lb", FrfKind::Accelerance, 9.80665 / 4.4482216152605),
+            ("m/s**2/N", FrfKind::Accelerance, 1.0),
+            ("(mm/s²)/kN", FrfKind::Accelerance, 1e-6),
+            ("1/kg", FrfKind::Accelerance, 1.0),
+            ("mm/s/N", FrfKind::Mobility, 1e-3),
+            ("s/kg", FrfKind::Mobility, 1.0),
+            ("in/lbf", FrfKind::Receptance, 0.0254 / 4.4482216152605),
+            ("um/daN", FrfKind::Receptance, 1e-7),
+        ] {
+            let unit: FrfUnit = text.parse().unwrap();
+            assert_eq!(unit.kind, kind, "{text}");
+            assert!((unit.to_si / to_si - 1.0).abs() < 1e-14, "{text}");
+        }
+        for text in ["Pa/N", "m/s2", "N", "m/s2/V", "N/(m/s2)"] {
+            assert!(text.parse::<FrfUnit>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn units_are_read_back_under_the_name_that_is_written() {
+        for (name, quantity, to_si) in WRITTEN_UNITS {
+            let unit = Unit { quantity, to_si };
+            assert_eq!(name.parse::<Unit>(), Ok(unit));
+            assert_eq!(unit.to_string(), name);
+        }
     }
 
     #[test]

@@ -81,7 +81,7 @@ pub struct IngestOptions<'a> {
     pub averages: Option<u32>,
     /// Window of FRFs that do not state it; precedes the scene's.
     pub window: Option<Window>,
-    /// Unit of FRFs that do not state theirs; precedes the scene's.
+    /// Unit of FRFs; precedes the scene's, and the scene's that of a header.
     pub frf_unit: Option<FrfUnit>,
     /// Units of the records of a hit in their order, where no scene describes them.
     pub record_units: &'a [Unit],
@@ -100,9 +100,6 @@ pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Inges
 }
 
 fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError> {
-    let frf_unit = options.frf_unit.or(options
-        .typed
-        .and_then(|test| stated_frf_unit(&test.channel)));
     let format = format_of(&file.path, options.format)?;
     let as_table = options.format.is_none()
         && TEXT_EXPORTS.contains(&format.name())
@@ -122,6 +119,10 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         path: file.path.display().to_string(),
         table,
     };
+    // Described columns have the units of the scene.
+    let of_scene = options.typed.filter(|_| hints.table.is_none());
+    let of_scene = of_scene.and_then(|test| stated_frf_unit(&test.channel));
+    let frf_unit = options.frf_unit.or(of_scene);
     let mut source = open_path(&file.path, &hints, Some(format))?;
     if options.partial {
         let mut merged = Merged::new(vec![source]);

@@ -127,6 +127,9 @@ pub struct Entry {
     pub quantity: Option<Quantity>,
     /// Quantity of the ordinate's denominator (for an FRF); `None` when the header does not say.
     pub denominator: Option<Quantity>,
+    /// Whether the header states a quantity other than force and motion by its code, as of
+    /// numerator or denominator: pressure, strain, temperature.
+    pub has_other_quantity: bool,
     /// SI value = `to_si` × stored value; `None` when the unit is not stated.
     pub to_si: Option<f64>,
     /// The unit text as the header gives it, for messages.
@@ -157,6 +160,7 @@ impl Entry {
             reference: None,
             quantity: None,
             denominator: None,
+            has_other_quantity: false,
             to_si: None,
             unit_label: String::new(),
             role: None,

@@ -149,9 +149,9 @@ fn time_entry(base: Entry, role: Role, dof: Option<Dof>, unit: Unit, scale: f64)
         quantity: Some(unit.quantity),
         to_si: Some(scale * unit.to_si),
         unit_label: if scale.to_bits() == 1f64.to_bits() {
-            unit.name.to_owned()
+            unit.to_string()
         } else {
-            format!("{scale} x {}", unit.name)
+            format!("{scale} x {unit}")
         },
         ..base
     }

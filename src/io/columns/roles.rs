@@ -153,8 +153,8 @@ pub(in crate::io) fn frf_unit_text(unit: &FrfUnit) -> String {
     }
     let quantity = unit.kind.response_quantity();
     let over = |force: &str| {
-        let factor = force.parse::<Unit>().ok()?.to_si;
-        let response = Unit::of(quantity, unit.to_si * factor)?.name;
+        let to_si = unit.to_si * force.parse::<Unit>().ok()?.to_si;
+        let response = Unit { quantity, to_si }.name()?;
         let text = if response.contains('/') {
             format!("({response})/{force}")
         } else {

@@ -8,11 +8,10 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
-use crate::quantity::{FrfKind, Quantity};
+use crate::quantity::{FrfKind, FrfUnit, Quantity, names_other_quantity};
 
 use super::coherence::{ValidCoherence, valid_coherence};
 use super::common_window::StatedWindows;
-use super::other_quantity::names_other_quantity;
 use crate::io::{
     Block, Domain, Entry, EntryAxis, FunctionMetadata, FunctionType, HitFile, IoError, Source,
 };
@@ -25,7 +24,7 @@ struct ReadFrf {
     data: FunctionData,
     note: FunctionMetadata,
     averages_assumed: bool,
-    finding: Option<Finding>,
+    findings: Vec<Finding>,
 }
 
 /// Number of averages where coherence is given without it: the fewest that are common practice in a
@@ -159,10 +158,12 @@ fn is_other_quantity(entry: &Entry) -> bool {
     let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
     let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
     let is_read = entry.to_si.is_some() || entry.quantity.is_some() && entry.denominator.is_some();
-    let is_stated =
-        frf_kind(entry).is_none() && (is_read || names_other_quantity(&entry.unit_label));
+    let is_ratio = frf_kind(entry).is_none() && is_read;
     let other_abscissa = matches!(entry.axis.domain(), Domain::Other(code) if code != 0);
-    is_stated || (rotates && entry.to_si.is_none()) || other_abscissa
+    let is_motion_over_force = frf_kind(entry).is_some() && entry.to_si.is_some();
+    let has_other = entry.has_other_quantity
+        || !is_motion_over_force && names_other_quantity(&entry.unit_label);
+    is_ratio || has_other || (rotates && entry.to_si.is_none()) || other_abscissa
 }
 
 impl SetOfAxis {
@@ -171,7 +172,7 @@ impl SetOfAxis {
         let band = note.valid_hz.and_then(|(lo, hi)| Band::new(lo, hi).ok());
         self.valid_bands.extend(band);
         self.averages_assumed |= read.averages_assumed;
-        self.set.findings.extend(read.finding);
+        self.set.findings.extend(read.findings);
         // Window and record length are what is true of all functions.
         self.windows
             .add(&function.response, &function.reference, note.window);
@@ -358,6 +359,14 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
             expected: "even lines in Hz".to_owned(),
         });
     };
+    if is_other_quantity(&entry) {
+        return Err(IoError::Grouping {
+            path: place,
+            what: "reading FRFs",
+            got: format!("function {} in {:?}", index + 1, entry.unit_label),
+            expected: "displacement, velocity or acceleration over force".to_owned(),
+        });
+    }
     let response = entry.response.clone().or_else(|| file.response.clone());
     let response = response.ok_or_else(|| {
         not_stated(
@@ -372,22 +381,17 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
             "a reference node in the header or `reference` in [[test.file]]",
         )
     })?;
+    let of_header = frf_kind(&entry);
     let stated = file.frf_unit;
-    let kind = frf_kind(&entry)
-        .or(stated.map(|unit| unit.kind))
-        .ok_or_else(|| {
-            not_stated(
-                &format!("the kind (unit label {:?})", entry.unit_label),
-                "an ordinate of displacement, velocity or acceleration over force",
-            )
-        })?;
-    let label = entry.unit_label.clone();
-    let stated = stated
-        .filter(|unit| unit.kind == kind)
-        .map(|unit| unit.to_si);
-    let to_si = entry.to_si.or(stated).ok_or_else(|| {
+    let kind = stated.map(|unit| unit.kind).or(of_header).ok_or_else(|| {
         not_stated(
-            &format!("the unit (label {label:?})"),
+            &format!("the kind (unit label {:?})", entry.unit_label),
+            "an ordinate of displacement, velocity or acceleration over force",
+        )
+    })?;
+    let to_si = stated.map(|unit| unit.to_si).or(entry.to_si).ok_or_else(|| {
+        not_stated(
+            &format!("the unit (label {:?})", entry.unit_label),
             "units of response and force in the header, or `unit` in [[test.channel]] such as (m/s2)/N",
         )
     })?;
@@ -405,13 +409,26 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         response: Some(response.clone()),
         reference: Some(reference.clone()),
     };
-    let finding = finding.map(|finding| Finding {
-        location,
-        ..finding
-    });
+    let contradiction = stated.and_then(|unit| contradiction(&entry, unit));
+    let findings = finding
+        .into_iter()
+        .chain(contradiction)
+        .map(|finding| Finding {
+            location: location.clone(),
+            ..finding
+        });
+    let findings = findings.collect();
     let coherence = coherence.and_then(|valid| valid.values);
     let coherence = coherence.filter(|values| !is_one_everywhere(values));
+    // The variance of the file is in the square of its unit.
+    let to_stated = entry.to_si.map_or(1.0, |of_file| to_si / of_file);
     let stated = on_same_axis(beside.variance, &axis);
+    let stated = stated.map(|mut variance| {
+        variance
+            .iter_mut()
+            .for_each(|value| *value *= to_stated * to_stated);
+        variance
+    });
     let averages = note.averages.or(file.averages);
     // The scatter of n hits has 2(n − 1) degrees of freedom; who states the variance states them
     // too.
@@ -446,8 +463,31 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         },
         note,
         averages_assumed,
-        finding,
+        findings,
     })
+}
+
+/// The finding, without a place, of a stated unit that is another than the header's.
+fn contradiction(entry: &Entry, stated: FrfUnit) -> Option<Finding> {
+    let of_header = frf_kind(entry)?;
+    let same_factor = |of_file: f64| (stated.to_si / of_file - 1.0).abs() < 1e-9;
+    if of_header == stated.kind && entry.to_si.is_none_or(same_factor) {
+        return None;
+    }
+    let finding = Finding::new(
+        Severity::Warning,
+        Code::UnitContradictsFile,
+        Location::Whole,
+    );
+    let label = match entry.unit_label.as_str() {
+        "" => "no unit",
+        label => label,
+    };
+    Some(finding.detail(format!(
+        "the header has {of_header} in {label}, stated is {} x {}",
+        stated.to_si,
+        stated.kind.si_unit()
+    )))
 }
 
 /// The values on this axis.

@@ -73,7 +73,7 @@ pub struct HitFile {
     pub response: Option<Dof>,
     /// The scene's word for its excitation point.
     pub reference: Option<Dof>,
-    /// The scene's word for the unit of FRFs that do not state it.
+    /// The scene's word for the unit of FRFs; precedes that of a header.
     pub frf_unit: Option<FrfUnit>,
     /// The scene's word for the number of averages of FRFs that do not state it.
     pub averages: Option<u32>,

@@ -15,7 +15,6 @@ mod hit_grouping;
 mod hits;
 mod modal_model;
 pub(in crate::io) mod needed_parts;
-mod other_quantity;
 
 #[cfg(test)]
 mod frf_sets_tests;

@@ -35,13 +35,16 @@ fn record_entry(hit: &Hit, channel: &Channel) -> Entry {
         Samples::F32(_) => SampleFormat::RealF32,
         Samples::F64(_) => SampleFormat::RealF64,
     };
-    let unit = Unit::of(channel.quantity, channel.to_si);
+    let unit = Unit {
+        quantity: channel.quantity,
+        to_si: channel.to_si,
+    };
     Entry {
         response: Some(channel.dof.clone()),
         reference: (channel.role == Role::Response).then(|| hit.force.dof.clone()),
         quantity: Some(channel.quantity),
         to_si: Some(channel.to_si),
-        unit_label: unit.map_or_else(String::new, |unit| unit.name.to_owned()),
+        unit_label: unit.name().unwrap_or_default().to_owned(),
         role: Some(channel.role),
         axis_label: "s".to_owned(),
         ..Entry::new(FunctionType::Time, EntryAxis::Time(hit.axis), format)

@@ -2,4 +2,7 @@
 //! reader describes it, with siblings of it, made here.
 
 mod control;
+mod names;
+mod other_quantities;
+mod units;
 mod universal_file;

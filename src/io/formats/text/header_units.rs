@@ -7,28 +7,10 @@
 use super::dialect::{Dialect, bare_unit, split_unit};
 use crate::io::columns::frf_unit_text;
 use crate::io::{ColumnRole, IoError, TableSpec};
-use crate::quantity::{FrfUnit, Unit};
+use crate::quantity::{FrfUnit, Unit, frequency_factor, rotation_factor, time_factor};
 
-/// Units of time and their factors to s.
-const TIMES: [(&str, f64); 8] = [
-    ("s", 1.0),
-    ("sec", 1.0),
-    ("Sec", 1.0),
-    ("ms", 1e-3),
-    ("us", 1e-6),
-    ("µs", 1e-6),
-    ("\u{3bc}s", 1e-6),
-    ("min", 60.0),
-];
-
-/// Units of frequency and their factors to Hz.
-const FREQUENCIES: [(&str, f64); 5] = [
-    ("Hz", 1.0),
-    ("kHz", 1e3),
-    ("rpm", 1.0 / 60.0),
-    ("1/min", 1.0 / 60.0),
-    ("rad/s", 1.0 / std::f64::consts::TAU),
-];
+/// Units of time and frequency that a message names.
+const AXIS_UNITS: [&str; 8] = ["s", "ms", "us", "min", "Hz", "kHz", "rpm", "rad/s"];
 
 /// The unit that a text states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +23,9 @@ enum Stated {
 
 impl Stated {
     fn of(text: &str) -> Option<Self> {
-        let factor = |known: &[(&str, f64)]| {
-            let row = known.iter().find(|(name, _)| *name == text);
-            row.map(|(_, factor)| *factor)
-        };
-        let time = factor(&TIMES).map(Stated::Time);
-        let axis = time.or_else(|| factor(&FREQUENCIES).map(Stated::Frequency));
+        let frequency = || frequency_factor(text).or_else(|| rotation_factor(text));
+        let time = time_factor(text).map(Stated::Time);
+        let axis = time.or_else(|| frequency().map(Stated::Frequency));
         let value = || text.parse().ok().map(Stated::Value);
         axis.or_else(value)
             .or_else(|| text.parse().ok().map(Stated::Frf))
@@ -78,14 +57,14 @@ pub(super) fn with_heading_units(
             | (ColumnRole::Frequency, Stated::Frequency(factor)) => {
                 let axis_factor = *spec.axis_to_si.get_or_insert(factor);
                 (
-                    axis_factor.to_bits() == factor.to_bits(),
+                    same(axis_factor, factor),
                     axis_text(axis_factor, &column.role),
                 )
             }
             (ColumnRole::Time, _) => (false, "a unit of time".to_owned()),
             (ColumnRole::Frequency, _) => (false, "a unit of frequency".to_owned()),
             (ColumnRole::Force { unit, .. } | ColumnRole::Response { unit, .. }, stated) => {
-                (same_unit(unit, stated), unit.name.to_owned())
+                (same_unit(unit, stated), unit.to_string())
             }
             (
                 ColumnRole::Real { unit, .. }
@@ -132,14 +111,16 @@ fn same_unit(unit: &Unit, stated: Stated) -> bool {
 }
 
 fn axis_text(factor: f64, role: &ColumnRole) -> String {
-    let known: &[(&str, f64)] = match role {
-        ColumnRole::Time => &TIMES,
-        _ => &FREQUENCIES,
+    let is_this = |unit: &&&str| {
+        let read = match (role, Stated::of(unit)) {
+            (ColumnRole::Time, Some(Stated::Time(read))) => read,
+            (ColumnRole::Frequency, Some(Stated::Frequency(read))) => read,
+            _ => return false,
+        };
+        same(read, factor)
     };
-    let row = known
-        .iter()
-        .find(|(_, value)| value.to_bits() == factor.to_bits());
-    row.map_or_else(|| factor.to_string(), |(name, _)| (*name).to_owned())
+    let unit = AXIS_UNITS.iter().find(is_this);
+    unit.map_or_else(|| factor.to_string(), |unit| (*unit).to_owned())
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@
 use super::{Header, Spacing};
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::io::{Domain, EntryAxis, GeneralAxis};
+use crate::quantity::{frequency_factor, rotation_factor, time_factor};
 
 /// Smallest relative change of the step by a restored sampling rate that is reported.
 const MIN_REPORTED_STEP_CHANGE: f64 = 1e-9;
@@ -32,40 +33,6 @@ pub(in crate::io::formats::uff) struct Abscissae {
     pub half_units: Vec<f64>,
 }
 
-/// Units of time and their factor to seconds; in any case.
-const TIME_UNITS: [(f64, &[&str]); 6] = [
-    (1.0, &["s", "sec", "secs", "second", "seconds"]),
-    (1e-3, &["ms", "msec", "millisecond", "milliseconds"]),
-    // Both letters mu of Unicode.
-    (
-        1e-6,
-        &[
-            "us",
-            "usec",
-            "\u{b5}s",
-            "\u{b5}sec",
-            "\u{3bc}s",
-            "\u{3bc}sec",
-            "microsecond",
-            "microseconds",
-        ],
-    ),
-    (1e-9, &["ns", "nsec", "nanosecond", "nanoseconds"]),
-    (60.0, &["min", "minute", "minutes"]),
-    (3600.0, &["h", "hr", "hour", "hours"]),
-];
-/// Units of frequency and their factor to hertz; in any case.
-const FREQUENCY_UNITS: [(f64, &[&str]); 3] = [
-    (1.0, &["hz", "hertz", "1/s", "cps"]),
-    (1e3, &["khz"]),
-    (1e9, &["ghz"]),
-];
-/// Units of rotation, which code 18 makes a frequency in turns per second; in any case.
-const TURNING_UNITS: [(f64, &[&str]); 2] = [
-    (1.0 / std::f64::consts::TAU, &["rad/s", "rad/sec"]),
-    (1.0 / 60.0, &["rpm", "cpm", "1/min", "r/min", "rev/min"]),
-];
-
 /// The quantity of the abscissa, and its factor to seconds or hertz. A unit that is not known
 /// leaves the stored values and the type of the header unchanged, so that they are not taken for
 /// seconds or hertz.
@@ -76,7 +43,7 @@ pub(in crate::io::formats::uff) fn domain(header: &Header) -> (Domain, f64) {
     let found = match header.abscissa.code {
         17 => time_scale(unit).map(|scale| (Domain::Time, scale)),
         18 => frequency_scale(unit)
-            .or_else(|| factor(&TURNING_UNITS, unit))
+            .or_else(|| rotation_factor(unit))
             .map(|scale| (Domain::Frequency, scale)),
         // The unit decides, then the function type: correlations are over time; spectra, FRFs and
         // coherences over frequency.
@@ -103,7 +70,7 @@ pub(in crate::io::formats::uff) fn has_unknown_unit(header: &Header) -> bool {
 fn time_scale(unit: &str) -> Option<f64> {
     match unit {
         "" => Some(1.0),
-        unit => factor(&TIME_UNITS, unit),
+        unit => time_factor(unit),
     }
 }
 
@@ -111,16 +78,8 @@ fn time_scale(unit: &str) -> Option<f64> {
 fn frequency_scale(unit: &str) -> Option<f64> {
     match unit {
         "" => Some(1.0),
-        // Case tells mega from milli.
-        "MHz" => Some(1e6),
-        "mHz" => Some(1e-3),
-        unit => factor(&FREQUENCY_UNITS, unit),
+        unit => frequency_factor(unit),
     }
-}
-
-fn factor(units: &[(f64, &[&str])], text: &str) -> Option<f64> {
-    let is_named = |row: &&(f64, &[&str])| row.1.iter().any(|name| name.eq_ignore_ascii_case(text));
-    units.iter().find(is_named).map(|row| row.0)
 }
 
 /// An evenly spaced axis; `note` is start and step in the note of modalign. `None` for several

@@ -1,6 +1,6 @@
 //! Entity name, node and direction of dataset 58, record 6, to and from a [`Dof`].
 
-use crate::dof::{Dof, DofError};
+use crate::dof::{Axis, Dof, DofError};
 
 /// Columns of an entity name.
 const NAME_COLUMNS: usize = 10;
@@ -43,6 +43,20 @@ impl DofFields {
         }
         let point = format!("{}.{}", self.name, self.node);
         Some(Dof::new(&point, plain.axis(), plain.is_negative()).unwrap_or(plain))
+    }
+
+    /// The scalar point of a name without node and direction; characters that a point cannot have
+    /// become `_`. `None` where there is no such name.
+    pub fn scalar(&self) -> Option<Dof> {
+        let is_alone = self.node <= 0 && self.direction == 0 && !self.name.is_empty();
+        let point = |c: char| match c.is_ascii_alphanumeric() || "_.-".contains(c) {
+            true => c,
+            false => '_',
+        };
+        let name: String = self.name.chars().map(point).collect();
+        let stated = || self.name.parse().ok();
+        let dof = || stated().or_else(|| Dof::new(&name, Axis::S, false).ok());
+        is_alone.then(dof).flatten()
     }
 
     fn named_point(&self) -> Option<Dof> {
@@ -106,7 +120,6 @@ impl DofFields {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dof::Axis;
     use proptest::prelude::*;
 
     fn read(name: &str, node: i64, direction: i32) -> Option<String> {
@@ -117,6 +130,30 @@ mod tests {
             direction,
         };
         fields.dof().map(|dof| dof.to_string())
+    }
+
+    #[test]
+    fn a_name_alone_is_a_scalar_point() {
+        let scalar = |name: &str, node, direction| {
+            let name = name.to_owned();
+            let fields = DofFields {
+                name,
+                node,
+                direction,
+            };
+            fields.scalar().map(|dof| dof.to_string())
+        };
+        for (name, expected) in [
+            ("acc1", "acc1:+S"),
+            ("Mic 01", "Mic_01:+S"),
+            ("acc1:+Z", "acc1:+Z"),
+            ("12:-X", "12:-X"),
+        ] {
+            assert_eq!(scalar(name, 0, 0).as_deref(), Some(expected));
+        }
+        for (name, node, direction) in [("", 0, 0), ("acc1", 3, 0), ("acc1", 0, 3)] {
+            assert_eq!(scalar(name, node, direction), None);
+        }
     }
 
     #[test]

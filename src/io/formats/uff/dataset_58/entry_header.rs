@@ -277,8 +277,8 @@ fn candidates(entry: &Entry) -> Vec<[Characteristic; 2]> {
 fn known_units(entry: &Entry) -> Option<[&'static str; 2]> {
     let (quantity, to_si) = (entry.quantity?, entry.to_si?);
     match (entry.function_type, entry.denominator) {
-        (FunctionType::Time, _) | (_, None) => Some([Unit::of(quantity, to_si)?.name, ""]),
-        (_, Some(below)) => Some([Unit::of(quantity, to_si)?.name, below.si_unit()]),
+        (FunctionType::Time, _) | (_, None) => Some([Unit { quantity, to_si }.name()?, ""]),
+        (_, Some(below)) => Some([Unit { quantity, to_si }.name()?, below.si_unit()]),
     }
 }
 

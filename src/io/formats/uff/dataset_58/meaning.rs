@@ -6,6 +6,7 @@
 //! bit, and the numbers of repeated measurements.
 
 use super::axis::{Abscissae, Axis, domain, even_axis, uneven_axis};
+use super::dof_fields::DofFields;
 use super::{Characteristic, Header};
 use crate::dof::Dof;
 use crate::io::catalog::function_metadata::{note_fields, number_pair};
@@ -44,16 +45,23 @@ pub(in crate::io::formats::uff) fn meaning(
         SampleFormat::ComplexF32 if text => SampleFormat::ComplexF64,
         format => format,
     };
+    let function_type = FunctionType::from_code(header.function_type);
+    // Of a force the responses may name the excitation point, with its direction.
+    let is_record = function_type == FunctionType::Time;
+    let is_force = is_record && quantity(header.numerator.code) == Some(Quantity::Force);
+    let scalar = |fields: &DofFields, may_be: bool| may_be.then(|| fields.scalar()).flatten();
+    let response = (header.response.dof()).or_else(|| scalar(&header.response, !is_force));
+    let reference = (header.reference.dof()).or_else(|| scalar(&header.reference, !is_record));
     let mut entry = Entry {
         identification: header.identification.clone(),
-        response: repeated(header.response.dof(), lines, REPEAT),
-        reference: repeated(header.reference.dof(), lines, REFERENCE_REPEAT),
+        response: repeated(response, lines, REPEAT),
+        reference: repeated(reference, lines, REFERENCE_REPEAT),
         unit_label: unit_label(&header.numerator, &header.denominator),
         axis_label: axis_label(header),
         note: FunctionMetadata::from_lines(lines),
         line: header.at.line,
         byte: Some(header.at.byte),
-        ..Entry::new(FunctionType::from_code(header.function_type), axis, format)
+        ..Entry::new(function_type, axis, format)
     };
     set_units(&mut entry, header, None);
     Ok(Meaning {
@@ -123,6 +131,7 @@ pub(in crate::io::formats::uff) fn set_units(
     let meant = ordinate(entry.function_type, sides, units);
     (entry.quantity, entry.denominator, entry.to_si) =
         (meant.quantity, meant.denominator, meant.to_si);
+    entry.has_other_quantity = sides.iter().any(|side| is_other_quantity(side.code));
 }
 
 /// The quantity that numerator and denominator of an ordinate state.
@@ -231,6 +240,12 @@ pub(in crate::io::formats::uff) fn quantity(code: i64) -> Option<Quantity> {
         12 => Some(Quantity::Acceleration),
         _ => None,
     }
+}
+
+/// Whether a specific data type is a quantity other than force and motion: stress, strain,
+/// temperature, heat flux, pressure, mass, speed of rotation.
+fn is_other_quantity(code: i64) -> bool {
+    matches!(code, 2 | 3 | 5 | 6 | 15 | 16 | 19)
 }
 
 #[cfg(test)]
