@@ -88,6 +88,18 @@ codes! {
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
         "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+    /// FRFs with both halves of the transform.
+    TwoSided: "The FRFs are two-sided: their upper half is the mirror image of the lower. It was left out.",
+        "The transform of a real record repeats its lower half, mirrored and conjugate, above half the sampling rate. Modes that are found there are images of those below. The value is half the sampling rate.";
+    /// FRFs of the other sign of time.
+    ConjugateTurned: "FRFs are conjugate: their impulse response comes before the hit. They were turned.",
+        "With the convention e^{+iωt} the impulse response of a structure is 0 before the hit. Some programs write the conjugate FRF; all damping values would be negative. The value is the number of functions that were turned, the limit that of all.";
+    /// FRFs over unevenly spaced lines.
+    LinesInterpolated: "The lines of the FRFs are not evenly spaced. They were interpolated onto even ones.",
+        "A stepped sine has close lines at resonances and wide ones between them. FRFs are identified on even lines as close as the closest of the file. Where lines are added, noise is counted several times, so that standard deviations of modes between the close lines are too small. The value is the spacing of the even lines.";
+    /// A sensor whose functions are far larger than all others.
+    SensorScale: "All FRFs of this sensor are far larger than those of any other. Its unit or sensitivity may be wrong.",
+        "A factor of a thousand is the usual sign of mV for V, mm for m or a sensitivity in the wrong unit. The shape is then this sensor alone, and MAC says nothing. The value is the ratio to the next largest sensor, the limit what is reported. Check the calibration of the channel and state its unit or scale.";
     /// A stated unit that is not that of the file.
     UnitContradictsFile: "The stated unit contradicts the header of the file. The stated unit was used.",
         "A unit in [[test.channel]] or --unit precedes the header, since some programs write a fixed code for every function. The detail has both. If the header is right, remove the stated unit.";
@@ -107,8 +119,8 @@ codes! {
     AveragesAssumed: "The number of averages is not stated. The variance of the FRFs assumes this number.",
         "The variance of an FRF follows from its coherence and the number of averages. Where the file does not state how many hits were averaged, the value is assumed. Standard deviations are proportional to one over the square root of (averages - 1). State the number with `averages` in [[test]] or --averages.";
     /// Samples that are not evenly spaced.
-    UnevenAxis: "The abscissa is uneven. The function can be converted, but not used for FRFs or identification.",
-        "FRF estimation and identification need evenly spaced samples or lines. An abscissa written value by value counts as even when the rounding of the values explains every difference.";
+    UnevenAxis: "The abscissa is uneven. A time record is only converted, an FRF is interpolated onto even lines.",
+        "FRF estimation and identification need evenly spaced samples or lines. Samples at uneven times can be listed and converted; FRFs at uneven frequencies, as of a stepped sine, are interpolated. An abscissa written value by value counts as even when the rounding of the values explains every difference.";
     /// An abscissa of unknown unit.
     AxisUnitUnknown: "The unit of the abscissa is not known. Its values are kept unchanged and are taken neither as seconds nor as hertz.",
         "The header says time or frequency in a unit that modalign does not know. Such a function can be listed and converted, with the unit's text, but not used for FRFs or identification. Change the unit in the file to s or Hz, with the values.";

@@ -11,6 +11,7 @@
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
 //! | [`convert`] | receptance, mobility and accelerance into each other |
 //! | [`check_set`] | signs, reciprocity, repeats, delays, frequencies that move from run to run |
+//! | `exported` | conventions of programs that export FRFs: two-sided, conjugate, stepped sine |
 //! | [`synthesise`] | poles and residues to a set |
 //!
 //! Values are SI in the kind that the function states. It identifies no mode and reads no file.
@@ -20,6 +21,7 @@ mod consistency;
 mod convert;
 mod error;
 mod estimate;
+mod exported;
 mod force;
 mod force_levels;
 mod frf_estimation;
@@ -55,6 +57,8 @@ pub use consistency::check_set;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, estimate, estimate_recording, truncation_bounds, usable_band};
+pub(crate) use exported::even_lines::EvenLines;
+pub(crate) use exported::usable_set;
 pub use hammer_options::{HammerOptions, ResponseWindow};
 pub use hammer_test::{HammerTestResult, evaluate_hammer_test};
 pub use hit_report::HitReport;

@@ -254,6 +254,25 @@ impl FrfSet {
         part
     }
 
+    /// The first lines of all functions, with the properties of the whole set.
+    ///
+    /// # Panics
+    /// When there are fewer lines.
+    pub(crate) fn first_lines(&self, len: usize) -> Self {
+        let mut first = self.clone();
+        first.axis.len = len;
+        first
+            .values
+            .iter_mut()
+            .for_each(|values| values.truncate(len));
+        let of_noise = first.coherence.iter_mut().chain(&mut first.variance);
+        of_noise.flatten().for_each(|values| values.truncate(len));
+        let coherences = first.multiple_coherence.values_mut();
+        coherences.for_each(|values| values.truncate(len));
+        assert!(len <= self.axis.len, "lines of the set");
+        first
+    }
+
     /// The set with every function times a real factor of its index.
     pub(crate) fn scaled(&self, factor: impl Fn(usize) -> f64) -> Self {
         let mut scaled = self.clone();

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfSet, Window, check_functions};
+use crate::frf::{FrfSet, Window, check_functions, usable_set};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
@@ -261,7 +261,7 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
             Code::RecordsPassedOver,
             "records",
         ));
-        data.frfs = frf_sets(&mut files)?;
+        data.frfs = usable_set(frf_sets(&mut files)?).into_iter().collect();
         if let (true, Some(unnamed)) = (data.frfs.is_empty(), columns_alone(&files)) {
             return Err(unnamed.into());
         }

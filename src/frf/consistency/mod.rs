@@ -8,6 +8,7 @@
 //! | [`reciprocity`] | a linear structure: `H_ij = H_ji` | Maxwell and Betti; Ewins (2000), section 2.8 |
 //! | [`repeatability`] | the same pair measured twice | — |
 //! | [`channel_delay`] | real modes: residues of one phase | — |
+//! | [`sensor_scale`] | points of one structure: levels within a hundred times each other | — |
 //! | [`mass_loading`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
 //! | [`force_level`] | a linear structure: one pole whatever the force | Worden and Tomlinson (2001), section 3.2 |
 //!
@@ -23,11 +24,12 @@ mod mass_loading;
 mod mobility;
 mod reciprocity;
 mod repeatability;
+mod sensor_scale;
 
 #[cfg(test)]
 mod false_alarm_tests;
 #[cfg(test)]
-mod synthetic;
+pub(super) mod synthetic;
 
 use num_complex::Complex64;
 
@@ -50,8 +52,8 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
         response: Some(set.functions()[i].response.clone()),
         reference: Some(set.functions()[i].reference.clone()),
     };
-    let mut findings: Vec<Finding> = Vec::new();
     let live = set.part(&live);
+    let mut findings: Vec<Finding> = sensor_scale::findings(&live);
     if let Some(data) = Mobilities::new(&live) {
         let signs = driving_point::findings(&data).into_iter();
         findings.extend(signs.filter(|finding| finding.value > Some(MAX_WRONG_SIGN_FRACTION)));
@@ -87,7 +89,9 @@ pub fn check_set(set: &FrfSet) -> Vec<Finding> {
         channel_delay::findings,
         mass_loading::findings,
     ];
-    checks.iter().flat_map(|check| check(&data)).collect()
+    let mut findings: Vec<Finding> = checks.iter().flat_map(|check| check(&data)).collect();
+    findings.extend(sensor_scale::findings(set));
+    findings
 }
 
 #[cfg(test)]

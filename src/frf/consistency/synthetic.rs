@@ -13,7 +13,7 @@ use crate::quantity::FrfKind;
 
 /// Five modes of real shapes at eight points of a line along z; 0.5 to 1.2 % damping, 10 lines and
 /// more per width.
-pub(super) struct Beam {
+pub(in crate::frf) struct Beam {
     pub kind: FrfKind,
     pub added_damping_rad_s: f64,
     /// Factor on the frequencies by the number of the mode.
@@ -124,7 +124,7 @@ fn with_values(
 }
 
 /// Function `which` times a factor.
-pub(super) fn scaled(set: &FrfSet, which: usize, factor: f64) -> FrfSet {
+pub(in crate::frf) fn scaled(set: &FrfSet, which: usize, factor: f64) -> FrfSet {
     let of = |i: usize| if i == which { factor } else { 1.0 };
     with_values(set, |_, _| (), |i, k| of(i) * set.values(i)[k])
 }

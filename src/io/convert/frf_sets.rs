@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfSet, Function, FunctionData, variance_from_coherence};
+use crate::frf::{EvenLines, FrfSet, Function, FunctionData, variance_from_coherence};
 use crate::quantity::{FrfKind, FrfUnit, Quantity, names_other_quantity};
 
 use super::coherence::{ValidCoherence, valid_coherence};
@@ -347,18 +347,6 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         what: format!("{what} of function {}", index + 1),
         expected: expected.to_owned(),
     };
-    let EntryAxis::Frequency(axis) = entry.axis else {
-        let got = match entry.axis {
-            EntryAxis::Time(_) => "a time axis",
-            _ => "an abscissa that is uneven or not in Hz",
-        };
-        return Err(IoError::Grouping {
-            path: place,
-            what: "reading FRFs",
-            got: format!("{got} at function {}", index + 1),
-            expected: "even lines in Hz".to_owned(),
-        });
-    };
     if is_other_quantity(&entry) {
         return Err(IoError::Grouping {
             path: place,
@@ -381,6 +369,7 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
             "a reference node in the header or `reference` in [[test.file]]",
         )
     })?;
+    let (axis, uneven) = frequency_lines(file, index, &place)?;
     let of_header = frf_kind(&entry);
     let stated = file.frf_unit;
     let kind = stated.map(|unit| unit.kind).or(of_header).ok_or_else(|| {
@@ -400,6 +389,10 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
     let Block::Complex(values) = block else {
         return Err(not_stated("the imaginary part", "complex values"));
     };
+    let values = match &uneven {
+        Some(lines) => lines.interpolated(&values),
+        None => values,
+    };
     let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
     let mut note = entry.note.clone();
     note.window = note.window.or(file.window);
@@ -410,13 +403,15 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         reference: Some(reference.clone()),
     };
     let contradiction = stated.and_then(|unit| contradiction(&entry, unit));
-    let findings = finding
-        .into_iter()
-        .chain(contradiction)
-        .map(|finding| Finding {
-            location: location.clone(),
-            ..finding
-        });
+    let interpolated = uneven.as_ref().map(|lines| {
+        let finding = Finding::new(Severity::Warning, Code::LinesInterpolated, Location::Whole);
+        finding.value(lines.axis.step_hz, "Hz")
+    });
+    let findings = [finding, contradiction, interpolated].into_iter().flatten();
+    let findings = findings.map(|finding| Finding {
+        location: location.clone(),
+        ..finding
+    });
     let findings = findings.collect();
     let coherence = coherence.and_then(|valid| valid.values);
     let coherence = coherence.filter(|values| !is_one_everywhere(values));
@@ -465,6 +460,34 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         averages_assumed,
         findings,
     })
+}
+
+/// The lines of an FRF, with their interpolation where those of the file are uneven.
+fn frequency_lines(
+    file: &mut HitFile,
+    index: usize,
+    place: &str,
+) -> Result<(FrequencyAxis, Option<EvenLines>), IoError> {
+    let axis = file.source.catalog().entries[index].axis;
+    let not_lines = |got: &str| IoError::Grouping {
+        path: place.to_owned(),
+        what: "reading FRFs",
+        got: format!("{got} at function {}", index + 1),
+        expected: "frequency lines in Hz".to_owned(),
+    };
+    match axis {
+        EntryAxis::Frequency(axis) => Ok((axis, None)),
+        EntryAxis::Time(_) => Err(not_lines("a time axis")),
+        EntryAxis::General(axis) if axis.domain == Domain::Frequency => {
+            let mut frequencies_hz = Vec::new();
+            file.source
+                .abscissa(index, 0..axis.len, &mut frequencies_hz)?;
+            let lines = EvenLines::new(&frequencies_hz);
+            let lines = lines.ok_or_else(|| not_lines("too few lines or no frequencies"))?;
+            Ok((lines.axis, Some(lines)))
+        }
+        EntryAxis::General(_) => Err(not_lines("an abscissa that is not in Hz")),
+    }
 }
 
 /// The finding, without a place, of a stated unit that is another than the header's.

@@ -1,6 +1,7 @@
 //! Files as measurement systems export them: each kind in the form in which a public report of a
 //! reader describes it, with siblings of it, made here.
 
+mod axes;
 mod control;
 mod names;
 mod other_quantities;
