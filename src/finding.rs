@@ -88,6 +88,15 @@ codes! {
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
         "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+    /// A hammer that did not hit.
+    IdleForce: "The force of this point records no hit beside that of another one. It was left out.",
+        "With several hammers at a structure, one hits and the channels of the others record noise and cross-talk of cables. A force whose peak is at most 5 % of the largest of the same hit is idle.";
+    /// A channel that starts later than the force.
+    ChannelDelayCorrected: "This channel starts later than the force. The phase of its FRFs was corrected.",
+        "Modules of a recorder with clocks of their own start some microseconds or samples apart, as the headers state. The response is turned by exp(-iωt) with the time t between the first samples. The value is this time; it is negative for a channel that starts earlier.";
+    /// Continuous records cut without being asked for.
+    CutByTrigger: "Each record holds several hits and was cut into them.",
+        "Every force record of the test has several pulses at some distance from each other, so that it is a continuous record. Without the cut, responses to all hits would be divided by one force. `--hits records` or `hits = \"records\"` in [[test]] keeps the records whole; --trigger-level, --pretrigger and --hit-length with `--hits trigger` decide how they are cut.";
     /// FRFs with both halves of the transform.
     TwoSided: "The FRFs are two-sided: their upper half is the mirror image of the lower. It was left out.",
         "The transform of a real record repeats its lower half, mirrored and conjugate, above half the sampling rate. Modes that are found there are images of those below. The value is half the sampling rate.";

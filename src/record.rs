@@ -116,6 +116,8 @@ pub struct ChannelInfo {
     pub to_si: f64,
     /// Largest magnitude that the converter can hold, SI unit; `None` when it is not stated.
     pub full_scale: Option<f64>,
+    /// Time from the first sample of the force to that of this channel, s.
+    pub delay_s: f64,
 }
 
 /// One hit without its samples.
@@ -217,6 +219,7 @@ impl Hit {
             quantity: channel.quantity,
             to_si: channel.to_si,
             full_scale: None,
+            delay_s: 0.0,
         };
         HitInfo {
             axis: self.axis,
@@ -386,6 +389,7 @@ mod tests {
             quantity,
             to_si: 1.0,
             full_scale: None,
+            delay_s: 0.0,
         };
         let record = HitInfo {
             axis: TimeAxis {

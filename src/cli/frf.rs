@@ -26,7 +26,7 @@ use super::targets::{check_targets, input_files, targets};
 /// and left out.
 pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let grouping = match args.hits.as_deref() {
-        None => HitGrouping::Records,
+        None => HitGrouping::Auto,
         Some(name) => HitGrouping::from_name(name)
             .ok_or_else(|| argument_error("--hits", name, "records, files or trigger"))?,
     };

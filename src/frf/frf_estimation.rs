@@ -279,6 +279,10 @@ impl Estimation<'_> {
         let spectrum = &mut work.spectra[work.waiting.len()];
         let scratch = &mut work.scratch;
         self.plan.run(&mut work.record, spectrum, scratch);
+        advance(
+            spectrum,
+            channel.delay_s / (self.plan.len() as f64 * hit.axis.step_s),
+        );
         work.waiting.push(index.hit);
         if work.waiting.len() == SPECTRA_PER_PASS {
             work.sum(&self.group.forces);
@@ -396,6 +400,16 @@ impl Estimation<'_> {
                 line,
                 frequency_hz,
             },
+        }
+    }
+}
+
+/// The spectrum of a record whose first sample lies this part of its length after that of the
+/// force: `X_k exp(-2πi k delay)`.
+fn advance(spectrum: &mut [Complex64], delay: f64) {
+    if delay.abs() > 0.0 {
+        for (k, value) in spectrum.iter_mut().enumerate() {
+            *value = *value * Complex64::cis(-std::f64::consts::TAU * k as f64 * delay);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
     IoError, Merged, Need, check_damage, format_of, frf_sets, group_hits, open_bytes, open_path,
 };
-use crate::quantity::{FrfUnit, Quantity, Unit};
+use crate::quantity::{FrfUnit, Unit};
 use crate::record::{Recording, Role};
 use crate::signal::TriggerOptions;
 
@@ -21,7 +21,7 @@ use super::error::value_error;
 use super::file_dofs::dofs_of_files;
 use super::modes_file::held;
 use super::test_plan::FilePlan;
-use super::trigger::cut_hits;
+use super::trigger::{cut_hits, is_continuous};
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
 /// Name of the format whose channels the scene describes column by column.
@@ -245,7 +245,16 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
         }
         data.findings.extend(set.findings);
         let mut recording: Box<dyn Recording> = Box::new(set.recording);
-        if options.hits == HitGrouping::Trigger {
+        let by_trigger = match options.hits {
+            HitGrouping::Trigger => true,
+            HitGrouping::Auto => is_continuous(recording.as_mut(), &options.trigger),
+            HitGrouping::Records | HitGrouping::Files => false,
+        };
+        if by_trigger {
+            if options.hits == HitGrouping::Auto {
+                let finding = Finding::new(Severity::Warning, Code::CutByTrigger, Location::Whole);
+                data.findings.push(finding);
+            }
             let (hits, findings) =
                 cut_hits(recording, &options.trigger).map_err(|error| SceneError::Frf {
                     test: "hits by trigger".to_owned(),
@@ -303,11 +312,7 @@ fn is_lost(finding: &Finding) -> bool {
 /// Whether the time records of files with FRFs are used as hits: where one is a force, unless the
 /// FRFs are requested.
 fn has_recorded_hits(files: &[HitFile], options: &IngestOptions) -> bool {
-    let is_force = |entry: &Entry| {
-        let by_quantity = entry.quantity == Some(Quantity::Force);
-        entry.function_type == FunctionType::Time
-            && (by_quantity || entry.role == Some(Role::Force))
-    };
+    let is_force = |entry: &Entry| entry.function_type == FunctionType::Time && entry.is_force();
     let is_described = options.typed.is_some_and(|typed| !typed.channel.is_empty());
     !options.frfs_first && (is_described || count(files, is_force) > 0)
 }

@@ -174,7 +174,7 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
         ));
     }
     let hits = match test.hits.as_deref() {
-        None => HitGrouping::Records,
+        None => HitGrouping::Auto,
         Some(name) => HitGrouping::from_name(name).ok_or_else(|| {
             value_error(
                 path,

@@ -54,12 +54,46 @@ pub(super) fn cut_hits(
     Ok((Cut::new(whole, &pieces), findings))
 }
 
-fn detect_hits(
+/// Least distance of hits in a continuous record, over the mean distance. Larger: an unsteady hand
+/// makes no continuous record. Smaller: a double hit does (`a_double_hit_is_no_continuous_record`).
+const MIN_DISTANCE_OVER_MEAN: f64 = 0.25;
+/// Largest part of a record in which the force of a hammer is above a quarter of its peak. Larger:
+/// bursts of a shaker are taken for hits, above that level in a third of a burst. Smaller: the
+/// pulse of a soft tip, a hundredth of its record, is none
+/// (`bursts_and_double_hits_are_no_hits_of_a_continuous_record`).
+const MAX_PULSE_PART: f64 = 0.02;
+
+/// Whether every record plainly holds several hits: pulses at some distance from each other.
+/// Records that cannot be read are not; whoever reads them next says why.
+pub(super) fn is_continuous(whole: &mut dyn Recording, options: &TriggerOptions) -> bool {
+    let infos: Vec<HitInfo> = whole.hits().to_vec();
+    let mut records = infos.iter().enumerate();
+    let holds_several = |(record, info): (usize, &HitInfo)| {
+        let Ok(force) = read_force(whole, record, info) else {
+            return false;
+        };
+        let peak = force
+            .iter()
+            .fold(0.0, |peak: f64, value| peak.max(value.abs()));
+        let high = force.iter().filter(|value| value.abs() > 0.25 * peak);
+        let is_pulsed = high.count() as f64 <= MAX_PULSE_PART * force.len() as f64;
+        let found = is_pulsed.then(|| segments(&force, info.axis.step_s, options));
+        let Some(Ok(found)) = found else {
+            return false;
+        };
+        let onsets: Vec<usize> = found.segments.iter().map(|hit| hit.onset).collect();
+        let mean = force.len() as f64 / onsets.len().max(1) as f64;
+        let is_apart = |pair: &[usize]| (pair[1] - pair[0]) as f64 >= MIN_DISTANCE_OVER_MEAN * mean;
+        onsets.len() > 1 && onsets.windows(2).all(is_apart)
+    };
+    !infos.is_empty() && records.all(holds_several)
+}
+
+fn read_force(
     whole: &mut dyn Recording,
     record: usize,
     info: &HitInfo,
-    options: &TriggerOptions,
-) -> Result<Segments, FrfError> {
+) -> Result<Vec<f64>, FrfError> {
     let (mut samples, mut force) = (Samples::F32(Vec::new()), Vec::new());
     let segment = ChannelSegment {
         hit: record,
@@ -68,6 +102,16 @@ fn detect_hits(
     };
     whole.read(&segment, &mut samples)?;
     to_si(info, &info.force, &samples, &mut force)?;
+    Ok(force)
+}
+
+fn detect_hits(
+    whole: &mut dyn Recording,
+    record: usize,
+    info: &HitInfo,
+    options: &TriggerOptions,
+) -> Result<Segments, FrfError> {
+    let force = read_force(whole, record, info)?;
     Ok(segments(&force, info.axis.step_s, options)?)
 }
 

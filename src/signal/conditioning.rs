@@ -246,6 +246,7 @@ mod tests {
             quantity,
             to_si,
             full_scale: None,
+            delay_s: 0.0,
         };
         let axis = TimeAxis {
             start_s: 0.0,

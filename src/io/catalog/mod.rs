@@ -182,6 +182,11 @@ impl Entry {
         }
     }
 
+    /// Whether it is a force, by its quantity or the scene's role.
+    pub fn is_force(&self) -> bool {
+        self.quantity == Some(Quantity::Force) || self.role == Some(Role::Force)
+    }
+
     /// Whether there is no value.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -10,8 +10,10 @@ use crate::io::Source;
 /// The rule that groups the records of a test into hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum HitGrouping {
-    /// By the records' identification and order.
+    /// As records, cut by trigger where each record plainly holds several hits.
     #[default]
+    Auto,
+    /// By the records' identification and order.
     Records,
     /// Each file is one hit.
     Files,

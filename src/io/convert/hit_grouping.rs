@@ -7,6 +7,7 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::quantity::Quantity;
 use crate::record::Role;
 
+use super::hit_axis::{belong_together, common_axis};
 use crate::io::{ChannelOverride, Entry, FunctionType, HitFile, IoError};
 
 /// Entries of one hit, by their index in the catalogue, in file order.
@@ -15,6 +16,8 @@ pub(in crate::io) type RecordGroup = Vec<usize>;
 pub(in crate::io) struct RecordGrouper<'a> {
     pub overrides: &'a [ChannelOverride],
     pub file: &'a HitFile,
+    /// Force records of hammers that do not hit.
+    pub idle: &'a BTreeSet<usize>,
 }
 
 impl RecordGrouper<'_> {
@@ -42,11 +45,11 @@ impl RecordGrouper<'_> {
     /// hit needs them. None where the scene numbers the records of a hit.
     fn left_out(&self) -> BTreeSet<usize> {
         if !self.overrides.is_empty() {
-            return BTreeSet::new();
+            return self.idle.clone();
         }
         let times = self.all_time_records().map(|(index, _)| index);
         times
-            .filter(|index| self.is_other_quantity(*index))
+            .filter(|index| self.is_other_quantity(*index) || self.idle.contains(index))
             .collect()
     }
 
@@ -66,11 +69,15 @@ impl RecordGrouper<'_> {
             && has(|quantity| quantity != Quantity::Force)
     }
 
-    /// The records that are left out, each point and unit once.
+    /// The records that are left out, each point, unit and idle hammer once.
     pub fn left_out_findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         for index in self.left_out() {
-            add_once(&mut findings, self.left_out_finding(index));
+            let finding = match self.idle.contains(&index) {
+                true => self.idle_finding(index),
+                false => self.left_out_finding(index),
+            };
+            add_once(&mut findings, finding);
         }
         findings
     }
@@ -84,6 +91,14 @@ impl RecordGrouper<'_> {
         };
         let finding = Finding::new(Severity::Warning, Code::FunctionLeftOut, location);
         finding.detail(format!("{}: unit {:?}", self.path(), entry.unit_label))
+    }
+
+    fn idle_finding(&self, index: usize) -> Finding {
+        let location = Location::Function {
+            response: self.entries()[index].response.clone(),
+            reference: None,
+        };
+        Finding::new(Severity::Warning, Code::IdleForce, location)
     }
 
     /// The role of an entry that is record `number` of its hit.
@@ -138,7 +153,10 @@ impl RecordGrouper<'_> {
         } else if numbered {
             (self.group_by_key(numbers), true)
         } else {
-            (by_order, false)
+            match self.group_by_channel() {
+                Some(groups) if !is_whole(&by_order) && is_whole(&groups) => (groups, false),
+                _ => (by_order, false),
+            }
         };
         groups.sort();
         if self.file.partial {
@@ -226,6 +244,26 @@ impl RecordGrouper<'_> {
             .collect()
     }
 
+    /// Records that come channel by channel: the first record of each channel is the first hit.
+    /// `None` where channels have different numbers of records, a record names no point, or the
+    /// scene numbers the records of a hit.
+    fn group_by_channel(&self) -> Option<Vec<RecordGroup>> {
+        let mut channels: BTreeMap<(Role, &Dof), Vec<usize>> = BTreeMap::new();
+        for index in self.time_records() {
+            let dof = self.entries()[index].response.as_ref()?;
+            let channel = channels.entry((self.role(index, 1), dof)).or_default();
+            channel.push(index);
+        }
+        let hits = channels
+            .values()
+            .next()
+            .filter(|_| self.overrides.is_empty())?
+            .len();
+        let is_even = channels.values().all(|records| records.len() == hits);
+        let hit = |number: usize| channels.values().map(|records| records[number]).collect();
+        is_even.then(|| (0..hits).map(hit).collect())
+    }
+
     /// Whether no header names a version, a load case or a reference.
     fn has_no_identification(&self) -> bool {
         let nothing = |entry: &Entry| {
@@ -282,7 +320,7 @@ impl RecordGrouper<'_> {
             .map(|channel| channel.number)
             .max()
             .is_some_and(|last| group.len() >= last && self.is_complete_hit(group));
-        entries[group[0]].axis == entries[index].axis && !repeats && !beyond
+        belong_together(&entries[group[0]].axis, &entries[index].axis) && !repeats && !beyond
     }
 
     fn is_complete_hit(&self, group: &RecordGroup) -> bool {
@@ -292,6 +330,25 @@ impl RecordGrouper<'_> {
             .filter(|(place, index)| self.role(**index, place + 1) == Role::Force)
             .count();
         forces == 1 && group.len() > 1
+    }
+
+    /// The records with version and load case of a group; the group where all records have them.
+    fn records_of_same_numbers(&self, group: &[usize]) -> RecordGroup {
+        let numbers = |index: &usize| {
+            let identification = &self.entries()[*index].identification;
+            (identification.version, identification.load_case)
+        };
+        let of_group = group.first().map(numbers);
+        let all = self.time_records();
+        let same = all
+            .iter()
+            .copied()
+            .filter(|index| Some(numbers(index)) == of_group);
+        let same: RecordGroup = same.collect();
+        match same.len() == all.len() {
+            true => group.to_vec(),
+            false => same,
+        }
     }
 
     fn check_hit(&self, group: &RecordGroup) -> Result<(), IoError> {
@@ -304,11 +361,27 @@ impl RecordGrouper<'_> {
         if forces == 1 && responses > 0 {
             return Ok(());
         }
-        let from = group.first().map_or(0, |index| index + 1);
+        let of_numbers = self.records_of_same_numbers(group);
+        common_axis(self.entries(), &of_numbers, self.path())?;
+        let is_force = |index: &&usize| self.role(**index, 1) == Role::Force;
+        let all_forces = of_numbers.iter().filter(is_force).count();
+        let first = group.first().copied().unwrap_or_default();
+        let got = match of_numbers.len() > group.len() && all_forces > 1 {
+            true => format!(
+                "{all_forces} force and {} response records of version {}",
+                of_numbers.len() - all_forces,
+                self.entries()[first].identification.version
+            ),
+            false => format!(
+                "{forces} force and {responses} response records in the hit that starts with \
+                 record {}",
+                first + 1
+            ),
+        };
         Err(IoError::Grouping {
             path: self.path().to_owned(),
             what: "grouping time records into hits",
-            got: format!("{forces} force and {responses} response records in the hit that starts with record {from}"),
+            got,
             expected: "one force record (ordinate type 13, or role = \"force\" in [[test.channel]]) and one response or more".to_owned(),
         })
     }

@@ -7,7 +7,8 @@
 //! finding says so. Nothing is guessed beyond that: a unit, a response point or an excitation point
 //! that neither file nor scene states is an error.
 
-use crate::axis::TimeAxis;
+use std::collections::BTreeSet;
+
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::quantity::Quantity;
@@ -15,9 +16,12 @@ use crate::record::{
     ChannelInfo, ChannelPlace, ChannelSegment, HitInfo, ReadError, Recording, Role, Samples,
 };
 
+use super::hit_axis::common_axis;
 use super::hit_grouping::{RecordGroup, RecordGrouper, add_once, channel_override};
+use super::idle_forces::idle_forces;
 use crate::io::{
-    Block, ChannelOverride, Entry, EntryAxis, HitFile, HitGrouping, IoError, SampleFormat,
+    Block, ChannelOverride, Entry, EntryAxis, FunctionType, HitFile, HitGrouping, IoError, Merged,
+    SampleFormat,
 };
 
 /// Hits with what was said on the way.
@@ -97,25 +101,37 @@ impl Recording for FileRecording {
 /// [`IoError::Grouping`] for records that cannot make a hit; [`IoError::NotStated`] for a unit, a
 /// quantity, a response or an excitation point that neither file nor scene states.
 pub fn group_hits(
-    files: Vec<HitFile>,
+    mut files: Vec<HitFile>,
     grouping: HitGrouping,
     overrides: &[ChannelOverride],
 ) -> Result<HitSet, IoError> {
-    let mut findings = Vec::new();
-    let (mut hits, mut places) = (Vec::new(), Vec::new());
-    for (number, file) in files.iter().enumerate() {
-        let grouper = RecordGrouper { overrides, file };
-        findings.extend(grouper.left_out_findings());
-        let groups = match grouping {
-            HitGrouping::Files => grouper.whole_file_as_hit()?,
-            HitGrouping::Records | HitGrouping::Trigger => grouper.group_records(&mut findings)?,
-        };
-        for group in groups {
-            let (hit, force, responses) = build_hit(file, &group, overrides, &mut findings)?;
-            hits.push(hit);
-            places.push((number, force, responses));
+    let none: Vec<BTreeSet<usize>> = files.iter().map(|_| BTreeSet::new()).collect();
+    let mut grouped = hits_of_files(&files, grouping, overrides, &none);
+    // Samples are read only where the headers alone make no hits.
+    if is_not_grouped(&grouped) && overrides.is_empty() {
+        let idle = files.iter_mut().map(|file| idle_forces(file, grouping));
+        let idle = idle.collect::<Result<Vec<_>, IoError>>()?;
+        if idle.iter().any(|records| !records.is_empty()) {
+            grouped = hits_of_files(&files, grouping, overrides, &idle);
         }
     }
+    if is_not_grouped(&grouped) && grouping != HitGrouping::Files && files.len() > 1 {
+        let is_alone = |file: &HitFile| {
+            let entries = file.source.catalog().entries.iter();
+            let mut times = entries.filter(|entry| entry.function_type == FunctionType::Time);
+            let is_force = times.clone().next().map(Entry::is_force);
+            times.all(|entry| Some(entry.is_force()) == is_force)
+        };
+        if files.iter().all(is_alone) {
+            files = vec![as_one_file(files)];
+            grouped = hits_of_files(&files, grouping, overrides, &none[..1]);
+        }
+    }
+    let GroupedHits {
+        hits,
+        places,
+        findings,
+    } = grouped?;
     let recording = FileRecording {
         files,
         hits,
@@ -127,14 +143,77 @@ pub fn group_hits(
     })
 }
 
+fn is_not_grouped(grouped: &Result<GroupedHits, IoError>) -> bool {
+    matches!(grouped, Err(IoError::Grouping { .. }))
+}
+
+/// Hits with their places in the files.
+struct GroupedHits {
+    hits: Vec<HitInfo>,
+    places: Vec<(usize, usize, Vec<usize>)>,
+    findings: Vec<Finding>,
+}
+
+/// The hits of all files; `idle` are the records of idle hammers of each.
+fn hits_of_files(
+    files: &[HitFile],
+    grouping: HitGrouping,
+    overrides: &[ChannelOverride],
+    idle: &[BTreeSet<usize>],
+) -> Result<GroupedHits, IoError> {
+    let mut findings = Vec::new();
+    let (mut hits, mut places) = (Vec::new(), Vec::new());
+    for (number, (file, idle)) in files.iter().zip(idle).enumerate() {
+        let grouper = RecordGrouper {
+            overrides,
+            file,
+            idle,
+        };
+        findings.extend(grouper.left_out_findings());
+        let groups = match grouping {
+            HitGrouping::Files => grouper.whole_file_as_hit()?,
+            HitGrouping::Auto | HitGrouping::Records | HitGrouping::Trigger => {
+                grouper.group_records(&mut findings)?
+            }
+        };
+        for group in groups {
+            let (hit, force, responses) = build_hit(&grouper, &group, &mut findings)?;
+            hits.push(hit);
+            places.push((number, force, responses));
+        }
+    }
+    Ok(GroupedHits {
+        hits,
+        places,
+        findings,
+    })
+}
+
+/// Files of one channel each as one file.
+fn as_one_file(files: Vec<HitFile>) -> HitFile {
+    let partial = files.iter().any(|file| file.partial);
+    let points: Vec<(Option<Dof>, Option<Dof>)> = files
+        .iter()
+        .map(|file| (file.response.clone(), file.reference.clone()))
+        .collect();
+    let sources = files.into_iter().map(|file| file.source).collect();
+    let mut merged = Merged::new(sources);
+    for (number, (response, reference)) in points.iter().enumerate() {
+        merged.state_points(number, response.as_ref(), reference.as_ref());
+    }
+    HitFile {
+        partial,
+        ..HitFile::new(Box::new(merged))
+    }
+}
+
 /// A hit with the entries of its force and its responses.
 fn build_hit(
-    file: &HitFile,
+    grouper: &RecordGrouper,
     group: &RecordGroup,
-    overrides: &[ChannelOverride],
     findings: &mut Vec<Finding>,
 ) -> Result<(HitInfo, usize, Vec<usize>), IoError> {
-    let grouper = RecordGrouper { overrides, file };
+    let (file, overrides) = (grouper.file, grouper.overrides);
     let numbered = group.iter().enumerate();
     let roles: Vec<Role> = numbered
         .map(|(place, index)| grouper.role(*index, place + 1))
@@ -166,6 +245,19 @@ fn build_hit(
         }
     }
     let (force, force_entry) = force.expect("every group was checked to hold one force");
+    for (response, entry) in responses.iter_mut().zip(&entries) {
+        let starts_s = [*entry, force_entry].map(|index| start_s(&catalog.entries[index]));
+        let delay_s = starts_s[0] - starts_s[1];
+        if delay_s.abs() > MIN_DELAY_SAMPLES * axis.step_s {
+            response.delay_s = delay_s;
+            let location = Location::Function {
+                response: Some(response.dof.clone()),
+                reference: None,
+            };
+            let finding = Finding::new(Severity::Info, Code::ChannelDelayCorrected, location);
+            add_once(findings, finding.value(delay_s, "s"));
+        }
+    }
     let origin = format!("{} record {}", catalog.path, group[0] + 1);
     let hit = HitInfo {
         axis,
@@ -176,44 +268,17 @@ fn build_hit(
     Ok((hit, force_entry, entries))
 }
 
-/// Channels may begin apart by this fraction of a sample.
-const MAX_START_DIFFERENCE_SAMPLES: f64 = 1e-3;
+/// Channels start together where they do within this part of a sample: the digits of a printed
+/// start. Larger: a delay that turns the phase by a degree at half the sampling rate stays. Smaller:
+/// rounding alone is a delay (`a_channel_that_starts_late_has_the_phase_of_one_that_does_not`).
+const MIN_DELAY_SAMPLES: f64 = 1e-3;
 
-fn common_axis(entries: &[Entry], group: &RecordGroup, path: &str) -> Result<TimeAxis, IoError> {
-    let error = |got: String| IoError::Grouping {
-        path: path.to_owned(),
-        what: "sampling of the channels of one hit",
-        got,
-        expected: "one length, spacing and start in time".to_owned(),
-    };
-    let described = |axis: &TimeAxis| {
-        format!(
-            "{} samples by {} s from {} s",
-            axis.len, axis.step_s, axis.start_s
-        )
-    };
-    let mut common: Option<TimeAxis> = None;
-    for index in group {
-        let EntryAxis::Time(axis) = entries[*index].axis else {
-            let axis = match entries[*index].axis {
-                EntryAxis::Frequency(_) => "a frequency axis",
-                _ => "an uneven axis",
-            };
-            return Err(error(format!("record {} on {axis}", index + 1)));
-        };
-        let first = *common.get_or_insert(axis);
-        let same = axis.len == first.len
-            && (axis.step_s - first.step_s).abs() <= 1e-9 * first.step_s
-            && (axis.start_s - first.start_s).abs() <= MAX_START_DIFFERENCE_SAMPLES * first.step_s;
-        if !same {
-            return Err(error(format!(
-                "{} and {}",
-                described(&first),
-                described(&axis)
-            )));
-        }
+/// The time of the first sample.
+fn start_s(entry: &Entry) -> f64 {
+    match entry.axis {
+        EntryAxis::Time(axis) => axis.start_s,
+        _ => 0.0,
     }
-    common.ok_or_else(|| error("no record".to_owned()))
 }
 
 /// The force record's response, else the responses' common reference, else the scene's word.
@@ -321,6 +386,7 @@ fn channel_info(
         quantity,
         to_si,
         full_scale: full_scale.map(|stated| stated * (to_si / scale).abs()),
+        delay_s: 0.0,
     })
 }
 

@@ -295,13 +295,13 @@ fn records_on_a_frequency_axis_or_with_another_start_make_no_hit() {
     });
     let mut late = response(1, "2:+Z", None);
     late.axis = EntryAxis::Time(TimeAxis {
-        start_s: 0.0005,
+        start_s: 0.02,
         step_s: 0.001,
         len: 4,
     });
     for (other, got) in [
         (spectrum, "record 2 on a frequency axis"),
-        (late, "from 0.0005 s"),
+        (late, "from 0.02 s"),
     ] {
         let files = vec![file(vec![force(1, dof("1:+Z")), other])];
         let error = group_hits(files, HitGrouping::Files, &[])

@@ -10,9 +10,11 @@
 mod coherence;
 mod common_window;
 mod frf_sets;
+mod hit_axis;
 mod hit_file;
 mod hit_grouping;
 mod hits;
+mod idle_forces;
 mod modal_model;
 pub(in crate::io) mod needed_parts;
 
