@@ -97,6 +97,9 @@ codes! {
     /// Continuous records cut without being asked for.
     CutByTrigger: "Each record holds several hits and was cut into them.",
         "Every force record of the test has several pulses at some distance from each other, so that it is a continuous record. Without the cut, responses to all hits would be divided by one force. `--hits records` or `hits = \"records\"` in [[test]] keeps the records whole; --trigger-level, --pretrigger and --hit-length with `--hits trigger` decide how they are cut.";
+    /// Blocks that are short for the resonances.
+    BlockLeakage: "The blocks are short for the resonances: leakage lowers the peaks of the FRFs.",
+        "Steady random excitation is averaged in blocks with Hann windows. At a resonance that decays for longer than a block, the response of one block comes from the force of the one before, and the peak is too low. The value is the relative change of a peak by blocks of half the length, which is about the bias of the whole ones. Identification corrects poles by the line shape of the stated window; FRFs, coherence and residues at the peaks remain too low. Use longer blocks (--block-length, `block_length_s` in [frf]), longer records, or burst random.";
     /// FRFs with both halves of the transform.
     TwoSided: "The FRFs are two-sided: their upper half is the mirror image of the lower. It was left out.",
         "The transform of a real record repeats its lower half, mirrored and conjugate, above half the sampling rate. Modes that are found there are images of those below. The value is half the sampling rate.";

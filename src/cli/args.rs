@@ -187,6 +187,12 @@ pub struct FrfArgs {
     /// h1, h2 or hv.
     #[arg(long, value_name = "NAME")]
     pub estimator: Option<String>,
+    /// What excites: hammer; random or sine, averaged over blocks of the records.
+    #[arg(long, value_name = "hammer|random|sine")]
+    pub excitation: Option<String>,
+    /// With --excitation random or sine: length of a block, s; by default for some 16 blocks.
+    #[arg(long, value_name = "SECONDS")]
+    pub block_length: Option<f64>,
     /// Force window: seconds kept after the pulse, the rest is set to zero.
     #[arg(long, value_name = "SECONDS")]
     pub force_window: Option<f64>,

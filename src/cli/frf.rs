@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{
-    EstimateOptions, Estimator, FrfSet, HammerOptions, HammerTestResult, HitReport, ResponseWindow,
-    evaluate_hammer_test,
+    EstimateOptions, Estimator, Excitation, FrfSet, HammerOptions, HammerTestResult, HitReport,
+    ResponseWindow, evaluate_test,
 };
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{frf_block, hits_block, hits_screen, json};
@@ -50,12 +50,12 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         hits,
         usable,
         estimate,
-    } = evaluate_hammer_test(recording.as_mut(), &options)?;
+    } = evaluate_test(recording.as_mut(), &options)?;
     let set = estimated.set;
     if let Some(path) = &args.output {
         let mut source = frf_source(&set, "FRFs");
         source.catalog.geometry = data.geometry.clone();
-        let window = record_window(&estimate);
+        let window = set.window.or(record_window(&estimate));
         for entry in &mut source.catalog.entries {
             entry.note.window = window;
         }
@@ -183,6 +183,16 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
         Some(name) => Estimator::from_name(name)
             .ok_or_else(|| argument_error("--estimator", name, "h1, h2 or hv"))?,
     };
+    let excitation = match args.excitation.as_deref() {
+        None => base.excitation,
+        Some(name) => Excitation::from_name(name)
+            .ok_or_else(|| argument_error("--excitation", name, "hammer, random or sine"))?,
+    };
+    if args.block_length.is_some() && excitation == Excitation::Hammer {
+        let got = "excitation by a hammer";
+        let expected = "--excitation random or sine";
+        return Err(argument_error("--block-length", got, expected));
+    }
     let scene_options = base.estimate;
     Ok(HammerOptions {
         estimate: EstimateOptions {
@@ -199,6 +209,8 @@ fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error
             },
             ..scene_options
         },
+        excitation,
+        block_length_s: args.block_length.or(base.block_length_s),
         response_window: match args.response_window.as_deref() {
             None => base.response_window,
             Some(text) => response_window(text)?,

@@ -23,6 +23,28 @@ pub enum FrfError {
     /// One hit could not be conditioned.
     #[error(transparent)]
     Signal(#[from] SignalError),
+    /// Forces of a hammer test without a pulse.
+    #[error(
+        "{origin}: got a force above a quarter of its peak in {got:.2} of the record, expected a pulse of a hammer, at most {expected}; for random or sine excitation state --excitation random or sine (`excitation` in [frf])"
+    )]
+    NoPulse {
+        /// Origin of the first record.
+        origin: String,
+        /// Part of the record, the smallest of all records.
+        got: f64,
+        /// Largest part of a pulse.
+        expected: f64,
+    },
+    /// A block of continuous excitation of an impossible length.
+    #[error("got a block of {got_s} s, expected {shortest_s} to {longest_s} s")]
+    BlockLength {
+        /// Length, got, s.
+        got_s: f64,
+        /// Shortest, s.
+        shortest_s: f64,
+        /// A whole record, s.
+        longest_s: f64,
+    },
     /// A record that is over before its response begins, once all are cut to one length.
     #[error(
         "{origin}: got {got} samples from the hit to the end of the shortest record, expected at least {expected}; reject the hit that comes late in its record, or state cut_pretrigger = false"

@@ -138,7 +138,10 @@ pub fn estimate_recording(
                 reference,
                 numbers: &members,
                 hits: members.iter().map(|hit| &infos[*hit]).collect(),
-                power: force_power(&forces, plan.lines()),
+                power: force_power(
+                    forces.iter().map(|force| force.spectrum.as_slice()),
+                    plan.lines(),
+                ),
                 forces,
             },
             plan: &plan,
@@ -341,7 +344,7 @@ fn collect_set(
 const MIN_MEDIAN_COHERENCE: f64 = 0.9;
 
 /// One finding for the function of lowest median coherence over the valid band.
-fn low_coherence_finding(set: &FrfSet) -> Option<Finding> {
+pub(super) fn low_coherence_finding(set: &FrfSet) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let median = |index: usize| {
         let values = &set.coherence(index)?[lines.clone()];

@@ -125,7 +125,7 @@ impl TransformRange {
 }
 
 /// The largest even number of the form 2^a 3^b 5^c 7^d that is not larger; a small number as it is.
-fn fast_transform_length(len: usize) -> usize {
+pub(super) fn fast_transform_length(len: usize) -> usize {
     let is_smooth = |len: usize| {
         let mut rest = len;
         for prime in [2, 3, 5, 7] {

@@ -33,12 +33,12 @@ pub(super) struct PointHits<'a> {
 
 /// `Σ|F|²` at every line.
 pub(super) fn force_power<'a>(
-    forces: impl IntoIterator<Item = &'a ForceHit>,
+    spectra: impl IntoIterator<Item = &'a [Complex64]>,
     lines: usize,
 ) -> Arc<[f64]> {
     let mut power = vec![0.0; lines];
-    for force in forces {
-        for (sum, f) in power.iter_mut().zip(&force.spectrum) {
+    for spectrum in spectra {
+        for (sum, f) in power.iter_mut().zip(spectrum) {
             *sum += f.norm_sqr();
         }
     }
@@ -196,7 +196,10 @@ impl Estimation<'_> {
         if totals.hits.len() == forces.len() {
             work.sums.gff = Arc::clone(&self.group.power);
         } else {
-            let used_forces = totals.hits.iter().map(|hit| &forces[*hit]);
+            let used_forces = totals
+                .hits
+                .iter()
+                .map(|hit| forces[*hit].spectrum.as_slice());
             work.sums.gff = force_power(used_forces, self.plan.lines());
         }
         let finished = self.estimate(records, &work.sums, totals)?;
@@ -406,7 +409,7 @@ impl Estimation<'_> {
 
 /// The spectrum of a record whose first sample lies this part of its length after that of the
 /// force: `X_k exp(-2πi k delay)`.
-fn advance(spectrum: &mut [Complex64], delay: f64) {
+pub(super) fn advance(spectrum: &mut [Complex64], delay: f64) {
     if delay.abs() > 0.0 {
         for (k, value) in spectrum.iter_mut().enumerate() {
             *value = *value * Complex64::cis(-std::f64::consts::TAU * k as f64 * delay);

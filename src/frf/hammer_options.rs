@@ -19,7 +19,28 @@ pub enum ResponseWindow {
     End(f64),
 }
 
-/// How a recorded hammer test becomes FRFs.
+/// What excites the structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Excitation {
+    /// A hammer: each record is a hit.
+    #[default]
+    Hammer,
+    /// A shaker with random noise, bursts of it, or sines: records are averaged in blocks.
+    Shaker,
+}
+
+impl Excitation {
+    /// The excitation of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "hammer" => Some(Self::Hammer),
+            "random" | "sine" => Some(Self::Shaker),
+            _ => None,
+        }
+    }
+}
+
+/// How a recorded test becomes FRFs.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct HammerOptions {
     /// Estimator, force window, offsets. Exponential window and cut are decided here.
@@ -29,6 +50,10 @@ pub struct HammerOptions {
     /// Whether what lies before each pulse is left out; with an exponential window alone when not
     /// stated.
     pub cut_pretrigger: Option<bool>,
+    /// What excites the structure. Windows, cut, limits and numbers of hits are those of a hammer.
+    pub excitation: Excitation,
+    /// Length of the blocks of a shaker test, s; chosen for some sixteen blocks where not stated.
+    pub block_length_s: Option<f64>,
     /// Limits of the rules.
     pub limits: HitQualityLimits,
     /// Numbers, from 1, of hits that are used whatever the rules say.

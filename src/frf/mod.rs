@@ -6,6 +6,8 @@
 //! | [`FrfSet`] | functions on one axis with coherence and variance |
 //! | [`estimate_recording`] | hits to a set, read as they are needed; [`estimate()`] those in memory: H1, H2, Hv (Bendat and Piersol 2010; Rocklin, Crowley and Vold 1985) |
 //! | [`evaluate_hammer_test`] | a whole test: quality of the hits, window, FRFs |
+//! | [`evaluate_test`] | the same for any excitation |
+//! | `shaker_test` | random and sine excitation: averages over blocks (Welch 1967) |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
 //! | `force_levels` | whether poles depend on the force, from single hits of different levels |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
@@ -21,6 +23,7 @@ mod consistency;
 mod convert;
 mod error;
 mod estimate;
+mod evaluate;
 mod exported;
 mod force;
 mod force_levels;
@@ -35,6 +38,7 @@ mod peaks;
 mod preconditions;
 mod selection;
 mod set;
+mod shaker_test;
 mod spectra_sums;
 mod synthesis;
 mod truncation;
@@ -57,9 +61,10 @@ pub use consistency::check_set;
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, estimate, estimate_recording, truncation_bounds, usable_band};
+pub use evaluate::evaluate_test;
 pub(crate) use exported::even_lines::EvenLines;
 pub(crate) use exported::usable_set;
-pub use hammer_options::{HammerOptions, ResponseWindow};
+pub use hammer_options::{Excitation, HammerOptions, ResponseWindow};
 pub use hammer_test::{HammerTestResult, evaluate_hammer_test};
 pub use hit_report::HitReport;
 pub(crate) use measurement_runs::measurement_runs;

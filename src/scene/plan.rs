@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::axis::Band;
 use crate::correlate::{CorrelateError, PairOptions};
-use crate::frf::{EstimateOptions, Estimator, HammerOptions, ResponseWindow};
+use crate::frf::{EstimateOptions, Estimator, Excitation, HammerOptions, ResponseWindow};
 use crate::geometry::{Geometry, Node, Sensor};
 use crate::identify::{IdentifyError, IdentifyOptions};
 use crate::signal::{ForceWindow, Offset};
@@ -281,6 +281,18 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
             )
         })?,
     };
+    let excitation = match table.excitation.as_deref() {
+        None => Excitation::Hammer,
+        Some(name) => Excitation::from_name(name).ok_or_else(|| {
+            let got = format!("{name:?}");
+            value_error(
+                path,
+                "[frf] excitation",
+                &got,
+                "\"hammer\", \"random\" or \"sine\"",
+            )
+        })?,
+    };
     let window = |got: &str| {
         let expected = "\"auto\" or \"none\", or a number as response_window_end";
         value_error(path, "[frf] response_window", got, expected)
@@ -293,6 +305,8 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
         (Some(_), Some(_)) => return Err(window("response_window_end beside it")),
     };
     Ok(HammerOptions {
+        excitation,
+        block_length_s: table.block_length_s,
         estimate: EstimateOptions {
             estimator,
             force_window: table.force_window_s.map(force_window),

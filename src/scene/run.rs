@@ -8,7 +8,7 @@ use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfError, FrfSet, evaluate_hammer_test};
+use crate::frf::{FrfError, FrfSet, evaluate_test};
 use crate::identify::{
     Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, assess, identification,
     indicators,
@@ -313,8 +313,7 @@ fn identify_test(
         None => (data.frfs, test.band),
         Some(mut recording) => {
             let options = test.hammer_options(&scene.hammer);
-            let hammer_result =
-                evaluate_hammer_test(recording.as_mut(), &options).map_err(of_test)?;
+            let hammer_result = evaluate_test(recording.as_mut(), &options).map_err(of_test)?;
             let set = hammer_result.estimated.set;
             let band = search_band(&set, hammer_result.usable, test.band, &mut findings)
                 .map_err(of_test)?;

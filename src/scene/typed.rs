@@ -259,6 +259,10 @@ pub struct ModelTable {
 pub struct FrfTable {
     /// `h1` (default), `h2` or `hv`.
     pub estimator: Option<String>,
+    /// `hammer` (default), `random` or `sine`.
+    pub excitation: Option<String>,
+    /// Length of the blocks of random and sine excitation, s.
+    pub block_length_s: Option<f64>,
     /// Length of the force window after the pulse, s.
     pub force_window_s: Option<f64>,
     /// `auto` (default: an exponential window where the responses have not decayed when the record

@@ -45,6 +45,8 @@ fn hit_sentence(hits: &[HitReport]) -> String {
         .map(|(name, n)| format!("{name} {n}"))
         .collect();
     match rejected {
+        // Blocks of continuous excitation, whose averages the FRFs state.
+        0 if hits.is_empty() => "Hits: none, excitation by a shaker.".to_owned(),
         0 => format!("Hits: all {used} used."),
         _ => format!(
             "Hits: {used} of {} used; rejected: {}.",

@@ -3,6 +3,7 @@
 
 mod axes;
 mod control;
+mod excitation;
 mod hits;
 mod names;
 mod other_quantities;
