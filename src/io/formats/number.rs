@@ -257,8 +257,8 @@ fn slow(mantissa: &[u8], decimal: u8, exponent: i64, negative: bool) -> Option<f
         .then_some(if negative { -value } else { value })
 }
 
-/// A whole field as a number, blanks around it left away; `NaN` and `Inf` in any case are taken as
-/// such.
+/// A whole field as a number, blanks around it left away; words for NaN and infinity
+/// ([`non_finite_prefix`]) are taken as such.
 pub(in crate::io) fn field(bytes: &[u8], decimal: u8) -> Option<f64> {
     whole::<false>(bytes, decimal)
 }
@@ -271,15 +271,77 @@ pub(in crate::io) fn fortran_field(bytes: &[u8]) -> Option<f64> {
 #[inline]
 fn whole<const FORTRAN: bool>(bytes: &[u8], decimal: u8) -> Option<f64> {
     let bytes = bytes.trim_ascii();
-    match read::<FORTRAN>(bytes, decimal) {
-        Some((value, len)) if len == bytes.len() => Some(value),
-        Some(_) => None,
-        None => {
-            let text = std::str::from_utf8(bytes).ok()?;
-            let has_digit = bytes.iter().any(u8::is_ascii_digit);
-            text.parse().ok().filter(|_| !has_digit)
-        }
+    let is_whole = |(value, len): (f64, usize)| (len == bytes.len()).then_some(value);
+    let finite = read::<FORTRAN>(bytes, decimal).and_then(is_whole);
+    finite.or_else(|| non_finite_prefix(bytes, decimal).and_then(is_whole))
+}
+
+/// Words for NaN and infinity in lower case, the longest of those that begin alike first.
+const NON_FINITE_WORDS: [(&[u8], f64); 7] = [
+    (b"nanq", f64::NAN),
+    (b"nans", f64::NAN),
+    (b"nan", f64::NAN),
+    (b"qnan", f64::NAN),
+    (b"snan", f64::NAN),
+    (b"infinity", f64::INFINITY),
+    (b"inf", f64::INFINITY),
+];
+
+/// Reads what libraries print for a value that is not finite at the start of `bytes`: the value and
+/// its length; `None` when there is none.
+///
+/// In any case and with any sign: `nan`, `inf` and `infinity` of C and Fortran, with what C adds in
+/// parentheses (`nan(ind)`); `nanq`, `nans`, `qnan` and `snan` of AIX and other systems; `1.#IND`,
+/// `1.#QNAN`, `1.#SNAN` and `1.#INF` of the C library of Microsoft, cut and rounded like digits to
+/// the printed width (`1.#J` and `1.#IO` are any of them), filled with zeros, with an exponent.
+#[cold]
+pub(in crate::io) fn non_finite_prefix(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> {
+    let sign = usize::from(matches!(bytes.first(), Some(b'-' | b'+')));
+    let unsigned = &bytes[sign..];
+    let starts = |word: &[u8]| {
+        let head = unsigned.get(..word.len());
+        head.is_some_and(|head| head.eq_ignore_ascii_case(word))
+    };
+    let word = NON_FINITE_WORDS.iter().find(|(word, _)| starts(word));
+    let (value, len) = match word {
+        Some((word, value)) => (*value, word.len() + parenthesis(&unsigned[word.len()..])),
+        None => microsoft(unsigned, decimal)?,
+    };
+    let negative = bytes.first() == Some(&b'-');
+    Some((if negative { -value } else { value }, sign + len))
+}
+
+/// Length of letters and digits in parentheses at the start; 0 where there are none.
+fn parenthesis(bytes: &[u8]) -> usize {
+    let Some(inner) = bytes.strip_prefix(b"(") else {
+        return 0;
+    };
+    let is_letter = |byte: &&u8| byte.is_ascii_alphanumeric() || **byte == b'_';
+    let count = inner.iter().take_while(is_letter).count();
+    match inner.get(count) {
+        Some(b')') => count + 2,
+        _ => 0,
     }
+}
+
+/// `1.#INF`, `1.#QNAN0`, `1.#IND0E+00`, `1.#J`.
+fn microsoft(bytes: &[u8], decimal: u8) -> Option<(f64, usize)> {
+    let [b'1', mark, b'#', rest @ ..] = bytes else {
+        return None;
+    };
+    // No word has the letter of an exponent.
+    let is_letter = |byte: &&u8| byte.is_ascii_uppercase() && **byte != b'E';
+    let letters = rest.iter().take_while(is_letter).count();
+    if *mark != decimal || letters == 0 {
+        return None;
+    }
+    let value = match &rest[..letters] {
+        b"INF" => f64::INFINITY,
+        _ => f64::NAN,
+    };
+    let zeros = rest[letters..].iter().take_while(|byte| **byte == b'0');
+    let end = 3 + letters + zeros.count();
+    Some((value, exponent::<false>(bytes, end).1))
 }
 
 #[cfg(test)]
@@ -327,6 +389,55 @@ mod tests {
         assert_eq!(field(b"1e999", b'.'), None);
         assert!(field(b"NaN", b'.').is_some_and(f64::is_nan));
         assert_eq!(field(b"-inf", b'.'), Some(f64::NEG_INFINITY));
+    }
+
+    #[test]
+    fn words_of_c_and_fortran_libraries_are_values_that_are_not_finite() {
+        for text in [
+            "nan",
+            "NaN",
+            "-nan",
+            "NaNQ",
+            "NANS",
+            "qNaN",
+            "sNaN",
+            "-nan(ind)",
+            "nan(snan)",
+            "NaN(0x8000000000000)",
+            "1.#QNAN",
+            "-1.#IND",
+            "-1.#IND0E+00",
+            "1.#QNAN0E+000",
+            "1.#SNAN00",
+            "1.#J",
+            "-1.#IO",
+            "1.#R",
+            "-1.#INDE+000",
+            "-1.#INDe+000",
+        ] {
+            let value = field(text.as_bytes(), b'.');
+            assert!(value.is_some_and(f64::is_nan), "{text}: {value:?}");
+            assert!(
+                fortran_field(text.as_bytes()).is_some_and(f64::is_nan),
+                "{text}"
+            );
+        }
+        for (text, value) in [
+            ("inf", f64::INFINITY),
+            ("+Infinity", f64::INFINITY),
+            ("-INF", f64::NEG_INFINITY),
+            ("1.#INF", f64::INFINITY),
+            ("-1.#INF00E+00", f64::NEG_INFINITY),
+        ] {
+            assert_eq!(field(text.as_bytes(), b'.'), Some(value), "{text}");
+        }
+        assert!(field(b"-1,#IND", b',').is_some_and(f64::is_nan));
+        for text in [
+            "1.#", "1.#0", "2.#IND", "1.#IND5", "1.#INDE", "nanx", "nan(", "nan(ind", "infi",
+            "#IND", "1,#IND", "--inf", "1.#ind", "in", "",
+        ] {
+            assert_eq!(field(text.as_bytes(), b'.'), None, "{text}");
+        }
     }
 
     #[test]

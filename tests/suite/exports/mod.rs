@@ -8,4 +8,6 @@ mod hits;
 mod names;
 mod other_quantities;
 mod units;
+mod inspected;
+mod not_a_number;
 mod universal_file;

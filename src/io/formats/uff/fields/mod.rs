@@ -160,8 +160,8 @@ pub(super) fn integer_or_zero(bytes: &[u8]) -> Option<i64> {
     }
 }
 
-/// A number as Fortran writes it: `1.5`, `1.5E-05`, `1.5D-05`, `1.5E-005`, `1.5-105`. `NaN` and
-/// `Inf` are taken as such; digits that overflow are not a number.
+/// A number as Fortran writes it: `1.5`, `1.5E-05`, `1.5D-05`, `1.5E-005`, `1.5-105`. `NaN`, `Inf`
+/// and what C libraries print for them are taken as such; digits that overflow are not a number.
 pub(super) fn number(bytes: &[u8]) -> Option<f64> {
     number::fortran_field(bytes)
 }
@@ -249,7 +249,8 @@ fn ends_number(next: Option<&u8>) -> bool {
     next.is_none_or(|byte| byte.is_ascii_whitespace() || matches!(byte, b'+' | b'-'))
 }
 
-/// A row with `NaN`, with numbers that touch without a sign, or with what is no number.
+/// A row with `NaN` or another word for a value that is not finite, with numbers that touch without
+/// a sign, or with text that is no number.
 #[cold]
 fn odd_row(bytes: &[u8], width: usize, out: &mut Numbers) -> Result<(), String> {
     let before = out.values.len();
@@ -271,7 +272,9 @@ fn split_at_signs(word: &[u8], out: &mut Numbers) -> bool {
     let before = out.values.len();
     let mut at = 0;
     while at < word.len() {
-        match number::fortran_prefix(&word[at..]) {
+        let rest = &word[at..];
+        let found = number::non_finite_prefix(rest, b'.').or_else(|| number::fortran_prefix(rest));
+        match found {
             Some((value, len)) if ends_number(word.get(at + len)) => {
                 out.push(value, &word[at..at + len]);
                 at += len;
@@ -377,6 +380,11 @@ mod tests {
         assert!(row("   ", 13).expect("numbers alone").is_empty());
         let odd = row("1.5E+00-2.5E+00 NaN", 13).expect("numbers alone");
         assert_eq!((&odd[..2], odd[2].is_nan()), (&[1.5, -2.5][..], true));
+        let odd = row("1.#QNAN0E+00-1.#IND0E+00-inf+1.#INF 2.5-nan(ind)", 13);
+        let odd = odd.expect("numbers and words for none");
+        let is_nan: Vec<bool> = odd.iter().map(|value| value.is_nan()).collect();
+        assert_eq!(is_nan, [true, true, false, false, false, true]);
+        assert_eq!(&odd[2..5], [f64::NEG_INFINITY, f64::INFINITY, 2.5]);
     }
 
     #[test]
