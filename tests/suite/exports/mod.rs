@@ -2,6 +2,7 @@
 //! reader describes it, with siblings of it, made here.
 
 mod axes;
+mod complex_text;
 mod control;
 mod excitation;
 mod hits;

@@ -2,16 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::dialect::{Dialect, columns_with_heading};
+use num_complex::Complex64;
+
+use super::dialect::{ColumnKind, Dialect, columns_with_heading};
 use super::encoding::TextBlocks;
-use super::fields::{RowFault, RowShape};
+use super::fields::{RowFault, RowShape, Slot};
 use crate::io::columns::{Columns, RowLines};
 use crate::io::{Block, ColumnName, Delimiter, IoError, TableSpec};
 
 /// Rows of numbers, as far as they are good.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    /// Values of the wanted columns; empty when they were only counted.
+    /// Values of the wanted columns, real and imaginary parts of a complex one as two; empty when
+    /// they were only counted.
     pub columns: Vec<Vec<f64>>,
     /// Number of rows.
     pub rows: usize,
@@ -64,7 +67,7 @@ pub(super) fn read_rows(
     keep: bool,
     path: &str,
 ) -> Result<Rows, IoError> {
-    let count = shape.slots.iter().flatten().count();
+    let count = shape.numbers();
     let mut read = Rows {
         columns: vec![Vec::new(); if keep { count } else { 0 }],
         ..Rows::default()
@@ -120,7 +123,7 @@ struct Part {
 
 impl Part {
     fn read(piece: &[u8], line_end: u8, shape: &RowShape, keep: bool) -> Self {
-        let count = shape.slots.iter().flatten().count();
+        let count = shape.numbers();
         let mut row = vec![0.0; count];
         // The rows that the first line promises; a number with its separator has two bytes.
         let first = memchr::memchr(line_end, piece).unwrap_or(piece.len());
@@ -208,8 +211,12 @@ pub(super) fn table_rows(
         text.next_line()?;
     }
     let mut slots = vec![None; dialect.width];
-    for (slot, column) in columns.iter().enumerate() {
+    let mut index = 0;
+    for column in columns {
+        let is_complex = dialect.kinds[*column] == ColumnKind::Complex;
+        let slot = Slot { index, is_complex };
         slots[*column] = Some(slot);
+        index += slot.numbers();
     }
     let shape = RowShape {
         notation: dialect.notation,
@@ -241,7 +248,18 @@ pub(super) fn read_columns(
         lines,
         damage,
     } = table_rows(text, dialect, &once, Wanted::Finite, path)?;
-    let mut columns: Vec<Option<Vec<f64>>> = columns.into_iter().map(Some).collect();
+    let mut parts = columns.into_iter();
+    let mut columns: Vec<Option<Block>> = Vec::with_capacity(once.len());
+    for column in &once {
+        let real = parts.next().unwrap_or_default();
+        columns.push(Some(match dialect.kinds[*column] {
+            ColumnKind::Complex => {
+                let pairs = real.into_iter().zip(parts.next().unwrap_or_default());
+                Block::Complex(pairs.map(|(re, im)| Complex64::new(re, im)).collect())
+            }
+            _ => Block::F64(real),
+        }));
+    }
     let mut values = Vec::with_capacity(places.len());
     for (index, place) in places.iter().enumerate() {
         let slot = once.binary_search(place).unwrap_or_default();
@@ -251,7 +269,7 @@ pub(super) fn read_columns(
         } else {
             columns[slot].take()
         };
-        values.push(Block::F64(column.unwrap_or_default()));
+        values.push(column.unwrap_or(Block::F64(Vec::new())));
     }
     let columns = Columns {
         values,

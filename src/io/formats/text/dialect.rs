@@ -6,7 +6,7 @@
 //! line, the scene must state the notation.
 
 use super::encoding::{self, text_of};
-use super::fields::{Notation, fields, is_passed_over, row_of};
+use super::fields::{Cell, Notation, fields, is_passed_over, row_of};
 use crate::io::{ColumnName, Delimiter, IoError, TableSpec};
 use crate::quantity::{FrfUnit, Unit};
 
@@ -48,6 +48,27 @@ pub(super) fn too_wide(path: &str, line: u64, width: usize) -> IoError {
     }
 }
 
+/// The values of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum ColumnKind {
+    /// Dates, times of day or nothing.
+    Other,
+    /// Real numbers.
+    Real,
+    /// Complex numbers, some of which may be written as real ones.
+    Complex,
+}
+
+impl ColumnKind {
+    fn of(cell: Cell) -> Self {
+        match cell {
+            Cell::Other => ColumnKind::Other,
+            Cell::Real(_) => ColumnKind::Real,
+            Cell::Complex(_) => ColumnKind::Complex,
+        }
+    }
+}
+
 /// How a table is laid out.
 #[derive(Debug)]
 pub(super) struct Dialect {
@@ -57,8 +78,8 @@ pub(super) struct Dialect {
     pub lines_before: usize,
     /// Number of columns.
     pub width: usize,
-    /// For each column whether the first row has a number there.
-    pub numeric: Vec<bool>,
+    /// For each column whether the first row has a number there, and any row a complex one.
+    pub kinds: Vec<ColumnKind>,
     /// Headings, as many as columns or none; headings named in a scene may be of another number.
     pub headings: Vec<String>,
     /// Units below the headings; empty where there is no such row.
@@ -80,9 +101,17 @@ struct Reading {
     start: usize,
     width: usize,
     rows: usize,
-    numeric: Vec<bool>,
-    /// Bits of the numbers.
-    values: Vec<Option<u64>>,
+    kinds: Vec<ColumnKind>,
+    /// Bits of the numbers, real and imaginary part.
+    values: Vec<Option<[u64; 2]>>,
+}
+
+fn bits(cell: &Cell) -> Option<[u64; 2]> {
+    match cell {
+        Cell::Other => None,
+        Cell::Real(value) => Some([value.to_bits(), 0]),
+        Cell::Complex(value) => Some([value.re.to_bits(), value.im.to_bits()]),
+    }
 }
 
 impl Reading {
@@ -190,9 +219,12 @@ fn longest_run(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Re
             .filter(|block| is_row && block.width == row.len())
         {
             block.rows += 1;
-            block
-                .values
-                .extend(row.iter().map(|value| value.map(f64::to_bits)));
+            block.values.extend(row.iter().map(bits));
+            for (kind, cell) in block.kinds.iter_mut().zip(&row) {
+                if *kind == ColumnKind::Real {
+                    *kind = ColumnKind::of(*cell).max(*kind);
+                }
+            }
             continue;
         }
         if run
@@ -207,8 +239,8 @@ fn longest_run(lines: &[&[u8]], skipped: usize, notation: Notation) -> Option<Re
             start: index,
             width: row.len(),
             rows: 1,
-            numeric: row.iter().map(Option::is_some).collect(),
-            values: row.iter().map(|value| value.map(f64::to_bits)).collect(),
+            kinds: row.iter().map(|cell| ColumnKind::of(*cell)).collect(),
+            values: row.iter().map(bits).collect(),
         });
     }
     longer(best, run)
@@ -394,7 +426,7 @@ fn with_headings(
         notation: reading.notation,
         lines_before: reading.start,
         width: reading.width,
-        numeric: reading.numeric.clone(),
+        kinds: reading.kinds.clone(),
         headings: Vec::new(),
         units: Vec::new(),
         heading_line: None,

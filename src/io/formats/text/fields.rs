@@ -1,5 +1,8 @@
 //! One line of a table: its fields, and its numbers.
 
+use num_complex::Complex64;
+
+use super::complex;
 use crate::io::formats::number;
 use crate::io::{Delimiter, IoError};
 
@@ -40,12 +43,16 @@ pub(super) fn is_passed_over(line: &[u8]) -> bool {
 }
 
 /// Fields of a line, without the blanks and quotes around them and without empty fields at the end.
-/// A quoted field may hold the separator.
+/// A quoted field and a complex number may hold the separator.
 pub(super) fn fields(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     let mut found: Vec<&[u8]> = Vec::new();
     let Some(separator) = delimiter.byte() else {
-        let words = line.split(u8::is_ascii_whitespace);
-        found.extend(words.filter(|word| !word.is_empty()).map(unquoted));
+        let mut rest = line.trim_ascii();
+        while !rest.is_empty() {
+            let (word, behind) = rest.split_at(word_end(rest));
+            found.push(unquoted(word));
+            rest = behind.trim_ascii_start();
+        }
         return found;
     };
     let mut rest = line;
@@ -63,12 +70,32 @@ pub(super) fn fields(line: &[u8], delimiter: Delimiter) -> Vec<&[u8]> {
     found
 }
 
+/// Where the word at the start of a text ends: at a blank, or behind a complex number with blanks
+/// inside.
+fn word_end(text: &[u8]) -> usize {
+    let is_blank_at = |end: &usize| text.get(*end).is_none_or(u8::is_ascii_whitespace);
+    let complex = complex_end(text).filter(is_blank_at);
+    let blank = || text.iter().position(u8::is_ascii_whitespace);
+    complex.or_else(blank).unwrap_or(text.len())
+}
+
+/// Where the complex number at the start of a text ends, whatever its decimal mark.
+fn complex_end(text: &[u8]) -> Option<usize> {
+    let read = complex::prefix(text, b'.').or_else(|| complex::prefix(text, b','));
+    read.map(|(_, len)| len)
+}
+
 /// Where the first field ends: at the separator that stands in no quotes, or at the end of the
 /// line.
 fn field_end(line: &[u8], separator: u8) -> usize {
-    let quoted = line.trim_ascii_start().first() == Some(&b'"');
-    if !quoted {
-        return memchr::memchr(separator, line).unwrap_or(line.len());
+    let text = line.trim_ascii_start();
+    if text.first() != Some(&b'"') {
+        // `(1.0,2.0)`
+        let is_open = text.first() == Some(&b'(');
+        let complex = is_open.then(|| complex_end(text)).flatten();
+        let start = complex.map_or(0, |len| line.len() - text.len() + len);
+        let end = memchr::memchr(separator, &line[start..]);
+        return end.map_or(line.len(), |end| start + end);
     }
     let mut inside = false;
     let end = line.iter().position(|byte| {
@@ -95,18 +122,60 @@ pub(super) fn is_stamp(field: &[u8]) -> bool {
         && (count(b":") > 0 || count(b"-/.") >= 2)
 }
 
-/// Numbers of a row into `row`; `None` stands for a date, a time of day or an empty field between
-/// others. False for a line that is no row: without a number, or with any other text.
-pub(super) fn row_of(line: &[u8], notation: Notation, row: &mut Vec<Option<f64>>) -> bool {
+/// A field of a row of numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cell {
+    /// A date, a time of day or an empty field between others.
+    Other,
+    /// A real number.
+    Real(f64),
+    /// A complex number.
+    Complex(Complex64),
+}
+
+impl Cell {
+    fn of(field: &[u8], decimal: u8) -> Option<Self> {
+        let real = number::field(field, decimal).map(Cell::Real);
+        real.or_else(|| complex::field(field, decimal).map(Cell::Complex))
+    }
+}
+
+/// Numbers of a row into `row`. False for a line that is no row: without a number, or with any
+/// text that is no date and no time of day.
+pub(super) fn row_of(line: &[u8], notation: Notation, row: &mut Vec<Cell>) -> bool {
     row.clear();
     for field in fields(line, notation.delimiter) {
-        let value = number::field(field, notation.decimal);
-        if value.is_none() && !field.is_empty() && !is_stamp(field) {
+        let cell = Cell::of(field, notation.decimal);
+        if cell.is_none() && !field.is_empty() && !is_stamp(field) {
             return false;
         }
-        row.push(value);
+        row.push(cell.unwrap_or(Cell::Other));
     }
-    row.iter().any(Option::is_some)
+    row.iter().any(|cell| *cell != Cell::Other)
+}
+
+/// Where the value of a column goes among the numbers of a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    /// Index of the real number, or of the real part.
+    pub index: usize,
+    /// Whether the column is complex; the imaginary part then follows the real one.
+    pub is_complex: bool,
+}
+
+impl Slot {
+    /// For a real number.
+    pub fn real(index: usize) -> Self {
+        Self {
+            index,
+            is_complex: false,
+        }
+    }
+
+    /// Numbers of the column in a row.
+    pub fn numbers(self) -> usize {
+        1 + usize::from(self.is_complex)
+    }
 }
 
 /// Which columns of a row are wanted, and how many columns there are.
@@ -117,12 +186,17 @@ pub(super) struct RowShape {
     /// Number of columns.
     pub width: usize,
     /// For each column where its value goes.
-    pub slots: Vec<Option<usize>>,
+    pub slots: Vec<Option<Slot>>,
     /// Whether `NaN` and `inf` are values.
     pub any_value: bool,
 }
 
 impl RowShape {
+    /// Numbers of a row.
+    pub fn numbers(&self) -> usize {
+        self.slots.iter().flatten().map(|slot| slot.numbers()).sum()
+    }
+
     /// Reads the numbers of a line: its row, or nothing for a blank line or a comment.
     ///
     /// # Errors
@@ -145,9 +219,14 @@ impl RowShape {
         for (column, slot) in self.slots.iter().enumerate() {
             at += blanks(&text[at..], separator);
             match slot {
+                Some(slot) if slot.is_complex => {
+                    let (value, len) = complex::prefix(&text[at..], self.notation.decimal)?;
+                    [row[slot.index], row[slot.index + 1]] = [value.re, value.im];
+                    at += len;
+                }
                 Some(slot) => {
                     let (value, len) = number::prefix(&text[at..], self.notation.decimal)?;
-                    row[*slot] = value;
+                    row[slot.index] = value;
                     at += len;
                 }
                 None if column == 0 && matches!(text.get(at), Some(b'#' | b'%')) => return None,
@@ -189,14 +268,25 @@ impl RowShape {
             let fault = |got: String| RowFault {
                 what: "number",
                 got,
-                expected: format!("a finite number in column {}", column + 1),
+                expected: match slot.is_complex {
+                    true => format!("a finite complex number in column {}", column + 1),
+                    false => format!("a finite number in column {}", column + 1),
+                },
             };
             let field = found
                 .get(column)
                 .ok_or_else(|| fault(format!("{} columns", found.len())))?;
-            let value = number::field(field, self.notation.decimal);
+            let value = match Cell::of(field, self.notation.decimal) {
+                Some(Cell::Real(value)) => Some(Complex64::from(value)),
+                Some(Cell::Complex(value)) if slot.is_complex => Some(value),
+                _ => None,
+            };
             let value = value.filter(|value| self.any_value || value.is_finite());
-            row[*slot] = value.ok_or_else(|| fault(super::encoding::text_of(field)))?;
+            let value = value.ok_or_else(|| fault(super::encoding::text_of(field)))?;
+            row[slot.index] = value.re;
+            if slot.is_complex {
+                row[slot.index + 1] = value.im;
+            }
         }
         let separators = self.notation.delimiter.byte();
         let raw = separators.map_or(found.len(), |byte| {
@@ -264,7 +354,7 @@ mod tests {
         RowShape {
             notation: Notation { delimiter, decimal },
             width: slots.len(),
-            slots: slots.to_vec(),
+            slots: slots.iter().map(|slot| slot.map(Slot::real)).collect(),
             any_value: false,
         }
     }
@@ -278,6 +368,14 @@ mod tests {
         );
         assert_eq!(of(" 1 \t 2 ", Delimiter::Blank), [b"1", b"2"]);
         assert_eq!(of("1;;3;", Delimiter::Semicolon), [&b"1"[..], b"", b"3"]);
+        assert_eq!(
+            of("1 2 + 3i  (4+5j)", Delimiter::Blank),
+            [&b"1"[..], b"2 + 3i", b"(4+5j)"]
+        );
+        assert_eq!(
+            of("1, (2,3) ,4-5i", Delimiter::Comma),
+            [&b"1"[..], b"(2,3)", b"4-5i"]
+        );
         assert!(of("", Delimiter::Tab).is_empty());
     }
 

@@ -5,6 +5,7 @@
 //! bytes. Samples are kept in a [`MemorySource`](crate::io::MemorySource).
 
 mod columns;
+mod complex;
 mod dialect;
 mod dof_text;
 mod encoding;

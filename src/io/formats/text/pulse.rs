@@ -14,7 +14,7 @@ use num_complex::Complex64;
 use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, text_of};
 use super::entries::{axis_of, new_source, report_uneven_axis};
-use super::fields::{Notation, RowShape};
+use super::fields::{Notation, RowShape, Slot};
 use super::header_syntax::{Abscissa, unit_of};
 use crate::axis::{FrequencyAxis, TimeAxis};
 use crate::frf::Estimator;
@@ -215,7 +215,7 @@ fn shape_of(keys: &Keys) -> RowShape {
             decimal: decimal_of(keys),
         },
         width,
-        slots: (0..width).map(Some).collect(),
+        slots: (0..width).map(|index| Some(Slot::real(index))).collect(),
         any_value: false,
     }
 }

@@ -16,7 +16,7 @@ use super::dialect::{MAX_COLUMNS, too_wide};
 use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, lines, text_of};
 use super::entries::{axis_of, new_source, report_uneven_axis, with_damage};
-use super::fields::{Notation, RowShape, fields, row_of};
+use super::fields::{Notation, RowShape, Slot, fields, row_of};
 use super::header_syntax::{Abscissa, unit_of};
 use crate::dof::Dof;
 use crate::io::{
@@ -67,7 +67,7 @@ impl Format for SignalCalc {
         let shape = RowShape {
             notation: NOTATION,
             width,
-            slots: (0..width).map(Some).collect(),
+            slots: (0..width).map(|index| Some(Slot::real(index))).collect(),
             any_value: false,
         };
         let mut rows =

@@ -5,7 +5,7 @@
 //! A row that is no row of numbers is damage: the rows before it are read, the rest is not.
 
 use super::columns::{Wanted, places, read_columns, table_rows};
-use super::dialect::{Dialect, detect_dialect};
+use super::dialect::{ColumnKind, Dialect, detect_dialect};
 use super::encoding::{TextBlocks, is_text};
 use super::entries::{entries_of, new_source, with_damage};
 use super::header_syntax::{Meaning, meanings};
@@ -45,8 +45,10 @@ impl Format for Table {
         let dialect = detect_dialect(text.block(), text.line_end(), spec, path)?;
         let source = match (spec, meanings(&dialect.headings)) {
             (Some(spec), _) => assigned(&mut text, &dialect, spec, path)?,
-            (None, Some(meanings)) => described(&mut text, &dialect, &meanings, path)?,
-            (None, None) => listed(&mut text, &dialect, path)?,
+            (None, Some(meanings)) if !dialect.kinds.contains(&ColumnKind::Complex) => {
+                described(&mut text, &dialect, &meanings, path)?
+            }
+            (None, _) => listed(&mut text, &dialect, path)?,
         };
         Ok(Box::new(source))
     }
@@ -100,17 +102,17 @@ fn described(
 /// The columns by name alone.
 fn listed(text: &mut TextBlocks, dialect: &Dialect, path: &str) -> Result<MemorySource, IoError> {
     let numeric: Vec<usize> = (0..dialect.width)
-        .filter(|column| dialect.numeric[*column])
+        .filter(|column| dialect.kinds[*column] != ColumnKind::Other)
         .collect();
     let rows = table_rows(text, dialect, &numeric, Wanted::Counted, path)?;
     let mut source = new_source("table", path);
     let columns = (0..dialect.width).map(|column| ArrayInfo {
         name: column_name(dialect, column),
         shape: vec![rows.rows],
-        kind: if dialect.numeric[column] {
-            "f64"
-        } else {
-            "text"
+        kind: match dialect.kinds[column] {
+            ColumnKind::Other => "text",
+            ColumnKind::Real => "f64",
+            ColumnKind::Complex => "complex f64",
         }
         .to_owned(),
     });
