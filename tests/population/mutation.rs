@@ -52,6 +52,7 @@ pub const READERS: &[Reader] = &[
     Reader { name: "signalcalc", seeds: seeds::signalcalc, spec: TableSpec::default },
     Reader { name: "table", seeds: seeds::table, spec: TableSpec::default },
     Reader { name: "table", seeds: seeds::plain_table, spec: acceleration },
+    Reader { name: "table", seeds: seeds::complex_table, spec: complex_column },
 ];
 
 fn response(column: ColumnName) -> TableColumn {
@@ -70,6 +71,23 @@ fn acceleration() -> TableSpec {
     TableSpec {
         sampling_rate_hz: Some(1000.0),
         columns: vec![response(ColumnName::Heading("acceleration".to_owned()))],
+        ..TableSpec::default()
+    }
+}
+
+/// The FRF of `seeds::complex_table`.
+fn complex_column() -> TableSpec {
+    let column = |number, role| TableColumn {
+        column: ColumnName::Number(number),
+        role,
+        scale: 1.0,
+    };
+    let frf = ColumnRole::Complex {
+        dof: "1:+Z".parse().ok(),
+        unit: "(m/s2)/N".parse().unwrap(),
+    };
+    TableSpec {
+        columns: vec![column(1, ColumnRole::Frequency), column(2, frf)],
         ..TableSpec::default()
     }
 }

@@ -139,8 +139,18 @@ pub fn uff() -> Vec<Vec<u8>> {
         b"\n    -1\n".to_vec(),
     ];
     let written_files = [Encoding::Binary, Encoding::Text].map(|encoding| written("uff", encoding));
-    let seeds = [Some(text.concat().into_bytes()), Some(binary.concat())];
-    seeds.into_iter().chain(written_files).flatten().collect()
+    let text = text.concat();
+    let utf_16: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let seeds = [
+        text.replace('\n', "\r").into_bytes(),
+        text.replace("    -1\n    -1\n", "    -1    -1\n")
+            .into_bytes(),
+        text.into_bytes(),
+        utf_16,
+        binary.concat(),
+    ];
+    let written_files = written_files.into_iter().flatten();
+    seeds.into_iter().chain(written_files).collect()
 }
 
 /// Modes in JSON.
@@ -201,6 +211,16 @@ pub fn plain_table() -> Vec<Vec<u8>> {
         format!("{heading}\n{}", rows.collect::<String>()).into_bytes()
     };
     vec![rows(","), rows(";"), rows("\t")]
+}
+
+/// Complex numbers beside a frequency, as NumPy, MATLAB and Fortran write them.
+pub fn complex_table() -> Vec<Vec<u8>> {
+    let rows = |row: fn(u8) -> String| (0..80).map(row).collect::<String>().into_bytes();
+    vec![
+        rows(|i| format!("{i} ({i}.5e+00-{i}.25e-01j)\n")),
+        rows(|i| format!("{i}, {i}.5 - {i}.25i\n")),
+        rows(|i| format!("{i};({i}.5,-{i}.25)\n")),
+    ]
 }
 
 /// Everything as MATLAB structs.

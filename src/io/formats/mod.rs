@@ -21,6 +21,7 @@ mod number;
 mod numpy;
 mod selection_json;
 mod text;
+mod text_coding;
 mod uff;
 
 use super::Format;

@@ -1,11 +1,12 @@
 //! Text files in blocks of whole lines, whatever their encoding and line ends.
 //!
-//! UTF-8 and Latin-1 pass as bytes, a byte order mark left away; UTF-16 (with its mark, as
-//! spreadsheets and LabVIEW export it) becomes UTF-8. A line ends with LF or CR LF, or with CR in a
-//! file without LF.
+//! UTF-8 and Latin-1 pass as bytes, a byte order mark left away; UTF-16 (as spreadsheets and
+//! LabVIEW export it) becomes UTF-8. A line ends with LF or CR LF, or with CR in a file without LF.
+//! NUL and Ctrl-Z at the end of the file are left away.
 
-use std::io::{Cursor, Read, SeekFrom};
+use std::io::{Read, SeekFrom};
 
+use crate::io::formats::text_coding::{decoded, decoded_head};
 use crate::io::{IoError, ReadSeek};
 
 /// Bytes of one block, enough for several threads; a longer line makes a longer block.
@@ -32,8 +33,10 @@ impl TextBlocks {
     ///
     /// # Errors
     /// [`IoError::System`] when it cannot be read.
-    pub fn new(input: Box<dyn ReadSeek>, path: &str) -> Result<Self, IoError> {
-        let (input, file_len) = decoded(input).map_err(|source| system(path, source))?;
+    pub fn new(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Self, IoError> {
+        let file_len = input.seek(SeekFrom::End(0));
+        let file_len = file_len.map_err(|source| system(path, source))?;
+        let input = decoded(input).map_err(|source| system(path, source))?;
         Ok(Self {
             input,
             path: path.to_owned(),
@@ -138,6 +141,9 @@ impl TextBlocks {
                 Err(source) => return Err(system(&self.path, source)),
             }
         }
+        if self.ended {
+            self.filled = without_end_padding(&self.buffer[..self.filled]).len();
+        }
         Ok(())
     }
 }
@@ -150,6 +156,16 @@ fn system(path: &str, source: std::io::Error) -> IoError {
     }
 }
 
+/// Text without the NUL and Ctrl-Z that DOS programs leave at the end of a file, and without the
+/// blanks behind them.
+fn without_end_padding(text: &[u8]) -> &[u8] {
+    let is_padding = |byte: &u8| matches!(byte, 0 | 0x1a);
+    let is_text = |byte: &u8| !is_padding(byte) && !byte.is_ascii_whitespace();
+    let text_end = text.iter().rposition(is_text).map_or(0, |last| last + 1);
+    let padding = text[text_end..].iter().position(is_padding);
+    padding.map_or(text, |at| &text[..text_end + at])
+}
+
 fn line_end_of(head: &[u8]) -> u8 {
     let has = |byte| memchr::memchr(byte, head).is_some();
     if !has(b'\n') && has(b'\r') {
@@ -159,94 +175,10 @@ fn line_end_of(head: &[u8]) -> u8 {
     }
 }
 
-/// A reader of the text behind the byte order mark, and the length of the file.
-fn decoded(mut input: Box<dyn ReadSeek>) -> std::io::Result<(Box<dyn Read>, u64)> {
-    let file_len = input.seek(SeekFrom::End(0))?;
-    input.seek(SeekFrom::Start(0))?;
-    let mut mark = Vec::with_capacity(3);
-    input.by_ref().take(3).read_to_end(&mut mark)?;
-    let (start, big_endian) = match mark.as_slice() {
-        [0xef, 0xbb, 0xbf] => (3, None),
-        [0xff, 0xfe, ..] => (2, Some(false)),
-        [0xfe, 0xff, ..] => (2, Some(true)),
-        _ => (0, None),
-    };
-    input.seek(SeekFrom::Start(start))?;
-    Ok(match big_endian {
-        None => (Box::new(input), file_len),
-        Some(big_endian) => (Box::new(Utf16::new(input, big_endian)), file_len),
-    })
-}
-
-/// UTF-16 read as UTF-8.
-struct Utf16 {
-    input: Box<dyn ReadSeek>,
-    big_endian: bool,
-    raw: Vec<u8>,
-    text: Vec<u8>,
-    given: usize,
-}
-
-impl Utf16 {
-    fn new(input: Box<dyn ReadSeek>, big_endian: bool) -> Self {
-        Self {
-            input,
-            big_endian,
-            raw: Vec::new(),
-            text: Vec::new(),
-            given: 0,
-        }
-    }
-
-    /// Decodes the next bytes; what is half a character waits for the rest.
-    fn decode(&mut self) -> std::io::Result<()> {
-        let waiting = self.raw.len();
-        let piece = &mut self.input.by_ref().take(1 << 16);
-        let ended = piece.read_to_end(&mut self.raw)? == 0;
-        let unit = |pair: &[u8]| match self.big_endian {
-            true => u16::from_be_bytes([pair[0], pair[1]]),
-            false => u16::from_le_bytes([pair[0], pair[1]]),
-        };
-        let mut units: Vec<u16> = self.raw.chunks_exact(2).map(unit).collect();
-        let half = units.last().is_some_and(|last| last & 0xfc00 == 0xd800);
-        if half && !ended {
-            units.pop();
-        }
-        self.raw.drain(..2 * units.len());
-        if ended && waiting > 0 {
-            self.raw.clear();
-        }
-        self.text.clear();
-        self.given = 0;
-        for character in char::decode_utf16(units) {
-            let character = character.unwrap_or(char::REPLACEMENT_CHARACTER);
-            let mut bytes = [0; 4];
-            self.text
-                .extend_from_slice(character.encode_utf8(&mut bytes).as_bytes());
-        }
-        Ok(())
-    }
-}
-
-impl Read for Utf16 {
-    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
-        if self.given == self.text.len() {
-            self.decode()?;
-        }
-        let count = out.len().min(self.text.len() - self.given);
-        out[..count].copy_from_slice(&self.text[self.given..self.given + count]);
-        self.given += count;
-        Ok(count)
-    }
-}
-
 /// The first lines of a file of which these are the first bytes; empty ones where there are fewer.
 pub(super) fn first_lines<const COUNT: usize>(head: &[u8]) -> [Vec<u8>; COUNT] {
-    let mut text = Vec::new();
-    // A head in memory is always read.
-    let decoded = decoded(Box::new(Cursor::new(head.to_vec())));
-    let read = decoded.and_then(|(mut input, _)| input.read_to_end(&mut text));
-    let mut lines = lines(&text, line_end_of(&text)).filter(|_| read.is_ok());
+    let text = decoded_head(head);
+    let mut lines = lines(&text, line_end_of(&text));
     std::array::from_fn(|_| lines.next().unwrap_or_default().to_vec())
 }
 
@@ -270,28 +202,21 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     }
 }
 
-/// Whether the first bytes of a file are text: UTF-8, Latin-1, or UTF-16 with its mark.
+/// Whether the first bytes of a file are text: UTF-8, Latin-1, or UTF-16.
 pub(super) fn is_text(head: &[u8]) -> bool {
-    let text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0x80..=0xff);
-    let utf16 = |big_endian: bool| {
-        head[2..].chunks_exact(2).all(|pair| {
-            let (high, low) = if big_endian {
-                (pair[0], pair[1])
-            } else {
-                (pair[1], pair[0])
-            };
-            high != 0 || text(&low)
-        })
-    };
-    match head {
-        [0xff, 0xfe, ..] => utf16(false),
-        [0xfe, 0xff, ..] => utf16(true),
-        _ => head.iter().all(text),
-    }
+    let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0x80..=0xff);
+    let head = decoded_head(head);
+    // Only behind a line is padding the end of a text.
+    let text = without_end_padding(&head);
+    let is_line = text.iter().any(|byte| matches!(byte, b'\n' | b'\r'));
+    let text = if is_line { text } else { &head };
+    text.iter().all(is_text)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     fn whole(bytes: &[u8]) -> (Vec<u8>, u8) {
@@ -327,6 +252,12 @@ mod tests {
             }
             assert!(is_text(&bytes[..4096]));
             assert_eq!(whole(&bytes).0, text.as_bytes());
+        }
+        assert!(is_text(b"a\n1\n\x1a") && is_text(b"a\n1\n\0\0\0"));
+        assert!(!is_text(b"a\0\0") && !is_text(b"a\n\x1a1\n") && !is_text(b"\0\0"));
+        for end in ["\u{1a}", "\n\0\0", "\u{1a}\u{1a}", "\r\n\u{1a}\r\n"] {
+            let padded = format!("1,2\n3,4{end}");
+            assert_eq!(whole(padded.as_bytes()).0.trim_ascii(), b"1,2\n3,4");
         }
         // Half a character at the end of the file.
         assert_eq!(

@@ -25,9 +25,10 @@
 //! | 2420 | coordinate systems | yes | yes |
 //! | 2467 | groups | yes | yes |
 //!
-//! Any other number is passed over with a finding. Reading is free in form (CRLF or LF, any
-//! padding, fields off their columns, `D` and three-digit exponents, wrong byte counts) and strict
-//! in meaning (no unit, step or type is guessed).
+//! Any other number is passed over with a finding. Reading is free in form (UTF-8, Latin-1 or
+//! UTF-16, CRLF, LF or CR, files joined without a line end, any padding, fields off their columns,
+//! `D` and three-digit exponents, wrong byte counts) and strict in meaning (no
+//! unit, step or type is guessed).
 
 mod dataset_151;
 mod dataset_164;
@@ -50,12 +51,14 @@ use std::ops::Range;
 
 use crate::finding::Finding;
 use crate::io::error::write_failed;
+use crate::io::formats::text_coding::{decoded_head, without_utf_16};
 use crate::io::{
     Block, Catalog, Confidence, Format, Hints, IoError, ReadSeek, Source, WriteOptions, WriteSeek,
 };
 use dataset_58::binary_samples::{BinaryBlock, Input, Samples, read_abscissa, read_binary};
 use dataset_58::text_samples::{TextBlock, copy_abscissa, copy_text, read_text};
-use fields::{dataset_number, is_delimiter};
+use fields::dataset_number;
+use fields::delimiter::{is_delimiter, without_padding};
 use scan::scanner::NAME;
 
 /// The universal file format.
@@ -86,9 +89,10 @@ impl Format for Uff {
 
     /// Certain when the first line that is not blank is `-1` and the next one a dataset number.
     fn detect(&self, head: &[u8]) -> Confidence {
+        let head = decoded_head(head);
         let mut lines = head
-            .split(|byte| *byte == b'\n')
-            .filter(|line| !line.trim_ascii().is_empty());
+            .split(|byte| matches!(byte, b'\r' | b'\n'))
+            .filter(|line| !without_padding(line).is_empty());
         let opened = lines.next().is_some_and(is_delimiter);
         let numbered = lines
             .next()
@@ -101,6 +105,11 @@ impl Format for Uff {
     }
 
     fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        let input = without_utf_16(input).map_err(|source| IoError::System {
+            path: hints.path.clone(),
+            action: "read",
+            source,
+        })?;
         let scan = scan::scan(input, &hints.path)?;
         Ok(Box::new(UffSource {
             catalog: scan.catalog,

@@ -61,6 +61,14 @@ pub(super) struct BinaryLine {
     pub stated_bytes: u64,
 }
 
+/// The parts of a binary dataset as its first line states them, whatever it says of byte order and
+/// float format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct BinaryExtent {
+    pub header_lines: usize,
+    pub stated_bytes: u64,
+}
+
 /// Characteristics of an abscissa or ordinate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Characteristic {
@@ -102,14 +110,8 @@ pub(super) struct Header {
 
 /// Reads the first line of a binary dataset.
 pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
-    let words = words(&line.bytes);
-    let by_columns = columns(&line.bytes, &[7, 6, 6, 12, 12]);
-    // A byte count that fills its columns touches the number before it.
-    let plain = |lines: &&[u8]| integer(lines).is_some_and(|n| n <= MAX_HEADER_LINES);
-    let by_words = words.len() >= 5 && words.get(3).is_some_and(plain);
-    let fields = if by_words { words } else { by_columns };
-    let numbers: Option<Vec<i64>> = fields[1..5].iter().map(|field| integer(field)).collect();
     let refuse = |expected: &str| FieldError::line(line, "binary dataset 58", expected);
+    let numbers: Option<Vec<i64>> = binary_numbers(line).into_iter().collect();
     let numbers = numbers
         .ok_or_else(|| refuse("58b, byte order, float format, number of text lines, byte count"))?;
     if !matches!(numbers[0], 1 | 2) {
@@ -130,6 +132,30 @@ pub(super) fn binary_line(line: &Line) -> Result<BinaryLine, FieldError> {
         header_lines: header_lines as usize,
         stated_bytes: u64::try_from(numbers[3]).unwrap_or(0),
     })
+}
+
+/// Byte order, float format, number of text lines and byte count of the first line of a binary
+/// dataset, each where it is a number.
+fn binary_numbers(line: &Line) -> [Option<i64>; 4] {
+    let words = words(&line.bytes);
+    let by_columns = columns(&line.bytes, &[7, 6, 6, 12, 12]);
+    // A byte count that fills its columns touches the number before it.
+    let plain = |lines: &&[u8]| integer(lines).is_some_and(|n| n <= MAX_HEADER_LINES);
+    let by_words = words.len() >= 5 && words.get(3).is_some_and(plain);
+    let fields = if by_words { words } else { by_columns };
+    std::array::from_fn(|index| integer(fields[index + 1]))
+}
+
+/// The parts of a binary dataset; eleven lines and no bytes where the first line states none that
+/// can be believed.
+pub(super) fn binary_extent(line: &Line) -> BinaryExtent {
+    let [_, _, header_lines, stated_bytes] = binary_numbers(line);
+    let believed =
+        header_lines.filter(|count| (HEADER_LINES as i64..=MAX_HEADER_LINES).contains(count));
+    BinaryExtent {
+        header_lines: believed.map_or(HEADER_LINES, |count| count as usize),
+        stated_bytes: stated_bytes.map_or(0, |bytes| u64::try_from(bytes).unwrap_or(0)),
+    }
 }
 
 /// Reads the header from its (at least eleven) lines; `at` is where the dataset's first line
@@ -248,13 +274,15 @@ fn dof_fields(fields: &[&[u8]]) -> Option<DofFields> {
     })
 }
 
-struct SpacingRecord {
-    format: SampleFormat,
-    points: u64,
-    spacing: Option<Spacing>,
+/// Record 7.
+pub(super) struct SpacingRecord {
+    pub format: SampleFormat,
+    pub points: u64,
+    pub spacing: Option<Spacing>,
 }
 
-fn spacing_record(line: &Line) -> Result<SpacingRecord, FieldError> {
+/// Reads record 7.
+pub(super) fn spacing_record(line: &Line) -> Result<SpacingRecord, FieldError> {
     const WIDTHS: [usize; 6] = [10, 10, 10, 13, 13, 13];
     let refuse = |what, expected| FieldError::line(line, what, expected);
     let (integers, as_printed) =

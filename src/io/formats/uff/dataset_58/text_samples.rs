@@ -23,6 +23,8 @@ pub(in crate::io::formats::uff) struct TextBlock {
     pub points: u64,
     /// Whether an abscissa stands before each value.
     pub uneven: bool,
+    /// The byte that ends a line.
+    pub line_end: u8,
 }
 
 impl TextBlock {
@@ -111,6 +113,7 @@ pub(in crate::io::formats::uff) fn read_text(
             half_units: printed.then(|| (from.stride() as usize, Vec::new())),
         },
         within_row: false,
+        line_end: from.line_end,
     };
     let system = |source| IoError::System {
         path: path.to_owned(),
@@ -128,7 +131,7 @@ pub(in crate::io::formats::uff) fn read_text(
         let filled = kept + count;
         let whole = match left {
             0 => filled,
-            _ => whole_rows(&buffer[..filled], filled == buffer.len()),
+            _ => whole_rows(&buffer[..filled], from.line_end, filled == buffer.len()),
         };
         let taken = rows.take(&buffer[..whole]);
         taken.map_err(|error| error.in_file(path))?;
@@ -149,8 +152,8 @@ fn read_some(input: &mut dyn ReadSeek, bytes: &mut [u8]) -> io::Result<usize> {
 
 /// How many of the bytes are whole rows; where a row is longer than all of them, how many are whole
 /// numbers; all, where a number is.
-fn whole_rows(bytes: &[u8], full: bool) -> usize {
-    let row = memchr::memrchr(b'\n', bytes).map(|at| at + 1);
+fn whole_rows(bytes: &[u8], line_end: u8, full: bool) -> usize {
+    let row = memchr::memrchr(line_end, bytes).map(|at| at + 1);
     match row {
         Some(end) => end,
         None if full => {
@@ -169,6 +172,7 @@ struct Rows {
     numbers: Numbers,
     /// Whether what was read last is the first part of a row.
     within_row: bool,
+    line_end: u8,
 }
 
 impl Rows {
@@ -176,7 +180,7 @@ impl Rows {
     fn take(&mut self, bytes: &[u8]) -> Result<(), FieldError> {
         let mut start = 0;
         while start < bytes.len() {
-            let end = memchr::memchr(b'\n', &bytes[start..]).map(|at| start + at + 1);
+            let end = memchr::memchr(self.line_end, &bytes[start..]).map(|at| start + at + 1);
             let row = &bytes[start..end.unwrap_or(bytes.len())];
             self.row(row)?;
             self.at.byte += row.len() as u64;
@@ -208,7 +212,7 @@ impl Rows {
         if surplus > 0 && count > before && (new_row || !filler) {
             return Err(self.wrong_count(format!("{count} or more")));
         }
-        self.within_row = !row.ends_with(b"\n");
+        self.within_row = !row.ends_with(&[self.line_end]);
         Ok(())
     }
 
@@ -245,6 +249,7 @@ mod tests {
             wanted: 4,
             numbers: Numbers::default(),
             within_row: false,
+            line_end: b'\n',
         };
         parts.iter().all(|part| rows.take(part.as_bytes()).is_ok()) && rows.finish().is_ok()
     }

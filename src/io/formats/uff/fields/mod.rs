@@ -5,6 +5,7 @@
 //! fields away. A record of numbers alone is therefore first read by words, when there are as many
 //! words as fields, and else by columns.
 
+pub(super) mod delimiter;
 pub(super) mod fixed_columns;
 pub(super) mod lines;
 pub(super) mod records;
@@ -68,11 +69,6 @@ impl FieldError {
             },
         }
     }
-}
-
-/// Whether a line is the mark that opens and closes datasets.
-pub(super) fn is_delimiter(bytes: &[u8]) -> bool {
-    bytes.trim_ascii() == b"-1"
 }
 
 /// Number of a dataset and whether it is binary, when a line is nothing but a dataset's first line

@@ -15,8 +15,13 @@ use crate::io::formats::uff::dataset_58::binary_samples::{BinaryBlock, Samples};
 use crate::io::formats::uff::dataset_58::meaning::{Meaning, meaning};
 use crate::io::formats::uff::dataset_58::text_samples::{TextBlock, read_text};
 use crate::io::formats::uff::dataset_58::value_width::value_bytes;
-use crate::io::formats::uff::dataset_58::{BinaryLine, HEADER_LINES, Header, binary_line, header};
+use crate::io::formats::uff::dataset_58::{
+    BinaryLine, HEADER_LINES, Header, binary_extent, binary_line, header, spacing_record,
+};
 use crate::io::formats::uff::dataset_1858;
+use crate::io::formats::uff::fields::delimiter::{
+    appended_delimiter, is_delimiter, without_padding,
+};
 use crate::io::formats::uff::fields::{FieldError, Line, Position, dataset_number};
 use crate::io::{EntryAxis, FunctionType, GeneralAxis, IoError, Part, SampleFormat};
 
@@ -38,7 +43,7 @@ impl Scanner {
             }
         };
         let at = self.lines.position();
-        match self.find_delimiter()? {
+        match self.text_end(&header, at)? {
             Some(end) => {
                 self.text_block(header, at, end)?;
                 self.reopen(end)
@@ -47,14 +52,65 @@ impl Scanner {
         }
     }
 
-    fn text_block(&mut self, header: Header, at: Position, end: u64) -> io::Result<()> {
-        let block = TextBlock {
+    /// Passes over the numbers of a text block and its delimiter, and says where that starts.
+    ///
+    /// A delimiter may stand directly behind the last number, without a line end between them. It
+    /// is one where the line behind it begins or ends a dataset and the numbers before it are as
+    /// many as the header states.
+    fn text_end(&mut self, header: &Header, at: Position) -> io::Result<Option<u64>> {
+        let mut line = Vec::new();
+        let mut appended: Option<u64> = None;
+        let mut was_tried = false;
+        loop {
+            let read = self.lines.read_line_of_dataset(&mut line)?;
+            if appended.is_some() && read.is_some() && without_padding(&line).is_empty() {
+                continue;
+            }
+            let is_end = read.is_none() || is_delimiter(&line);
+            if let Some(delimiter) = appended.take()
+                && (is_end || (!was_tried && dataset_number(&line).is_some()))
+            {
+                was_tried = true;
+                let behind = read.unwrap_or(self.lines.position());
+                let block = self.text_block_to(header, at, delimiter);
+                if self.is_whole(&block)? {
+                    self.lines.go_to(behind)?;
+                    return Ok(Some(delimiter));
+                }
+            }
+            let Some(found) = read else { return Ok(None) };
+            if is_end {
+                return Ok(Some(found.byte));
+            }
+            appended = appended_delimiter(&line).map(|column| found.byte + column as u64);
+        }
+    }
+
+    fn text_block_to(&self, header: &Header, at: Position, end: u64) -> TextBlock {
+        TextBlock {
             at,
             end,
             format: header.format,
             points: header.points,
             uneven: header.spacing.is_none(),
-        };
+            line_end: self.lines.line_end(),
+        }
+    }
+
+    /// Whether a text block has as many numbers as its header states, and nothing else.
+    fn is_whole(&mut self, block: &TextBlock) -> io::Result<bool> {
+        // A number takes a digit and what parts it from the next.
+        let most = (block.end - block.at.byte).div_ceil(2);
+        let wanted = block.points.checked_mul(block.stride());
+        let path = &self.path;
+        Ok(wanted.is_some_and(|wanted| wanted <= most)
+            && self
+                .lines
+                .with_input(|input| read_text(input.as_mut(), block, false, path).is_ok())?)
+    }
+
+    fn text_block(&mut self, header: Header, at: Position, end: u64) -> io::Result<()> {
+        let block = self.text_block_to(&header, at, end);
         // A number takes a digit and what parts it from the next.
         let most = (end - at.byte).div_ceil(2);
         let wanted = header.points.checked_mul(block.stride());
@@ -106,35 +162,29 @@ impl Scanner {
         let end = self.lines.end();
         self.lines.go_to(at)?;
         let (mut line, mut next, mut last) = (Vec::new(), Vec::new(), at.byte);
+        // Padding behind the numbers is none of them.
+        let mut padding = None;
         while let Some(at) = self.lines.read_line(&mut next)? {
+            if without_padding(&next).is_empty() {
+                padding.get_or_insert(at.byte);
+                continue;
+            }
+            padding = None;
             last = at.byte;
             std::mem::swap(&mut line, &mut next);
         }
         // The last line may be incomplete, unless it has a line end or begins a delimiter.
-        let ended = end - last > line.len() as u64;
+        let ended = padding.unwrap_or(end) - last > line.len() as u64;
         let end = match line.trim_ascii() {
-            _ if ended => end,
-            b"" | b"-" => last,
+            b"-" => last,
+            _ if ended => padding.unwrap_or(end),
             _ => {
                 self.no_end(header.part());
                 return Ok(());
             }
         };
-        let whole = TextBlock {
-            at,
-            end,
-            format: header.format,
-            points: header.points,
-            uneven: header.spacing.is_none(),
-        };
-        let most = (end - at.byte).div_ceil(2);
-        let wanted = header.points.checked_mul(whole.stride());
-        let path = &self.path;
-        if wanted.is_some_and(|wanted| wanted <= most)
-            && self
-                .lines
-                .with_input(|input| read_text(input.as_mut(), &whole, false, path).is_ok())?
-        {
+        let whole = self.text_block_to(&header, at, end);
+        if self.is_whole(&whole)? {
             self.not_closed(Position {
                 line: None,
                 byte: end,
@@ -159,6 +209,10 @@ impl Scanner {
             Err(error) => {
                 let part = self.part_ahead(start)?;
                 self.damaged(error, part);
+                if self.pass_over_binary(first)? {
+                    return Ok(());
+                }
+                self.lines.go_to(start)?;
                 return self.resynchronise();
             }
         };
@@ -171,25 +225,38 @@ impl Scanner {
             Ok(header) => self.binary_block(header, binary, block.byte),
             Err(error) => {
                 self.damaged(error, header_part(&lines));
-                let behind = block.byte.saturating_add(binary.stated_bytes);
-                if let Some(delimiter) = self.lines.delimiter_at(behind, false)? {
-                    self.lines.jump_to(delimiter)?;
-                    self.close()
-                } else {
-                    self.lines.go_to(start)?;
-                    self.resynchronise()
+                self.lines.go_to(start)?;
+                if self.pass_over_binary(first)? {
+                    return Ok(());
                 }
+                self.lines.go_to(start)?;
+                self.resynchronise()
             }
         }
     }
 
+    /// Passes over the header and the block of a binary dataset whose first line is `first`, and
+    /// over its delimiter: where the byte count or the number of points leads to one. Else false,
+    /// and the reader stands anywhere.
+    pub fn pass_over_binary(&mut self, first: &Line) -> io::Result<bool> {
+        let extent = binary_extent(first);
+        let lines = self.available_lines(extent.header_lines)?;
+        let by_points = lines.get(6).map_or_else(Vec::new, block_bytes);
+        let byte = self.lines.position().byte;
+        for bytes in std::iter::once(extent.stated_bytes).chain(by_points) {
+            let end = byte.saturating_add(bytes);
+            if let Some(delimiter) = self.lines.delimiter_at(end, false)? {
+                self.lines.jump_to(delimiter)?;
+                self.close()?;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
     /// The type of the function whose header begins at `start`; nothing is passed over.
     fn part_ahead(&mut self, start: Position) -> io::Result<Part> {
-        let mut lines = Vec::with_capacity(HEADER_LINES);
-        while lines.len() < HEADER_LINES {
-            let Some(line) = self.line()? else { break };
-            lines.push(line);
-        }
+        let lines = self.available_lines(HEADER_LINES)?;
         self.lines.go_to(start)?;
         Ok(header_part(&lines))
     }
@@ -197,7 +264,7 @@ impl Scanner {
     /// Finds the end of a binary block that starts at `byte`: where the number of points puts it if
     /// a delimiter (or the end of the file) stands there, whatever the byte count says.
     fn binary_block(&mut self, header: Header, line: BinaryLine, byte: u64) -> io::Result<()> {
-        for abscissa_bytes in abscissa_bytes(&header) {
+        for abscissa_bytes in abscissa_bytes(header.format, header.spacing.is_none()) {
             let stride = value_bytes(header.format) + *abscissa_bytes as u64;
             let needed = header.points.checked_mul(stride);
             let end = needed.and_then(|needed| byte.checked_add(needed));
@@ -206,7 +273,10 @@ impl Scanner {
                 Some(end) if end == file_bytes => Some(end),
                 Some(end) => {
                     let agrees = needed == Some(line.stated_bytes);
-                    self.lines.delimiter_at(end, agrees)?
+                    match self.lines.delimiter_at(end, agrees)? {
+                        None if self.lines.is_padding_to_end(end)? => Some(file_bytes),
+                        delimiter => delimiter,
+                    }
                 }
                 None => None,
             };
@@ -365,12 +435,25 @@ impl Header {
 }
 
 /// Bytes that an abscissa may take before each value.
-fn abscissa_bytes(header: &Header) -> &'static [usize] {
-    match (&header.spacing, header.format) {
-        (Some(_), _) => &[0],
-        (None, SampleFormat::RealF32 | SampleFormat::ComplexF32) => &[4],
-        (None, SampleFormat::RealF64 | SampleFormat::ComplexF64) => &[8, 4],
+fn abscissa_bytes(format: SampleFormat, is_uneven: bool) -> &'static [usize] {
+    match (is_uneven, format) {
+        (false, _) => &[0],
+        (true, SampleFormat::RealF32 | SampleFormat::ComplexF32) => &[4],
+        (true, SampleFormat::RealF64 | SampleFormat::ComplexF64) => &[8, 4],
     }
+}
+
+/// Lengths that a binary block may have by the number of points of record 7; none where the record
+/// cannot be read.
+fn block_bytes(record_7: &Line) -> Vec<u64> {
+    let Ok(record) = spacing_record(record_7) else {
+        return Vec::new();
+    };
+    let abscissa_bytes = abscissa_bytes(record.format, record.spacing.is_none()).iter();
+    let strides = abscissa_bytes.map(|bytes| value_bytes(record.format) + *bytes as u64);
+    strides
+        .filter_map(|stride| record.points.checked_mul(stride))
+        .collect()
 }
 
 /// Number of points that a byte count holds, for an even abscissa. Where the count is right for the

@@ -15,8 +15,9 @@ use std::io;
 use super::dataset_58::axis::domain;
 use super::dataset_58::binary_samples::Samples;
 use super::dataset_58::meaning::set_units;
+use super::fields::delimiter::{is_delimiter, without_padding};
 use super::fields::lines::LineReader;
-use super::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
+use super::fields::{FieldError, Line, Position, dataset_number};
 use super::{dataset_151, dataset_164};
 use crate::finding::{Code, Finding, Severity};
 use crate::io::{Catalog, IoError, Part, ReadSeek};
@@ -53,10 +54,12 @@ impl Scanner {
     /// Finds the datasets: a delimiter, a line with their number, their lines, a delimiter.
     fn datasets(&mut self) -> io::Result<()> {
         let (mut opened, mut stray) = (false, false);
-        while let Some(line) = self.line()? {
+        loop {
+            self.lines.adapt_line_end()?;
+            let Some(line) = self.line()? else { break };
             if is_delimiter(&line.bytes) {
                 opened = true;
-            } else if line.bytes.trim_ascii().is_empty() {
+            } else if without_padding(&line.bytes).is_empty() {
                 continue;
             } else if let (true, Some((number, binary))) = (opened, dataset_number(&line.bytes)) {
                 (opened, stray) = (false, false);
@@ -96,7 +99,7 @@ impl Scanner {
                 }
                 Ok(())
             }
-            _ => {
+            (_, binary) => {
                 if self.unknown.insert(number) {
                     let finding = Finding::new(
                         Severity::Info,
@@ -107,6 +110,11 @@ impl Scanner {
                         .findings
                         .push(finding.value(f64::from(number), ""));
                 }
+                let start = self.lines.position();
+                if binary && self.pass_over_binary(first)? {
+                    return Ok(());
+                }
+                self.lines.go_to(start)?;
                 if self.find_delimiter()?.is_none() {
                     self.no_end(Part::Other);
                 }

@@ -8,8 +8,9 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::formats::uff::dataset_58::binary_samples::Samples;
 use crate::io::formats::uff::dataset_58::{Header, function_type};
 use crate::io::formats::uff::dataset_164::Units;
+use crate::io::formats::uff::fields::delimiter::is_delimiter;
 use crate::io::formats::uff::fields::lines::LineReader;
-use crate::io::formats::uff::fields::{FieldError, Line, Position, dataset_number, is_delimiter};
+use crate::io::formats::uff::fields::{FieldError, Line, Position, dataset_number};
 use crate::io::formats::uff::qualifiers::Qualifiers;
 use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
 
@@ -59,36 +60,42 @@ impl Scanner {
     /// One line, of which nothing is known yet.
     pub fn line(&mut self) -> io::Result<Option<Line>> {
         let mut bytes = Vec::new();
-        let at = self.lines.read_line(&mut bytes)?;
+        let at = self.lines.read_line_of_dataset(&mut bytes)?;
         Ok(at.map(|at| Line { at, bytes }))
     }
 
-    /// One line of a header; text that is not UTF-8 is reported once.
-    fn header_line(&mut self) -> io::Result<Option<Line>> {
-        let line = self.line()?;
-        if let Some(line) = &line
-            && std::str::from_utf8(&line.bytes).is_err()
-            && self.reported.insert(Code::HeaderNotUtf8)
-        {
+    /// Reports text that is not UTF-8 once.
+    fn report_coding(&mut self, line: &Line) {
+        if std::str::from_utf8(&line.bytes).is_err() && self.reported.insert(Code::HeaderNotUtf8) {
             let location = self.location(line.at);
             let finding = Finding::new(Severity::Info, Code::HeaderNotUtf8, location);
             self.catalog.findings.push(finding);
         }
-        Ok(line)
+    }
+
+    /// The next lines, which may look like delimiters: `count` of them, or as many as the file has.
+    pub fn available_lines(&mut self, count: usize) -> io::Result<Vec<Line>> {
+        let mut lines = Vec::with_capacity(count);
+        while lines.len() < count {
+            let mut bytes = Vec::new();
+            let Some(at) = self.lines.read_line(&mut bytes)? else {
+                break;
+            };
+            lines.push(Line { at, bytes });
+        }
+        Ok(lines)
     }
 
     /// The next `count` lines, which may look like delimiters; `None` when the file ends before.
     pub fn header_lines(&mut self, count: usize) -> io::Result<Option<Vec<Line>>> {
-        let mut lines = Vec::with_capacity(count);
-        while lines.len() < count {
-            let Some(line) = self.header_line()? else {
-                let got = format!("{} lines", lines.len());
-                let part = header_part(&lines);
-                let expected = format!("{count} lines");
-                self.truncated("the header of dataset 58", got, expected, part);
-                return Ok(None);
-            };
-            lines.push(line);
+        let lines = self.available_lines(count)?;
+        lines.iter().for_each(|line| self.report_coding(line));
+        if lines.len() < count {
+            let got = format!("{} lines", lines.len());
+            let part = header_part(&lines);
+            let expected = format!("{count} lines");
+            self.truncated("the header of dataset 58", got, expected, part);
+            return Ok(None);
         }
         Ok(Some(lines))
     }
@@ -96,7 +103,8 @@ impl Scanner {
     /// The lines up to the delimiter; damage when the file ends before.
     pub fn collect(&mut self, part: Part) -> io::Result<Option<Vec<Line>>> {
         let mut lines = Vec::new();
-        while let Some(line) = self.header_line()? {
+        while let Some(line) = self.line()? {
+            self.report_coding(&line);
             if is_delimiter(&line.bytes) {
                 return Ok(Some(lines));
             }
@@ -109,7 +117,7 @@ impl Scanner {
     /// Passes over lines up to and with the delimiter, and says where it starts.
     pub fn find_delimiter(&mut self) -> io::Result<Option<u64>> {
         let mut line = Vec::new();
-        while let Some(at) = self.lines.read_line(&mut line)? {
+        while let Some(at) = self.lines.read_line_of_dataset(&mut line)? {
             if is_delimiter(&line) {
                 return Ok(Some(at.byte));
             }
@@ -127,7 +135,7 @@ impl Scanner {
     pub fn resynchronise(&mut self) -> io::Result<()> {
         let mut before: Option<Position> = None;
         let mut line = Vec::new();
-        while let Some(at) = self.lines.read_line(&mut line)? {
+        while let Some(at) = self.lines.read_line_of_dataset(&mut line)? {
             if let (Some(delimiter), Some(_)) = (before, dataset_number(&line)) {
                 return self.lines.go_to(delimiter);
             }

@@ -5,6 +5,7 @@ pub(super) mod file_builder;
 mod functions;
 mod geometry;
 mod geometry_round_trip;
+mod joined;
 mod layouts;
 mod modes;
 mod mutation;

@@ -89,6 +89,7 @@ fn seeds() -> Vec<Vec<u8>> {
         ..Form::default()
     };
     let single = binary_58(&header(2, 8), &singles(&[1.0; 8], true), form(true));
+    let ramp: Vec<f32> = (0..40_u8).map(|n| 0.3 * f32::from(n).sin()).collect();
     let wide = binary_58(&header(4, 8), &doubles(&[1.0; 8], false), form(false));
     let uneven = |data_type: i32| {
         let mut head = header(data_type, 4);
@@ -98,7 +99,29 @@ fn seeds() -> Vec<Vec<u8>> {
     let pairs = text_58(&uneven(2), &["0. 1. .5 2. 1.5 3.", "2. 4."], "\n");
     let bytes = binary_58(&uneven(4), &doubles(&[0.5; 8], true), form(true));
     let window = dataset(&["  1858", "1 0 0 0 0 0", "1 4 0 0 0 0 0 0 0 0 0 0"], "\n");
+    let missing = text_58(&header(2, 3), &["-1.#IND0E+00 nan(ind)-1.#INF"], "\n");
+    let swapped = binary_58(&header(2, 40), &singles(&ramp, false), form(true));
+    let vax = [
+        &b"    -1\n    58b     1     1          11          32\n"[..],
+        &wide[95..],
+    ]
+    .concat();
+    let joined = [
+        text.trim_ascii_end(),
+        b"\x1a",
+        single.trim_ascii_end(),
+        &missing,
+    ]
+    .concat();
+    let old = text_58(&header(2, 8), &["1. 2. 3. 4. 5.", "6. 7. 8."], "\r");
+    let utf_16 = [0xff, 0xfe]
+        .into_iter()
+        .chain(text.iter().flat_map(|byte| [*byte, 0]));
     vec![
+        joined,
+        [swapped, vax, double.clone()].concat(),
+        ["\u{feff}".as_bytes(), &old, &text, &old].concat(),
+        utf_16.collect(),
         [pairs, window, bytes].concat(),
         [title, units, nodes, trace].concat(),
         [systems.clone(), mesh, groups, local.clone()].concat(),
@@ -126,7 +149,7 @@ fn survive(bytes: Vec<u8>) {
 fn mutate(bytes: &mut Vec<u8>, rng: &mut ChaCha8Rng) {
     let at = rng.random_range(0..bytes.len());
     let end = (at + rng.random_range(1..60)).min(bytes.len());
-    match rng.random_range(0..7) {
+    match rng.random_range(0..10) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] = b"0123456789-+.ED \n\r"[rng.random_range(0..18)],
         2 => drop(bytes.drain(at..end)),
@@ -137,6 +160,9 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut ChaCha8Rng) {
         }
         4 => bytes.truncate(at.max(1)),
         5 => drop(bytes.splice(at..at, *b"\n    -1\n")),
+        6 => drop(bytes.splice(at..at, *b"    -1    -1\n")),
+        7 => drop(bytes.splice(at..at, *b"    -1\x1a\0\r    58\r")),
+        8 => drop(bytes.splice(at..at, *b" -1.#IND nan( 1.#")),
         _ => bytes[at..end].fill(b'9'),
     }
     if bytes.is_empty() {
@@ -162,6 +188,8 @@ proptest! {
     fn random_bytes_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         survive(bytes.clone());
         survive([b"    -1\n    58\n".to_vec(), bytes.clone()].concat());
+        survive([b"    -1\r    58\r".to_vec(), bytes.clone()].concat());
+        survive([b"\xff\xfe-\x001\x00\n\x00".to_vec(), bytes.clone()].concat());
         survive([b"    -1\n    58b     1     2          11          16\n".to_vec(), bytes].concat());
     }
 }
