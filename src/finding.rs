@@ -67,6 +67,9 @@ codes! {
     /// The binary byte count is wrong.
     ByteCountWrong: "The byte count of a binary dataset does not agree with its number of points. The number of points was used.",
         "Dataset 58b states the length of its binary block. Some writers state zero, half of it or another number. The value is the count as stated, the limit the count that the number of points needs.";
+    /// The stated byte order is wrong.
+    ByteOrderWrong: "The values of binary datasets make sense only in the byte order opposite to the stated one. The opposite order was used.",
+        "Dataset 58b states whether its bytes are little or big endian. Some writers state the wrong one. In the stated order the values are scattered over the whole range of the number format or too small for a measurement; in the opposite order they are ordinary and change gradually. Datasets of the file whose values decide nothing, such as zeros, are read alike. The value is the number of functions. Check their amplitudes, and state the right order in the file.";
     /// The number of points is wrong.
     PointCountWrong: "The number of points of a binary dataset does not agree with its length. The length was used.",
         "Dataset 58b states a number of points and a byte count. Where the closing delimiter stands behind the stated bytes and not behind the stated points, all bytes are read as values. The value is the stated number of points, the limit the number that the bytes hold.";

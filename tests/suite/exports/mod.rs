@@ -2,6 +2,7 @@
 //! reader describes it, with siblings of it, made here.
 
 mod axes;
+mod byte_order;
 mod complex_text;
 mod control;
 mod excitation;

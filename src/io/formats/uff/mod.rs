@@ -27,7 +27,7 @@
 //!
 //! Any other number is passed over with a finding. Reading is free in form (UTF-8, Latin-1 or
 //! UTF-16, CRLF, LF or CR, files joined without a line end, any padding, fields off their columns,
-//! `D` and three-digit exponents, wrong byte counts) and strict in meaning (no
+//! `D` and three-digit exponents, wrong byte counts, a wrong byte order) and strict in meaning (no
 //! unit, step or type is guessed).
 
 mod dataset_151;

@@ -32,7 +32,7 @@ pub(in crate::io::formats::uff) struct BinaryBlock {
 
 impl BinaryBlock {
     /// Bytes from one value to the next.
-    fn stride(&self) -> usize {
+    pub fn stride(&self) -> usize {
         self.abscissa_bytes + value_bytes(self.format) as usize
     }
 

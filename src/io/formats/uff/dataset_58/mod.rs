@@ -1,6 +1,7 @@
 //! Dataset 58, a function at a degree of freedom: its header, from lines to fields. No I/O, and no
 //! unit or axis is judged here (`meaning` does that); `binary_samples` and `text_samples` read the
-//! values. `entry_header`, `write_header` and `write_values` write an entry.
+//! values, and `byte_order` judges whether bytes have the stated order. `entry_header`,
+//! `write_header` and `write_values` write an entry.
 //!
 //! The dataset's first line is `58` alone for text, or for a binary block (columns in Fortran terms
 //! I6 A1 I6 I6 I12 I12):
@@ -33,6 +34,7 @@
 
 pub(super) mod axis;
 pub(super) mod binary_samples;
+pub(super) mod byte_order;
 pub(super) mod dof_fields;
 pub(super) mod entry_header;
 pub(super) mod meaning;

@@ -7,11 +7,12 @@
 
 use std::io;
 
-use super::scanner::{Scanner, header_part};
+use super::scanner::{ByteOrder, Scanner, header_part};
 use super::uneven_axis::{binary_abscissae, text_abscissae};
 use crate::finding::{Code, Finding, Severity};
 use crate::io::formats::uff::dataset_58::axis::{Abscissae, has_unknown_unit};
 use crate::io::formats::uff::dataset_58::binary_samples::{BinaryBlock, Samples};
+use crate::io::formats::uff::dataset_58::byte_order::Evidence;
 use crate::io::formats::uff::dataset_58::meaning::{Meaning, meaning};
 use crate::io::formats::uff::dataset_58::text_samples::{TextBlock, read_text};
 use crate::io::formats::uff::dataset_58::value_width::value_bytes;
@@ -302,17 +303,29 @@ impl Scanner {
         abscissa_bytes: usize,
         delimiter: u64,
     ) -> io::Result<()> {
-        let block = BinaryBlock {
+        let mut block = BinaryBlock {
             byte,
             little_endian: line.little_endian,
             format: header.format,
             abscissa_bytes,
         };
+        let evidence = self.byte_order_evidence(&block, header.points)?;
+        if evidence == Evidence::Opposite {
+            block.little_endian = !block.little_endian;
+        }
+        let (at, before) = (header.at, self.samples.len());
         let abscissae = match abscissa_bytes {
             0 => None,
             _ => Some(binary_abscissae(&mut self.lines, &block, header.points)?),
         };
         self.entry(header, Samples::Binary(block), abscissae.as_ref());
+        if self.samples.len() > before {
+            self.byte_orders.push(ByteOrder {
+                evidence,
+                entry: before,
+                at,
+            });
+        }
         self.lines.jump_to(delimiter)?;
         self.close()
     }

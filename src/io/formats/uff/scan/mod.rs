@@ -1,9 +1,10 @@
 //! One pass over the headers of a file: delimiters and the datasets between them (`functions`: FRFs
-//! and records; `geometry`: nodes and modes).
+//! and records; `byte_orders`: the order of their bytes; `geometry`: nodes and modes).
 //!
 //! Binary blocks are jumped over by their length, never searched. A dataset that cannot be read
 //! becomes damage with its place, and the pass goes on behind it. Knows the layout of no dataset.
 
+mod byte_orders;
 mod functions;
 mod geometry;
 mod raw_geometry;
@@ -161,6 +162,7 @@ impl Scanner {
         for (entry, header) in self.catalog.entries.iter_mut().zip(&self.headers) {
             set_units(entry, header, units_at(&self.units, header.at.byte));
         }
+        self.settle_byte_orders();
         self.place_geometry();
         Ok(Scan {
             abscissa_scales: self.headers.iter().map(|header| domain(header).1).collect(),

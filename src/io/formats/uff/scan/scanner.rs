@@ -6,6 +6,7 @@ use std::io;
 use super::raw_geometry::RawGeometry;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::formats::uff::dataset_58::binary_samples::Samples;
+use crate::io::formats::uff::dataset_58::byte_order::Evidence;
 use crate::io::formats::uff::dataset_58::{Header, function_type};
 use crate::io::formats::uff::dataset_164::Units;
 use crate::io::formats::uff::fields::delimiter::is_delimiter;
@@ -17,6 +18,16 @@ use crate::io::{Catalog, FunctionType, IoError, Part, ReadSeek};
 /// Name of the format.
 pub(in crate::io::formats::uff) const NAME: &str = "uff";
 
+/// What the values of a binary entry show of its byte order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ByteOrder {
+    pub evidence: Evidence,
+    /// Number of the entry.
+    pub entry: usize,
+    /// Where its dataset begins.
+    pub at: Position,
+}
+
 /// A pass over a file: its lines, and the contents of the datasets before them.
 pub(super) struct Scanner {
     pub lines: LineReader<Box<dyn ReadSeek>>,
@@ -24,6 +35,8 @@ pub(super) struct Scanner {
     pub catalog: Catalog,
     pub headers: Vec<Header>,
     pub samples: Vec<Samples>,
+    /// What the values of binary entries show of their byte order.
+    pub byte_orders: Vec<ByteOrder>,
     /// Units of the file, `None` where their dataset is damaged.
     pub units: Vec<(Position, Option<Units>)>,
     pub described: RawGeometry,
@@ -48,6 +61,7 @@ impl Scanner {
             catalog,
             headers: Vec::new(),
             samples: Vec::new(),
+            byte_orders: Vec::new(),
             units: Vec::new(),
             described: RawGeometry::default(),
             unknown: BTreeSet::new(),
