@@ -42,9 +42,9 @@ pub use format::{
 };
 pub use formats::arrays::schema as array_schema;
 pub use formats::{
-    FORMATS, FileLabel, Hdf5, MODES_SCHEMA, Matlab5, MatrixEntries, ModesCsv, ModesJson, Npy, Npz,
-    Pulse, SELECTION_SCHEMA, SignalCalc, Table, Uff, modes_from_json, modes_to_json, read_matrix,
-    read_selection, selection_from_json, write_frfs, write_time_records,
+    FORMATS, FileLabel, Hdf5, MODES_SCHEMA, Matlab4, Matlab5, MatrixEntries, ModesCsv, ModesJson,
+    Npy, Npz, Pulse, SELECTION_SCHEMA, SignalCalc, Table, Uff, modes_from_json, modes_to_json,
+    read_matrix, read_selection, selection_from_json, write_frfs, write_time_records,
 };
 pub use memory::{FrfSource, MemorySource, Merged, frf_source, hit_source, modes_source};
 pub use open::{detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes};

@@ -28,7 +28,7 @@ use super::typed::{ChannelTable, ColumnKey, TestTable};
 const TABLE_FORMAT: &str = "table";
 
 /// Formats whose channels the scene describes: tables, and files of arrays.
-const DESCRIBED_FORMATS: [&str; 5] = [TABLE_FORMAT, "npy", "npz", "matlab5", "hdf5"];
+const DESCRIBED_FORMATS: [&str; 6] = [TABLE_FORMAT, "npy", "npz", "matlab4", "matlab5", "hdf5"];
 
 /// Text exports with self-describing headers, unless the scene describes their columns.
 const TEXT_EXPORTS: [&str; 2] = ["pulse", "signalcalc"];

@@ -13,6 +13,7 @@
 pub mod arrays;
 mod dropped_content;
 mod hdf5;
+mod matlab4;
 mod matlab5;
 mod matrices;
 mod modes_csv;
@@ -27,6 +28,7 @@ mod uff;
 use super::Format;
 
 pub use hdf5::Hdf5;
+pub use matlab4::Matlab4;
 pub use matlab5::Matlab5;
 pub use matrices::matrix_entries::MatrixEntries;
 pub use matrices::read_matrix;
@@ -47,6 +49,7 @@ pub const FORMATS: &[&dyn Format] = &[
     &Npy,
     &Npz,
     &Matlab5,
+    &Matlab4,
     &Pulse,
     &SignalCalc,
     &ModesCsv,

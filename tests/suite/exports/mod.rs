@@ -15,4 +15,7 @@ mod inspected;
 mod joined;
 mod not_a_number;
 mod text_coding;
+mod containers;
+mod control;
+mod matlab4;
 mod universal_file;

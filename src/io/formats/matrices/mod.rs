@@ -4,7 +4,7 @@
 //! | file | full | sparse |
 //! |---|---|---|
 //! | Matrix Market | `array` | `coordinate` |
-//! | MATLAB 5 | a variable | a sparse variable |
+//! | MATLAB 4 and 5 | a variable | a sparse variable |
 //! | HDF5, MATLAB 7.3 | a dataset | a group of `data`, `ir`, `jc` (MATLAB), or as in NPZ |
 //! | NPZ | an array | `data`, `indices`, `indptr`, `shape`, `format` (csr, csc) or `data`, `row`, `col`, `shape` (coo), which is what scipy.sparse writes; below a name where one is given |
 //!
@@ -21,7 +21,7 @@ use std::path::Path;
 
 use super::arrays::source::{describe_arrays, same_name};
 use super::arrays::store::{ArrayStore, Elements, NamedArray};
-use super::{hdf5, matlab5, numpy};
+use super::{hdf5, matlab4, matlab5, numpy};
 use crate::io::{IoError, ReadSeek, detect};
 use matrix_entries::MatrixEntries;
 
@@ -71,6 +71,7 @@ fn open_store(
     Ok(
         match detect(head, path).map_or("", |format| format.name()) {
             "hdf5" => Box::new(hdf5::open_store(input, path)?),
+            "matlab4" => matlab4::open_store(input, path)?,
             "matlab5" => matlab5::open_store(input, path)?,
             "npz" => numpy::open_npz(input, path)?,
             "npy" => numpy::open_npy(input, path)?,
@@ -78,7 +79,8 @@ fn open_store(
                 return Err(IoError::UnknownFormat {
                     path: path.to_owned(),
                     head: String::from_utf8_lossy(&head[..head.len().min(24)]).into_owned(),
-                    known: "Matrix Market, matlab5, hdf5, npz and npy (for a matrix)".to_owned(),
+                    known: "Matrix Market, matlab4, matlab5, hdf5, npz and npy (for a matrix)"
+                        .to_owned(),
                 });
             }
         },
