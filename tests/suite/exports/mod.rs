@@ -18,4 +18,5 @@ mod text_coding;
 mod containers;
 mod control;
 mod matlab4;
+mod structured_arrays;
 mod universal_file;

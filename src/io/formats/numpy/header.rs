@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read};
 
 use crate::io::IoError;
 
-use super::items::Item;
+use super::record::Record;
 
 /// The first bytes of an `.npy` file.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -22,7 +22,7 @@ pub(super) struct Header {
     /// Bytes from the magic to the first element.
     pub data: u64,
     /// The type of the elements.
-    pub item: Item,
+    pub record: Record,
     /// Whether the first index runs fastest.
     pub fortran: bool,
     /// Lengths, as printed.
@@ -132,7 +132,7 @@ fn parse(text: &str, data: u64, path: &str) -> Result<Header, IoError> {
         shape.ok_or_else(|| bad(path, "shape", lengths.to_owned(), "a tuple of lengths"))?;
     Ok(Header {
         data,
-        item: Item::from_description(value("descr")?),
+        record: Record::from_description(value("descr")?),
         fortran,
         shape,
     })

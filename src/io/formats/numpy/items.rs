@@ -16,20 +16,16 @@ pub(super) enum Item {
     Bytes(usize),
     /// This many code points of 32 bits, padded with zeros.
     Unicode(usize, bool),
-    /// Anything else, by its name.
-    Other(&'static str),
+    /// Anything else, by its name, and its bytes where they are known.
+    Other(&'static str, Option<usize>),
 }
 
 impl Item {
-    /// From the text of `descr`, such as `'<f8'`.
-    pub fn from_description(text: &str) -> Self {
+    /// From the code of a type without fields, such as `<f8`.
+    pub fn from_code(text: &str) -> Self {
         use NumberType::{F16, F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
-        let Some(inner) = text.strip_prefix(['\'', '"']) else {
-            return Item::Other("struct");
-        };
-        let inner = inner.trim_end_matches(['\'', '"']);
-        let big_endian = inner.starts_with('>');
-        let code = inner.trim_start_matches(['<', '>', '|', '=']);
+        let big_endian = text.starts_with('>');
+        let code = text.trim_start_matches(['<', '>', '|', '=']);
         let number = match code {
             "b1" | "?" => return Item::Bool,
             "c8" => return Item::Complex(F32, big_endian),
@@ -56,11 +52,12 @@ impl Item {
         match (kind, width) {
             (Some('S' | 'a'), Some(width)) => Item::Bytes(width),
             (Some('U'), Some(width)) => Item::Unicode(width, big_endian),
-            (Some('O'), _) => Item::Other("object"),
-            (Some('m' | 'M'), _) => Item::Other("date"),
-            (Some('V'), _) => Item::Other("bytes"),
-            (Some('f' | 'c'), _) => Item::Other("long double"),
-            _ => Item::Other("unknown"),
+            (Some('O'), _) => Item::Other("object", None),
+            // The unit stands behind the width: `M8[ns]`.
+            (Some('m' | 'M'), _) => Item::Other("date", Some(8)),
+            (Some('V'), width) => Item::Other("bytes", width),
+            (Some('f' | 'c'), width) => Item::Other("long double", width),
+            _ => Item::Other("unknown", None),
         }
     }
 
@@ -71,22 +68,29 @@ impl Item {
             Item::Number(number, _) => number.name().to_owned(),
             Item::Complex(part, _) => format!("complex {}", part.name()),
             Item::Bytes(_) | Item::Unicode(..) => "text".to_owned(),
-            Item::Other(name) => (*name).to_owned(),
+            Item::Other(name, _) => (*name).to_owned(),
         }
     }
 
     /// Bytes of an element; `None` for what is not read, and for texts without width (as many as
     /// one likes would fit).
     pub fn size(&self) -> Option<usize> {
-        let size = match self {
-            Item::Bool => 1,
-            Item::Number(number, _) => number.size(),
-            Item::Complex(part, _) => 2 * part.size(),
-            Item::Bytes(width) => *width,
-            Item::Unicode(width, _) => width.checked_mul(4)?,
-            Item::Other(_) => return None,
-        };
-        (size > 0).then_some(size)
+        match self {
+            Item::Other(..) => None,
+            _ => self.stored_bytes().filter(|size| *size > 0),
+        }
+    }
+
+    /// Bytes of an element in the file, read or not, where they are known.
+    pub fn stored_bytes(&self) -> Option<usize> {
+        match self {
+            Item::Bool => Some(1),
+            Item::Number(number, _) => Some(number.size()),
+            Item::Complex(part, _) => Some(2 * part.size()),
+            Item::Bytes(width) => Some(*width),
+            Item::Unicode(width, _) => width.checked_mul(4),
+            Item::Other(_, bytes) => *bytes,
+        }
     }
 
     /// Elements of bytes.
@@ -111,7 +115,7 @@ impl Item {
                 let text = points.map(|p| char::from_u32(p).unwrap_or(char::REPLACEMENT_CHARACTER));
                 text.collect::<String>().trim_end_matches('\0').to_owned()
             }),
-            Item::Other(_) => Elements::F64(Vec::new()),
+            Item::Other(..) => Elements::F64(Vec::new()),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! NumPy files: one array (`.npy`) and a zip archive of them (`.npz`).
 //!
-//! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read.
-//! Arrays of Python objects (pickles), structured arrays, dates and long doubles are listed, not
-//! read. `.npz` is written in the schema of modalign, stored without compression, so that a part of
+//! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read,
+//! also as fields of structured arrays. Arrays of Python objects (pickles), dates and long doubles
+//! are listed, not read. `.npz` is written in the schema of modalign, stored without compression, so that a part of
 //! an array can be read alone.
 //!
 //! # Reference
@@ -10,8 +10,10 @@
 
 mod header;
 mod items;
+mod literal;
 mod npy;
 mod npz;
+mod record;
 mod until_failed;
 
 #[cfg(test)]

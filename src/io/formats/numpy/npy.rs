@@ -1,14 +1,16 @@
-//! `.npy`: one array. It has no name in the file, so it takes the file's.
+//! `.npy`: one array. It has no name in the file, so it takes the file's; the fields of a structured
+//! one are listed as `name/field`.
 
 use std::io::{Read, SeekFrom};
 use std::path::Path;
 
 use crate::io::formats::arrays::source::open_arrays;
-use crate::io::formats::arrays::store::bytes::{count, to_row_major};
+use crate::io::formats::arrays::store::bytes::{count, groups_to_row_major};
 use crate::io::formats::arrays::store::{ArrayStore, Elements, NamedArray};
 use crate::io::{ArrayInfo, Confidence, Format, Hints, IoError, ReadSeek, Source};
 
 use super::header::{Header, MAGIC};
+use super::record::Column;
 
 /// NumPy file of one array.
 pub struct Npy;
@@ -49,7 +51,7 @@ pub(in crate::io) fn open_npy(
         source,
     })?;
     Ok(Box::new(NpyStore {
-        list: vec![header.info(name)],
+        list: header.infos(&name),
         input,
         header,
         bytes,
@@ -57,37 +59,61 @@ pub(in crate::io) fn open_npy(
     }))
 }
 
+/// Records are read in blocks of about so many bytes, so that one field of many takes the memory of
+/// its elements alone; much less makes many small reads.
+const BLOCK_BYTES: usize = 1 << 20;
+
 impl Header {
-    /// The entry of the list of arrays.
-    pub fn info(&self, name: String) -> ArrayInfo {
-        ArrayInfo {
-            name,
-            shape: self.shape.clone(),
-            kind: self.item.kind(),
-        }
+    /// The entries of the list of arrays, one for each column.
+    pub fn infos(&self, name: &str) -> Vec<ArrayInfo> {
+        let columns = self.record.columns.iter();
+        let info = |column: &Column| ArrayInfo {
+            name: match column.name.as_str() {
+                "" => name.to_owned(),
+                field => format!("{name}/{field}"),
+            },
+            shape: self.column_shape(column),
+            kind: column.item.kind(),
+        };
+        columns.map(info).collect()
     }
 
-    /// Bytes that the elements take, as the header says.
-    pub fn bytes(&self) -> u64 {
-        let lengths = self.shape.iter().map(|len| *len as u64);
-        let size = self.item.size().unwrap_or(0) as u64;
-        lengths.fold(size, u64::saturating_mul)
+    /// Lengths of a column.
+    pub fn column_shape(&self, column: &Column) -> Vec<usize> {
+        self.shape.iter().copied().chain(column.lengths()).collect()
+    }
+
+    /// Bytes that the elements of a column take, as the header says.
+    pub fn bytes(&self, column: usize) -> u64 {
+        let column = &self.record.columns[column];
+        let lengths = self.column_shape(column);
+        let size = column.item.size().unwrap_or(0) as u64;
+        let multiply = |bytes: u64, length: usize| bytes.saturating_mul(length as u64);
+        lengths.into_iter().fold(size, multiply)
     }
 
     /// Bytes of an element and the number of elements, when `available` bytes hold them.
     ///
     /// # Errors
     /// [`IoError::Truncated`] when they do not; [`IoError::Grouping`] for a type that is not read.
-    pub fn checked_size(&self, available: u64, path: &str) -> Result<(usize, usize), IoError> {
-        let unread = || IoError::Grouping {
+    pub fn checked_size(
+        &self,
+        column: usize,
+        available: u64,
+        path: &str,
+    ) -> Result<(usize, usize), IoError> {
+        let readable = self.record.is_readable(column);
+        let size = self.record.size.filter(|_| readable);
+        let size = size.ok_or_else(|| IoError::Grouping {
             path: path.to_owned(),
             what: "reading an array",
-            got: self.item.kind(),
+            got: self.record.columns[column].item.kind(),
             expected: "numbers or texts".to_owned(),
-        };
-        let size = self.item.size().ok_or_else(unread)?;
+        })?;
         let elements = count(&self.shape);
-        let needed = elements.and_then(|count| count.checked_mul(size));
+        // The lengths that a field adds can be counted, too.
+        let all = count(&self.column_shape(&self.record.columns[column]));
+        let needed = all.and(elements).and_then(|count| count.checked_mul(size));
         match elements.zip(needed) {
             Some((count, needed)) if needed as u64 <= available => Ok((size, count)),
             _ => Err(IoError::Truncated {
@@ -100,22 +126,43 @@ impl Header {
         }
     }
 
-    /// The array whose elements `input` is at. Memory grows with what is read, not with what the
-    /// header promises.
+    /// The column of the array whose elements `input` is at. Memory grows with what is read, not
+    /// with what the header promises.
     ///
     /// # Errors
     /// As [`Header::checked_size`], and what `input` returns.
-    pub fn read_elements(
+    pub fn read_column(
         &self,
-        input: impl Read,
+        column: usize,
+        mut input: impl Read,
         available: u64,
         path: &str,
     ) -> Result<Elements, IoError> {
-        let (size, count) = self.checked_size(available, path)?;
-        let bytes = read_bytes(input, size * count, self.data, path)?;
-        let elements = self.item.decode(&bytes);
+        let (size, records) = self.checked_size(column, available, path)?;
+        let column = &self.record.columns[column];
+        // Only lengths with a 0 among them cannot be counted: the others fit in the element.
+        let lengths: Vec<usize> = column.lengths().collect();
+        let group = count(&lengths).unwrap_or(0);
+        let bytes = match group {
+            0 => Vec::new(),
+            _ if self.record.is_plain() => read_bytes(input, size * records, self.data, path)?,
+            _ => {
+                let mut bytes = Vec::new();
+                let block = (BLOCK_BYTES / size).max(1);
+                for start in (0..records).step_by(block) {
+                    let at = self.data + (start * size) as u64;
+                    let length = block.min(records - start) * size;
+                    let read = read_bytes(&mut input, length, at, path)?;
+                    for record in read.chunks_exact(size) {
+                        column.append(record, &mut bytes);
+                    }
+                }
+                bytes
+            }
+        };
+        let elements = column.item.decode(&bytes);
         if self.fortran {
-            Ok(to_row_major(elements, &self.shape))
+            Ok(groups_to_row_major(elements, &self.shape, group))
         } else {
             Ok(elements)
         }
@@ -177,12 +224,12 @@ impl ArrayStore for NpyStore {
         &self.list
     }
 
-    fn can_read(&self, _index: usize) -> bool {
-        self.header.item.size().is_some()
+    fn can_read(&self, index: usize) -> bool {
+        self.header.record.is_readable(index)
     }
 
-    fn bytes(&self, _index: usize) -> u64 {
-        self.header.bytes()
+    fn bytes(&self, index: usize) -> u64 {
+        self.header.bytes(index)
     }
 
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
@@ -190,10 +237,11 @@ impl ArrayStore for NpyStore {
         seek(self.input.as_mut(), self.header.data, &self.path)?;
         let elements = self
             .header
-            .read_elements(&mut self.input, available, &self.path)?;
+            .read_column(index, &mut self.input, available, &self.path)?;
+        let info = &self.list[index];
         Ok(NamedArray {
-            name: self.list[index].name.clone(),
-            shape: self.header.shape.clone(),
+            name: info.name.clone(),
+            shape: info.shape.clone(),
             elements,
         })
     }

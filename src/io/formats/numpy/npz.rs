@@ -1,7 +1,13 @@
-//! `.npz`: a zip archive of `.npy` arrays, each a member whose name without `.npy` is the array's.
+//! `.npz`: a zip archive of `.npy` arrays, each a member whose name without `.npy` is the array's;
+//! the fields of a structured array are listed as `name/field`.
+//!
+//! The check sum of a member covers all of it, so that a member is read to its end before a part of
+//! it is used.
 
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::collections::BTreeSet;
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
+use std::sync::Arc;
 
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
@@ -116,12 +122,16 @@ fn write_member<W: Write + Seek>(
     archive.write_all(&bytes)
 }
 
-/// A member of the archive.
-struct Member {
-    /// Its place in the archive.
-    index: usize,
-    /// `None` for one that is not an array.
-    header: Option<Header>,
+/// An array of the archive, or a member of another kind.
+struct Listed {
+    /// The place of its member in the archive.
+    member: usize,
+    /// First byte of the member in the file.
+    at: u64,
+    /// `None` for a member that is not an array.
+    header: Option<Arc<Header>>,
+    /// Its column of the header.
+    column: usize,
     stored: bool,
     /// Most bytes that its elements can have.
     available: u64,
@@ -129,11 +139,13 @@ struct Member {
 
 struct NpzStore {
     archive: ZipArchive<Box<dyn ReadSeek>>,
-    members: Vec<Member>,
+    arrays: Vec<Listed>,
     list: Vec<ArrayInfo>,
     damage: Vec<IoError>,
     path: String,
     recent: RecentArrays,
+    /// Members whose check sum was found right.
+    checked: BTreeSet<usize>,
 }
 
 fn zip_error(path: &str) -> impl Fn(ZipError) -> IoError {
@@ -153,6 +165,28 @@ fn zip_error(path: &str) -> impl Fn(ZipError) -> IoError {
     }
 }
 
+/// The error of a member whose bytes are not those that were written, at the member's place; other
+/// errors as they are.
+fn member_error(at: u64, error: IoError) -> IoError {
+    match error {
+        IoError::System { path, source, .. }
+            if matches!(
+                source.kind(),
+                ErrorKind::InvalidData | ErrorKind::InvalidInput
+            ) =>
+        {
+            IoError::Binary {
+                path,
+                byte: at,
+                what: "member of the zip archive",
+                got: source.to_string(),
+                expected: "the bytes of its check sum: copy or export the file anew".to_owned(),
+            }
+        }
+        other => other,
+    }
+}
+
 impl NpzStore {
     fn open(mut input: Box<dyn ReadSeek>, path: &str) -> Result<Self, IoError> {
         let length = input.seek(SeekFrom::End(0));
@@ -164,11 +198,12 @@ impl NpzStore {
         let archive = ZipArchive::new(input).map_err(zip_error(path))?;
         let mut store = Self {
             archive,
-            members: Vec::new(),
+            arrays: Vec::new(),
             list: Vec::new(),
             damage: Vec::new(),
             path: path.to_owned(),
             recent: RecentArrays::new(length),
+            checked: BTreeSet::new(),
         };
         for index in 0..store.archive.len() {
             if let Err(error) = store.list_member(index) {
@@ -183,37 +218,47 @@ impl NpzStore {
         let mut file = self.archive.by_index(index).map_err(&error)?;
         let name = file.name().map_err(&error)?.into_owned();
         let stored = file.compression() == CompressionMethod::Stored;
+        let at = file.header_start();
         let most = file.compressed_size().saturating_mul(DEFLATE_EXPANSION);
         let size = file.size().min(most);
-        let (header, info) = match name.strip_suffix(".npy") {
-            Some(array) => {
-                let place = format!("{}({name})", self.path);
-                let header = Header::read(&mut file, &place)?;
-                let info = header.info(array.to_owned());
-                (Some(header), info)
-            }
-            None => {
-                let kind = "file".to_owned();
-                let shape = Vec::new();
-                (None, ArrayInfo { name, shape, kind })
-            }
+        let Some(array) = name.strip_suffix(".npy") else {
+            self.arrays.push(Listed {
+                member: index,
+                at,
+                header: None,
+                column: 0,
+                stored,
+                available: size,
+            });
+            self.list.push(ArrayInfo {
+                name,
+                shape: Vec::new(),
+                kind: "file".to_owned(),
+            });
+            return Ok(());
         };
-        let start = header.as_ref().map_or(0, |header| header.data);
-        self.members.push(Member {
-            index,
-            header,
-            stored,
-            available: size.saturating_sub(start),
-        });
-        self.list.push(info);
+        let place = format!("{}({name})", self.path);
+        let header = Header::read(&mut file, &place).map_err(|error| member_error(at, error))?;
+        let header = Arc::new(header);
+        for (column, info) in header.infos(array).into_iter().enumerate() {
+            self.arrays.push(Listed {
+                member: index,
+                at,
+                header: Some(Arc::clone(&header)),
+                column,
+                stored,
+                available: size.saturating_sub(header.data),
+            });
+            self.list.push(info);
+        }
         Ok(())
     }
 
     /// Header of array `index` and the path for messages.
-    fn header(&self, index: usize) -> Result<(Header, String), IoError> {
+    fn header(&self, index: usize) -> Result<(Arc<Header>, String), IoError> {
         let path = format!("{}({})", self.path, self.list[index].name);
-        match &self.members[index].header {
-            Some(header) => Ok((header.clone(), path)),
+        match &self.arrays[index].header {
+            Some(header) => Ok((Arc::clone(header), path)),
             None => Err(IoError::Grouping {
                 path,
                 what: "reading an array",
@@ -225,11 +270,15 @@ impl NpzStore {
 
     fn read_stored(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
         let (header, path) = self.header(index)?;
-        let member = &self.members[index];
-        let (size, _) = header.checked_size(member.available, &path)?;
+        self.check_member(index, &path)?;
+        let listed = &self.arrays[index];
+        let (size, count) = header.checked_size(listed.column, listed.available, &path)?;
+        if range.start > range.end || range.end > count {
+            return Err(outside(&self.list[index].name, &range));
+        }
         let mut file = self
             .archive
-            .by_index_seek(member.index)
+            .by_index_seek(listed.member)
             .map_err(zip_error(&path))?;
         let first = header.data + (range.start * size) as u64;
         file.seek(SeekFrom::Start(first))
@@ -239,7 +288,21 @@ impl NpzStore {
                 source,
             })?;
         let bytes = read_bytes(file, range.len() * size, first, &path)?;
-        Ok(header.item.decode(&bytes))
+        Ok(header.record.columns[listed.column].item.decode(&bytes))
+    }
+
+    /// Reads the member of an array to its end, where the archive's check sum is compared, unless
+    /// that was done.
+    fn check_member(&mut self, index: usize, path: &str) -> Result<(), IoError> {
+        let listed = &self.arrays[index];
+        if self.checked.contains(&listed.member) {
+            return Ok(());
+        }
+        let file = self.archive.by_index(listed.member);
+        let mut file = file.map_err(zip_error(path))?;
+        finish(&mut file, path).map_err(|error| member_error(listed.at, error))?;
+        self.checked.insert(listed.member);
+        Ok(())
     }
 }
 
@@ -249,13 +312,14 @@ impl ArrayStore for NpzStore {
     }
 
     fn can_read(&self, index: usize) -> bool {
-        let header = self.members[index].header.as_ref();
-        header.is_some_and(|header| header.item.size().is_some())
+        let Listed { header, column, .. } = &self.arrays[index];
+        let record = header.as_ref().map(|header| &header.record);
+        record.is_some_and(|record| record.is_readable(*column))
     }
 
     fn bytes(&self, index: usize) -> u64 {
-        let header = self.members[index].header.as_ref();
-        header.map_or(0, Header::bytes)
+        let Listed { header, column, .. } = &self.arrays[index];
+        header.as_ref().map_or(0, |header| header.bytes(*column))
     }
 
     fn take_damage(&mut self) -> Vec<IoError> {
@@ -264,22 +328,27 @@ impl ArrayStore for NpzStore {
 
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
         let (header, path) = self.header(index)?;
-        let member = &self.members[index];
+        let listed = &self.arrays[index];
         let error = zip_error(&path);
-        let mut file = self.archive.by_index(member.index).map_err(error)?;
-        read_bytes(&mut file, header.data as usize, 0, &path)?;
-        let elements = header.read_elements(&mut file, member.available, &path)?;
-        finish(&mut file, &path)?;
+        let mut file = self.archive.by_index(listed.member).map_err(error)?;
+        let elements = read_bytes(&mut file, header.data as usize, 0, &path)
+            .and_then(|_| header.read_column(listed.column, &mut file, listed.available, &path))
+            .and_then(|elements| finish(&mut file, &path).map(|()| elements));
+        let elements = elements.map_err(|error| member_error(listed.at, error))?;
+        self.checked.insert(listed.member);
+        let info = &self.list[index];
         Ok(NamedArray {
-            name: self.list[index].name.clone(),
-            shape: header.shape,
+            name: info.name.clone(),
+            shape: info.shape.clone(),
             elements,
         })
     }
 
     fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
-        let member = &self.members[index];
-        if member.stored && member.header.as_ref().is_some_and(|header| !header.fortran) {
+        let listed = &self.arrays[index];
+        let header = listed.header.as_ref();
+        let in_order = header.is_some_and(|header| !header.fortran && header.record.is_plain());
+        if listed.stored && in_order {
             return self.read_stored(index, range);
         }
         let mut recent = std::mem::take(&mut self.recent);

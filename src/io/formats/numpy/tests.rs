@@ -4,7 +4,8 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 
 use super::header::{Header, written};
-use super::items::{Item, description, encode};
+use super::items::{description, encode};
+use super::record::Record;
 use super::{Npy, Npz};
 use crate::io::formats::arrays::schema::drawn_sources::{assert_same, drawn};
 use crate::io::formats::arrays::store::Elements;
@@ -31,7 +32,7 @@ fn elements(bytes: &[u8]) -> Result<Elements, IoError> {
     let mut input = Cursor::new(bytes);
     let header = Header::read(&mut input, "x.npy")?;
     let available = bytes.len() as u64 - header.data;
-    header.read_elements(input, available, "x.npy")
+    header.read_column(0, input, available, "x.npy")
 }
 
 #[test]
@@ -88,7 +89,7 @@ fn unread_arrays_are_listed_with_their_kind() {
         ("'|O'", "object"),
         ("'<M8[ns]'", "date"),
         ("'<f16'", "long double"),
-        ("[('t, \\'(', '<f8'), ('x', '<f8', (3,))]", "struct"),
+        ("[('t, \\'(', '<f8'), ('x', '|O')]", "struct"),
         ("'|V4'", "bytes"),
         ("'é'", "unknown"),
     ] {
@@ -134,7 +135,7 @@ fn a_written_header_is_the_one_of_the_format() {
     assert!(header.ends_with(b" \n"));
     let read = Header::read(header.as_slice(), "x").unwrap();
     assert_eq!((read.shape, read.data), (vec![3, 4], header.len() as u64));
-    assert_eq!(read.item, Item::from_description("'<f8'"));
+    assert_eq!(read.record, Record::from_description("'<f8'"));
     for shape in [vec![], vec![7]] {
         let header = written("<U3", &shape);
         assert_eq!(Header::read(header.as_slice(), "x").unwrap().shape, shape);
@@ -327,4 +328,55 @@ fn another_reader_takes_the_written_arrays() {
     let read = npyz::NpyFile::new(file.as_slice()).unwrap();
     assert!(read.shape().is_empty());
     assert_eq!(read.into_vec::<Complex64>().unwrap(), complex);
+}
+
+#[test]
+fn fields_of_a_fortran_array_are_turned_with_their_lengths_inside() {
+    // Element [i, j] of shape 2 x 3 is 10 i + j, with the pair (value, value + 100) in a field.
+    let mut data = Vec::new();
+    for j in 0..3_u8 {
+        for i in 0..2_u8 {
+            data.extend([7, 10 * i + j, 100 + 10 * i + j]);
+        }
+    }
+    let description = "[('mark', '|u1'), ('pair', '|u1', (2,))]";
+    let bytes = npy(1, description, "True", "(2, 3)", &data);
+    let mut input = Cursor::new(&bytes);
+    let header = Header::read(&mut input, "x.npy").unwrap();
+    let available = bytes.len() as u64 - header.data;
+    let infos = header.infos("x");
+    assert_eq!(
+        (infos[1].name.as_str(), &infos[1].shape),
+        ("x/pair", &vec![2, 3, 2])
+    );
+    let pairs = header.read_column(1, input, available, "x.npy").unwrap();
+    let expected = [0, 100, 1, 101, 2, 102, 10, 110, 11, 111, 12, 112];
+    assert_eq!(pairs, Elements::F64(expected.map(f64::from).to_vec()));
+}
+
+#[test]
+fn elements_without_bytes_are_read_at_once() {
+    for shape in ["(1000000000000000000,)", "(1000000000000000000, 0)"] {
+        let bytes = npy(1, "[('x', '<f8', (0,))]", "False", shape, &[]);
+        assert_eq!(elements(&bytes).unwrap(), Elements::F64(Vec::new()));
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_damaged_structured_array_never_panics(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let description = "[('a', '<f8'), ('s', [('p', '>c8'), ('', '|V3')], (2,)), ('t', '<U2')]";
+        let mut bytes = npy(1, description, "True", "(2, 3)", &[1; 228]);
+        for (place, value) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] = value;
+        }
+        if let Ok(mut store) = super::open_npy(Box::new(Cursor::new(bytes)), "x.npy") {
+            for index in 0..store.list().len() {
+                let _ = store.read(index);
+            }
+        }
+    }
 }

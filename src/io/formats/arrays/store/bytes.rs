@@ -128,18 +128,27 @@ fn half(bits: u16) -> f64 {
 /// Elements with the first index running fastest, turned so that the last one does. The other way
 /// round with the shape reversed.
 pub(in crate::io) fn to_row_major(elements: Elements, shape: &[usize]) -> Elements {
+    groups_to_row_major(elements, shape, 1)
+}
+
+/// As [`to_row_major`] for groups of so many elements, which stay together.
+pub(in crate::io) fn groups_to_row_major(
+    elements: Elements,
+    shape: &[usize],
+    group: usize,
+) -> Elements {
     if shape.iter().filter(|len| **len != 1).count() <= 1 {
         return elements;
     }
     match elements {
-        Elements::F32(values) => Elements::F32(turned(&values, shape)),
-        Elements::F64(values) => Elements::F64(turned(&values, shape)),
-        Elements::Complex(values) => Elements::Complex(turned(&values, shape)),
-        Elements::Text(values) => Elements::Text(turned(&values, shape)),
+        Elements::F32(values) => Elements::F32(turned(&values, shape, group)),
+        Elements::F64(values) => Elements::F64(turned(&values, shape, group)),
+        Elements::Complex(values) => Elements::Complex(turned(&values, shape, group)),
+        Elements::Text(values) => Elements::Text(turned(&values, shape, group)),
     }
 }
 
-fn turned<T: Clone>(values: &[T], shape: &[usize]) -> Vec<T> {
+fn turned<T: Clone>(values: &[T], shape: &[usize], group: usize) -> Vec<T> {
     let mut strides = Vec::with_capacity(shape.len());
     let mut stride = 1;
     for len in shape {
@@ -149,8 +158,8 @@ fn turned<T: Clone>(values: &[T], shape: &[usize]) -> Vec<T> {
     let mut index = vec![0; shape.len()];
     let mut place = 0;
     let mut out = Vec::with_capacity(values.len());
-    for _ in 0..values.len() {
-        out.push(values[place].clone());
+    for _ in 0..values.len().checked_div(group).unwrap_or(0) {
+        out.extend_from_slice(&values[place * group..(place + 1) * group]);
         for dimension in (0..shape.len()).rev() {
             index[dimension] += 1;
             place += strides[dimension];
