@@ -15,6 +15,7 @@ mod inspected;
 mod joined;
 mod not_a_number;
 mod text_coding;
+mod check_sums;
 mod containers;
 mod control;
 mod matlab4;

@@ -23,9 +23,9 @@ const MAX_LISTED_NAMES: usize = 40;
 /// Makes a source of the arrays of a container.
 ///
 /// # Errors
-/// [`IoError::MissingArray`] for an array that the scene names and the file does not have;
-/// [`IoError::NotStated`] for dimensions that are not stated; errors of [`entries_from_columns`]
-/// and the store.
+/// [`IoError::MissingArray`] for an array that the scene names and the file does not have, or the
+/// first damage of the file; [`IoError::NotStated`] for dimensions that are not stated; errors of
+/// [`entries_from_columns`] and the store.
 pub(in crate::io) fn open_arrays(
     format: &'static str,
     mut store: Box<dyn ArrayStore>,
@@ -58,7 +58,13 @@ pub(in crate::io) fn open_arrays(
             ..MemorySource::default()
         }));
     };
-    let sets = read_columns(store.as_mut(), spec, &hints.path)?;
+    let sets = match read_columns(store.as_mut(), spec, &hints.path) {
+        // The array that is missing may be the one that is damaged.
+        Err(IoError::MissingArray { .. }) if !catalog.damage.is_empty() => {
+            return Err(catalog.damage.swap_remove(0).error);
+        }
+        sets => sets?,
+    };
     let mut source = entries_from_columns(format, spec, sets, &hints.path)?;
     source.catalog.damage = catalog.damage;
     source.catalog.findings.extend(catalog.findings);

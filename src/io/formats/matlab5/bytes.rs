@@ -1,5 +1,6 @@
 //! Bytes of variables, plain or deflated, by their position within the variable.
 
+use std::collections::BTreeSet;
 use std::io::{Read, Seek, SeekFrom};
 
 use flate2::{Decompress, FlushDecompress, Status};
@@ -44,6 +45,8 @@ pub(super) struct Bytes {
     pub length: u64,
     path: String,
     inflating: Option<Inflating>,
+    /// First bytes of the deflated variables whose check sum was found right.
+    checked: BTreeSet<u64>,
 }
 
 /// A deflated variable that is being read.
@@ -78,6 +81,7 @@ impl Bytes {
             length,
             path: path.to_owned(),
             inflating: None,
+            checked: BTreeSet::new(),
         })
     }
 
@@ -117,6 +121,23 @@ impl Bytes {
         Ok(bytes)
     }
 
+    /// Inflates a deflated variable to its end, where its check sum is compared, unless that was
+    /// done: the sum covers all of it, so that values before a damaged byte, too, are uncertain.
+    ///
+    /// # Errors
+    /// As [`Bytes::read`].
+    pub fn check(&mut self, storage: Storage) -> Result<(), IoError> {
+        let is_plain = matches!(storage, Storage::Plain(_));
+        if is_plain || self.checked.contains(&storage.at()) {
+            return Ok(());
+        }
+        let mut inflating = Inflating::new(storage);
+        let mut scratch = vec![0; PIECE];
+        while self.inflate(&mut inflating, &mut scratch)? > 0 {}
+        self.checked.insert(storage.at());
+        Ok(())
+    }
+
     fn read_file(&mut self, at: u64, out: &mut [u8]) -> Result<(), IoError> {
         let available = self.length.saturating_sub(at);
         if (out.len() as u64) > available {
@@ -153,17 +174,33 @@ impl Bytes {
         let mut scratch = vec![0; PIECE];
         while inflating.position < position {
             let wanted = (position - inflating.position).min(PIECE as u64) as usize;
-            self.inflate(&mut inflating, &mut scratch[..wanted])?;
+            if self.inflate(&mut inflating, &mut scratch[..wanted])? == 0 {
+                return Err(self.ended(&inflating));
+            }
         }
         let mut done = 0;
         while done < out.len() {
-            done += self.inflate(&mut inflating, &mut out[done..])?;
+            match self.inflate(&mut inflating, &mut out[done..])? {
+                0 => return Err(self.ended(&inflating)),
+                count => done += count,
+            }
         }
         self.inflating = Some(inflating);
         Ok(())
     }
 
-    /// Inflates some bytes, at least one.
+    /// The error of a stream that holds less than is asked for.
+    fn ended(&self, inflating: &Inflating) -> IoError {
+        IoError::Truncated {
+            path: self.path.clone(),
+            byte: inflating.end,
+            what: "a compressed variable",
+            got: format!("{} bytes", inflating.position),
+            expected: "more, as its counts say".to_owned(),
+        }
+    }
+
+    /// Inflates some bytes; none at the end of the stream.
     fn inflate(&mut self, inflating: &mut Inflating, out: &mut [u8]) -> Result<usize, IoError> {
         loop {
             if inflating.used == inflating.piece.len() && inflating.next < inflating.end {
@@ -188,19 +225,16 @@ impl Bytes {
                 byte: inflating.storage.at(),
                 what: "compressed variable",
                 got: error.to_string(),
-                expected: "a zlib stream".to_owned(),
+                expected: "a zlib stream of its check sum: copy or save the file anew".to_owned(),
             })?;
             if produced > 0 {
                 return Ok(produced);
             }
-            if status == Status::StreamEnd || (consumed == 0 && inflating.next >= inflating.end) {
-                return Err(IoError::Truncated {
-                    path: self.path.clone(),
-                    byte: inflating.end,
-                    what: "a compressed variable",
-                    got: format!("{} bytes", inflating.position),
-                    expected: "more, as its counts say".to_owned(),
-                });
+            if status == Status::StreamEnd {
+                return Ok(0);
+            }
+            if consumed == 0 && inflating.next >= inflating.end {
+                return Err(self.ended(inflating));
             }
         }
     }

@@ -37,14 +37,16 @@ pub(super) fn open(
 }
 
 impl Matlab5Store {
-    fn reader(&mut self, index: usize) -> (Reader<'_>, Part) {
+    /// The reader of a part whose bytes agree with their check sum.
+    fn reader(&mut self, index: usize) -> Result<(Reader<'_>, Part), IoError> {
         let part = self.listing.parts[index];
+        self.bytes.check(part.storage)?;
         let reader = Reader {
             bytes: &mut self.bytes,
             storage: part.storage,
             big_endian: self.big_endian,
         };
-        (reader, part)
+        Ok((reader, part))
     }
 }
 
@@ -66,7 +68,7 @@ impl ArrayStore for Matlab5Store {
     }
 
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
-        let (mut reader, part) = self.reader(index);
+        let (mut reader, part) = self.reader(index)?;
         let (shape, elements) = values::read(&mut reader, &part)?;
         Ok(NamedArray {
             name: self.listing.infos[index].name.clone(),
@@ -76,13 +78,13 @@ impl ArrayStore for Matlab5Store {
     }
 
     fn read_sparse(&mut self, index: usize) -> Result<Option<MatrixEntries>, IoError> {
-        let (mut reader, part) = self.reader(index);
+        let (mut reader, part) = self.reader(index)?;
         values::read_sparse(&mut reader, &part)
     }
 
     fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
         if values::in_one_piece(&self.listing.parts[index], &self.listing.infos[index].shape) {
-            let (mut reader, part) = self.reader(index);
+            let (mut reader, part) = self.reader(index)?;
             return values::read_range(&mut reader, &part, range);
         }
         // Elements of a row lie apart, so that a part costs as much as the whole.
