@@ -160,6 +160,9 @@ codes! {
     /// A part of a file that is described but not read.
     ArrayNotRead: "An array of this kind is listed but cannot be read.",
         "Containers hold more kinds of data than numbers: objects, functions, sparse arrays, references. They are listed by `inspect`, so that nothing is silently left out; the place names the array.";
+    /// A link of a container that leads to no array of the file.
+    LinkNotFollowed: "A link in the file leads to no array or group of it and was passed over.",
+        "An HDF5 file can name an object by its path (soft link) or by another file and a path in it (external link). The object may be missing, the links may lead in a circle, or it lies in the other file, which is not opened. The detail says where the link leads. All other arrays are read. Copy the array into the file, or give the file that holds it.";
     /// Degrees of freedom matched by position.
     DofsByNode: "Test and model DOFs were matched by nearest node; the largest distance is given.",
         "With --nearest-node the names are not used. A sensor of the test is matched to the model DOF of the same axis at the nearest node within the tolerance. Both geometries must be in one frame and in the same unit. Check the largest distance.";

@@ -6,6 +6,7 @@ Needs h5py (3.16 with HDF5 2.0.0 made the files that are kept) and numpy. The nu
 
     h5py.h5.gz       the oldest structure, which h5py writes by default: groups, links, chunks, texts, complex numbers
     matlab73.mat.gz  what MATLAB 7.3 writes: columns first, characters, cells, structures, empty arrays
+    links.h5.gz      groups of the oldest structure with soft links; two have external links, too, or many links
     newer.h5.gz      what needs a newer reader: data layout 5, chunks in a version 2 B-tree, the complex datatype
 """
 
@@ -41,6 +42,33 @@ def h5py_file(path):
         g["away"] = h5py.ExternalLink("other.h5", "/x")
         g["loop"] = f["run"]
         g.create_dataset("table", data=np.zeros(2, dtype=[("t", "f8"), ("n", "i4")]))
+
+
+def links_file(path):
+    with h5py.File(path, "w", libver=("earliest", "v108")) as f:
+        f["freq"] = np.linspace(5, 40, 5)
+        f["H"] = np.array([1 + 2j, 3 - 4j])
+        f["latest"] = h5py.SoftLink("/H")
+        f["gone"] = h5py.SoftLink("/nothing")
+        f["self"] = h5py.SoftLink("self")
+        f["here"] = h5py.SoftLink("/run")
+        run = f.create_group("run")
+        run["y"] = np.arange(3.0)
+        run["again"] = h5py.SoftLink("y")
+        run["twice"] = h5py.SoftLink("/latest")
+        run["up"] = h5py.SoftLink("/")
+        run.create_group("inner")["through"] = h5py.SoftLink("/here/again")
+        # An external link makes the group one of the next structure.
+        away = f.create_group("away")
+        away["z"] = np.arange(2.0)
+        away["other"] = h5py.ExternalLink("other.h5", "/x/y")
+        away["near"] = h5py.SoftLink("../away/z")
+        away["soft"] = h5py.SoftLink("z")
+        # Many links of a group that keeps their order are in a heap.
+        many = f.create_group("many", track_order=True)
+        many["first"] = np.arange(4.0)
+        for number in range(120):
+            many[f"soft{number:03}"] = h5py.SoftLink("first" if number % 40 else "gone")
 
 
 def matlab_file(path):
@@ -93,7 +121,7 @@ def newer_file(path):
 
 
 if __name__ == "__main__":
-    files = {"h5py.h5": h5py_file, "matlab73.mat": matlab_file, "newer.h5": newer_file}
+    files = {"h5py.h5": h5py_file, "links.h5": links_file, "matlab73.mat": matlab_file, "newer.h5": newer_file}
     for name, make in files.items():
         with tempfile.TemporaryDirectory() as scratch:
             make(Path(scratch) / name)

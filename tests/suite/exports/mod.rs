@@ -18,6 +18,7 @@ mod text_coding;
 mod check_sums;
 mod containers;
 mod control;
+mod hdf5_links;
 mod matlab4;
 mod structured_arrays;
 mod universal_file;

@@ -38,6 +38,7 @@ pub(in crate::io) fn open_arrays(
         ..Catalog::default()
     };
     catalog.findings.extend(findings);
+    catalog.findings.extend(store.take_findings());
     let spec = hints.table.as_ref().filter(|spec| !spec.columns.is_empty());
     let follows_schema = schema::follows_schema(store.as_mut(), &hints.path)?;
     // Where a scene names the arrays that it needs, the others are not needed.

@@ -1,13 +1,18 @@
 //! The datasets of every group, by their paths.
 //!
-//! Only hard links are followed: the reader passes over soft and external links. Hard links can
-//! still lead back to a group that is being listed, so that depth, number and the bytes that are
-//! read are limited.
+//! The object of a soft link is listed under the name of the link, too; a link that leads to no
+//! object of the file, or back to a group that holds it, is a finding. Hard links can lead back to a
+//! group that is being listed, so that depth, number and the bytes that are read are limited.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::rc::Rc;
 
 use hdf5_pure::{Dataset, Error, File, Group, Object};
 
 use super::item::{Item, Unusable};
+use super::links::{Links, Place};
 use super::stream::Stream;
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::{ArrayInfo, IoError};
 
 /// Groups and cells in each other.
@@ -18,6 +23,9 @@ const MAX_CELLS: usize = 10_000;
 
 /// The listing reads at most so many times the file's length.
 const MAX_READS_OVER_LENGTH: u64 = 16;
+
+/// Memory of an entry of the list, a link or a finding in addition to its texts.
+const ENTRY_BYTES: u64 = 64;
 
 /// Stack of the listing, for datatypes in datatypes.
 const STACK_BYTES: usize = 128 << 20;
@@ -34,6 +42,8 @@ pub(super) struct Listing {
     pub items: Vec<Item>,
     /// Parts that cannot be listed or read.
     pub damage: Vec<IoError>,
+    /// Links that lead nowhere.
+    pub findings: Vec<Finding>,
 }
 
 /// Lists an HDF5 file.
@@ -62,68 +72,232 @@ pub(super) fn list(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listi
 
 /// [`list`] on the caller's stack.
 pub(super) fn list_here(stream: &Stream, of_matlab: bool, path: &str) -> Result<Listing, IoError> {
+    let open = || {
+        File::from_source(stream.clone()).map_err(|error| IoError::Binary {
+            path: path.to_owned(),
+            byte: 0,
+            what: "HDF5 superblock",
+            got: error.to_string(),
+            expected: "a whole HDF5 file".to_owned(),
+        })
+    };
+    let name_bytes = stream
+        .bytes()
+        .saturating_mul(MAX_READS_OVER_LENGTH)
+        .saturating_add(1 << 16);
     stream.allow(MAX_READS_OVER_LENGTH);
-    let file = File::from_source(stream.clone()).map_err(|error| IoError::Binary {
-        path: path.to_owned(),
-        byte: 0,
-        what: "HDF5 superblock",
-        got: error.to_string(),
-        expected: "a whole HDF5 file".to_owned(),
-    })?;
+    let mut links = Links::read(stream, open()?.superblock(), name_bytes);
+    stream.replace(links.take_nodes());
+    stream.allow(MAX_READS_OVER_LENGTH);
+    let file = open()?;
     let mut walk = Walk {
         path,
         of_matlab,
+        file: &file,
+        links: &links,
+        open: Vec::new(),
+        known: BTreeMap::new(),
+        pending: VecDeque::new(),
         listing: Listing::default(),
-        name_bytes: stream
-            .bytes()
-            .saturating_mul(MAX_READS_OVER_LENGTH)
-            .saturating_add(1 << 16),
+        name_bytes,
     };
-    walk.group(&file.root(), "", 0);
+    walk.group(&file.root(), &links.root(), "", 0);
+    walk.soft_links();
     Ok(walk.listing)
 }
 
 struct Walk<'a> {
     path: &'a str,
     of_matlab: bool,
+    file: &'a File,
+    links: &'a Links,
+    /// Addresses of the groups that are being listed, each in the one before it.
+    open: Vec<u64>,
+    /// Members of listed groups by the path of the group, in a file with soft links.
+    known: BTreeMap<String, Rc<Members>>,
+    /// Groups whose soft links are not listed yet.
+    pending: VecDeque<Pending>,
     listing: Listing,
     /// Bytes of names that may still be made.
     name_bytes: u64,
 }
 
+/// A group that was listed but for its soft links.
+struct Pending {
+    group: Place,
+    /// The name it is listed under.
+    name: String,
+    depth: usize,
+    /// Addresses of the groups that it was listed in.
+    open: Vec<u64>,
+}
+
+/// The datasets and groups of a group.
+#[derive(Default)]
+struct Members {
+    objects: Vec<(String, Object)>,
+    /// Place in `objects` by the name.
+    numbers: BTreeMap<String, usize>,
+}
+
 impl Walk<'_> {
-    fn group(&mut self, group: &Group, name: &str, depth: usize) {
+    /// Lists the members of a group under `name`, but for those that its soft links lead to.
+    fn group(&mut self, group: &Group, place: &Place, name: &str, depth: usize) {
         if depth > MAX_NESTING {
             return self.damage(name, format!("groups in groups, {depth} deep"));
         }
-        let datasets = match group.iter_datasets() {
-            Ok(datasets) => datasets,
-            // The groups would fail with the same error.
-            Err(error) => return self.damage(name, error.to_string()),
-        };
-        for (member, dataset) in datasets {
-            let path = joined(name, &member);
-            self.dataset(dataset, path.clone(), Some(path), depth);
+        self.open.extend(place.address);
+        let members = self.members(group, place, name);
+        for (member, object) in &members.objects {
+            let name = joined(name, member);
+            let place = place.member(member, self.links.hard(place, member));
+            match object {
+                Object::Dataset(dataset) => {
+                    self.dataset((**dataset).clone(), name, Some(place.path), depth);
+                }
+                Object::Group(_) if self.is_hidden(member, depth) => {}
+                Object::Group(_) if self.holds(&place) => {
+                    let why = format!("hard link to a group, /{}, that holds it", place.path);
+                    self.pass_over(name, why);
+                }
+                Object::Group(group) => self.group(group, &place, &name, depth + 1),
+                _ => {}
+            }
         }
-        let groups = match group.iter_groups() {
-            Ok(groups) => groups,
-            Err(error) => return self.damage(name, error.to_string()),
-        };
-        for (member, group) in groups {
-            let hidden = self.of_matlab && depth == 0 && HIDDEN_GROUPS.contains(&member.as_str());
-            if !hidden {
-                self.group(&group, &joined(name, &member), depth + 1);
+        if self.links.has_soft(place) {
+            self.put_off(place, name, depth);
+        }
+        let held = self.open.len() - usize::from(place.address.is_some());
+        self.open.truncate(held);
+    }
+
+    fn is_hidden(&self, member: &str, depth: usize) -> bool {
+        self.of_matlab && depth == 0 && HIDDEN_GROUPS.contains(&member)
+    }
+
+    /// Puts the soft links of a group off until all groups that hard links lead to are listed.
+    fn put_off(&mut self, place: &Place, name: &str, depth: usize) {
+        let texts = place.path.len() + name.len() + size_of_val(self.open.as_slice());
+        if self.takes(texts) {
+            self.pending.push_back(Pending {
+                group: place.clone(),
+                name: name.to_owned(),
+                depth,
+                open: self.open.clone(),
+            });
+        }
+    }
+
+    /// Lists what soft links lead to, which may be groups with soft links.
+    fn soft_links(&mut self) {
+        while let Some(pending) = self.pending.pop_front() {
+            self.open.clone_from(&pending.open);
+            for link in self.links.soft(&pending.group) {
+                let name = joined(&pending.name, &link);
+                if let Err(why) = self.soft_link(&pending, &link, &name) {
+                    self.pass_over(name, why);
+                }
             }
         }
     }
 
+    /// Lists the object that a soft link of a group leads to under the link's name.
+    ///
+    /// # Errors
+    /// Why it leads to no array or group of the file.
+    fn soft_link(&mut self, from: &Pending, link: &str, name: &str) -> Result<(), String> {
+        let place = self.links.follow(&from.group, link)?;
+        if self.holds(&place) {
+            let path = place.path;
+            return Err(format!("soft link to a group, /{path}, that holds it"));
+        }
+        // A handle holds the path, too.
+        if !self.takes(2 * place.path.len()) {
+            return Ok(());
+        }
+        match self.object(&place.path) {
+            Ok(Object::Dataset(dataset)) => {
+                self.dataset(*dataset, name.to_owned(), Some(place.path), from.depth);
+            }
+            Ok(Object::Group(group)) => self.group(&group, &place, name, from.depth + 1),
+            Ok(_) => return Err(format!("soft link to /{}, which is no array", place.path)),
+            Err(error) => return Err(format!("soft link to /{}: {error}", place.path)),
+        }
+        Ok(())
+    }
+
+    /// Whether a group is one of those that are being listed.
+    fn holds(&self, group: &Place) -> bool {
+        let address = group.address;
+        address.is_some_and(|address| self.open.contains(&address))
+    }
+
+    /// Datasets and groups of a group. They are kept where soft links may lead to them: the reader
+    /// would read the whole group for each member that is looked up.
+    fn members(&mut self, group: &Group, place: &Place, name: &str) -> Rc<Members> {
+        if let Some(members) = self.known.get(&place.path) {
+            return Rc::clone(members);
+        }
+        let mut members = Members::default();
+        match (group.iter_datasets(), group.iter_groups()) {
+            (Ok(datasets), Ok(groups)) => {
+                let boxed = |dataset| Object::Dataset(Box::new(dataset));
+                let datasets = datasets.map(|(name, dataset)| (name, boxed(dataset)));
+                let groups = groups.map(|(name, group)| (name, Object::Group(group)));
+                members.objects = datasets.chain(groups).collect();
+            }
+            (Err(error), _) | (_, Err(error)) => self.damage(name, error.to_string()),
+        }
+        let names = members.objects.iter().map(|(name, _)| name.clone());
+        members.numbers = names.zip(0..).collect();
+        let members = Rc::new(members);
+        if place.address.is_some() && self.links.any_soft() {
+            self.known.insert(place.path.clone(), Rc::clone(&members));
+        }
+        members
+    }
+
+    /// The object of a path of hard links.
+    fn object(&self, path: &str) -> Result<Object, Error> {
+        let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let known = self.known.get(parent).and_then(|members| {
+            let number = members.numbers.get(name)?;
+            members.objects.get(*number).map(|(_, object)| object)
+        });
+        match known {
+            Some(Object::Dataset(dataset)) => Ok(Object::Dataset(dataset.clone())),
+            Some(Object::Group(group)) => Ok(Object::Group(group.clone())),
+            _ => match self.file.dataset(path) {
+                Err(Error::NotADataset(_)) => self.file.group(path).map(Object::Group),
+                dataset => dataset.map(|dataset| Object::Dataset(Box::new(dataset))),
+            },
+        }
+    }
+
+    /// Takes so many bytes, and as many as an entry needs beside its texts, from those that names
+    /// may take; whether they were left.
+    fn takes(&mut self, bytes: usize) -> bool {
+        match self.name_bytes.checked_sub(bytes as u64 + ENTRY_BYTES) {
+            Some(left) => self.name_bytes = left,
+            None => self.listing_too_long(),
+        }
+        self.name_bytes > 0
+    }
+
+    fn pass_over(&mut self, name: String, why: String) {
+        if !self.takes(name.len() + why.len()) {
+            return;
+        }
+        let location = Location::Parameter(name);
+        let finding = Finding::new(Severity::Warning, Code::LinkNotFollowed, location);
+        self.listing.findings.push(finding.detail(why));
+    }
+
     /// Lists a dataset; `path` is absent for a dataset that only references reach.
     fn dataset(&mut self, dataset: Dataset, name: String, path: Option<String>, depth: usize) {
-        // An entry of the list takes memory beside its name.
-        let Some(left) = self.name_bytes.checked_sub(name.len() as u64 + 64) else {
-            return self.listing_too_long();
-        };
-        self.name_bytes = left;
+        if !self.takes(name.len()) {
+            return;
+        }
         let item = match Item::of(dataset, path, self.of_matlab) {
             Ok(item) => item,
             Err(Unusable::Shape(got)) => return self.damage(&name, got),
@@ -153,7 +327,14 @@ impl Walk<'_> {
                 Object::Dataset(dataset) if depth < MAX_NESTING => {
                     self.dataset(*dataset, name, None, depth + 1);
                 }
-                Object::Group(group) => self.group(&group, &name, depth + 1),
+                Object::Group(group) => {
+                    // A reference leads here, not a path, so that links are not followed.
+                    let place = Place {
+                        path: name.clone(),
+                        address: None,
+                    };
+                    self.group(&group, &place, &name, depth + 1);
+                }
                 _ => self.damage(&name, format!("a cell, {depth} deep, that is not read")),
             }
         }

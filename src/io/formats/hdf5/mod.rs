@@ -11,7 +11,8 @@
 //! | groups, structures of MATLAB | `group/dataset` |
 //!
 //! Integers beyond 2^53 lose digits. The file is not read into memory: structure and values are
-//! read when they are asked for. Soft and external links are not followed.
+//! read when they are asked for. Soft links are followed; one that leads nowhere, and a link to
+//! another file, is a finding.
 //!
 //! The reader is `hdf5-pure`. It does not know data layout version 5 (HDF5 2.0 with
 //! `libver="latest"`), chunks in a version 2 B-tree (two unlimited dimensions, HDF5 1.10 or later),
@@ -22,6 +23,7 @@ mod element;
 mod item;
 #[cfg(feature = "libhdf5")]
 mod libhdf5;
+mod links;
 mod list;
 mod present;
 mod store;
@@ -30,6 +32,8 @@ mod write;
 
 #[cfg(test)]
 mod format_tests;
+#[cfg(test)]
+mod link_tests;
 #[cfg(test)]
 mod reference_tests;
 #[cfg(test)]

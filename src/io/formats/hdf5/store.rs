@@ -11,6 +11,7 @@ use super::item::{Item, Presentation, bytes_of, newer_format};
 use super::list::{Listing, refused, unreadable};
 use super::present::{row_major, texts_of_rows};
 use super::stream::Stream;
+use crate::finding::Finding;
 use crate::io::formats::arrays::store::bytes::{RecentArrays, Window};
 use crate::io::formats::arrays::store::{ArrayStore, Elements, NamedArray, outside};
 use crate::io::{ArrayInfo, IoError};
@@ -311,6 +312,10 @@ impl ArrayStore for Hdf5Store {
 
     fn take_damage(&mut self) -> Vec<IoError> {
         std::mem::take(&mut self.listing.damage)
+    }
+
+    fn take_findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.listing.findings)
     }
 
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {

@@ -24,6 +24,8 @@ struct Shared {
     position: Option<u64>,
     /// Bytes that may still be read.
     allowed: u64,
+    /// Bytes that stand in place of those of the file, with the position of the first.
+    replaced: Vec<(u64, Vec<u8>)>,
 }
 
 impl Stream {
@@ -37,6 +39,7 @@ impl Stream {
             input,
             position: None,
             allowed: 0,
+            replaced: Vec::new(),
         };
         Ok(Self {
             shared: Arc::new(Mutex::new(shared)),
@@ -54,9 +57,29 @@ impl Stream {
         let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         shared.allowed = self.len.saturating_mul(times).saturating_add(1 << 20);
     }
+
+    /// Gives the reader these bytes, each from a position on, in place of those of the file.
+    pub fn replace(&self, replaced: Vec<(u64, Vec<u8>)>) {
+        let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.replaced = replaced;
+    }
 }
 
 impl Shared {
+    /// Puts the replaced bytes into those that were read from `offset` on.
+    fn put_replaced(&self, offset: u64, out: &mut [u8]) {
+        let end = offset + out.len() as u64;
+        for (start, bytes) in &self.replaced {
+            let first = offset.max(*start);
+            let last = end.min(start + bytes.len() as u64);
+            if first < last {
+                let from = (first - start) as usize..(last - start) as usize;
+                let to = (first - offset) as usize..(last - offset) as usize;
+                out[to].copy_from_slice(&bytes[from]);
+            }
+        }
+    }
+
     fn read_at(&mut self, offset: u64, out: &mut [u8]) -> std::io::Result<()> {
         let position = self.position.take();
         let step = position
@@ -67,6 +90,7 @@ impl Shared {
             None => drop(self.input.seek(SeekFrom::Start(offset))?),
         }
         self.input.read_exact(out)?;
+        self.put_replaced(offset, out);
         self.position = Some(offset + out.len() as u64);
         Ok(())
     }

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
+use crate::finding::Finding;
 use crate::io::{ArrayInfo, IoError, MatrixEntries};
 
 /// Elements of an array in row-major order (the last index runs fastest).
@@ -81,6 +82,11 @@ pub(in crate::io) trait ArrayStore: Send {
 
     /// Takes what is wrong with parts of the file that are not in the list.
     fn take_damage(&mut self) -> Vec<IoError> {
+        Vec::new()
+    }
+
+    /// Takes what was found beside the list, such as links that lead to no array.
+    fn take_findings(&mut self) -> Vec<Finding> {
         Vec::new()
     }
 
