@@ -42,10 +42,13 @@ pub const READERS: &[Reader] = &[
     Reader { name: "hdf5", seeds: seeds::hdf5, spec: TableSpec::default },
     Reader { name: "hdf5", seeds: seeds::hdf5_of_h5py, spec: chunks },
     Reader { name: "hdf5", seeds: seeds::hdf5_of_matlab, spec: matlab_arrays },
+    Reader { name: "hdf5", seeds: seeds::hdf5_of_links, spec: linked },
     Reader { name: "modes", seeds: seeds::modes, spec: TableSpec::default },
     Reader { name: "modes-csv", seeds: seeds::modes_csv, spec: TableSpec::default },
     Reader { name: "npy", seeds: seeds::npy, spec: first_column },
+    Reader { name: "npy", seeds: seeds::structured_npy, spec: field },
     Reader { name: "npz", seeds: seeds::npz, spec: TableSpec::default },
+    Reader { name: "matlab4", seeds: seeds::matlab4, spec: second_column },
     Reader { name: "matlab5", seeds: seeds::matlab5, spec: TableSpec::default },
     Reader { name: "matlab5", seeds: seeds::matlab_array, spec: second_column },
     Reader { name: "pulse", seeds: seeds::pulse, spec: TableSpec::default },
@@ -113,7 +116,17 @@ fn matlab_arrays() -> TableSpec {
     columns(&["a:3", "s/H:1"])
 }
 
-/// The second column of `seeds::matlab_array`.
+/// A soft link of `seeds::hdf5_of_links` through another.
+fn linked() -> TableSpec {
+    columns(&["run/twice"])
+}
+
+/// A field of `seeds::structured_npy`, whose array has the name of the file.
+fn field() -> TableSpec {
+    columns(&["damaged/s/y:2"])
+}
+
+/// The second column of `seeds::matlab_array` and `seeds::matlab4`.
 fn second_column() -> TableSpec {
     columns(&["a:2"])
 }

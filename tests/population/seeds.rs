@@ -17,6 +17,7 @@ use num_complex::Complex64;
 use crate::mutation::unpacked;
 
 const H5PY: &[u8] = include_bytes!("../reference/h5py.h5.gz");
+const LINKS: &[u8] = include_bytes!("../reference/links.h5.gz");
 const MATLAB_73: &[u8] = include_bytes!("../reference/matlab73.mat.gz");
 const NEWER: &[u8] = include_bytes!("../reference/newer.h5.gz");
 
@@ -176,6 +177,23 @@ pub fn npy() -> Vec<Vec<u8>> {
     vec![file("False"), file("True")]
 }
 
+/// Records of a mark, padding and a structure of two numbers, in both orders.
+pub fn structured_npy() -> Vec<Vec<u8>> {
+    let records = (0..120_u8).flat_map(|i| {
+        let numbers = [f64::from(i), 0.5].map(f64::to_be_bytes).concat();
+        [vec![i], vec![0; 7], numbers].concat()
+    });
+    let records: Vec<u8> = records.collect();
+    let file = |order: &str| {
+        let description = "[('mark', '|u1'), ('', '|V7'), ('s', [('x', '>f8'), ('y', '>f8')])]";
+        let header =
+            format!("{{'descr': {description}, 'fortran_order': {order}, 'shape': (60, 2), }}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\0", &length[..], header.as_bytes(), &records].concat()
+    };
+    vec![file("False"), file("True")]
+}
+
 /// Everything as a NumPy archive.
 pub fn npz() -> Vec<Vec<u8>> {
     written("npz", Encoding::Binary).into_iter().collect()
@@ -191,6 +209,11 @@ pub fn hdf5() -> Vec<Vec<u8>> {
 /// What h5py writes, without checksums.
 pub fn hdf5_of_h5py() -> Vec<Vec<u8>> {
     vec![unpacked(H5PY)]
+}
+
+/// Soft and external links in groups of every structure, without checksums in the oldest.
+pub fn hdf5_of_links() -> Vec<Vec<u8>> {
+    vec![unpacked(LINKS)]
 }
 
 /// What MATLAB writes.
@@ -226,6 +249,36 @@ pub fn complex_table() -> Vec<Vec<u8>> {
 /// Everything as MATLAB structs.
 pub fn matlab5() -> Vec<Vec<u8>> {
     written("matlab5", Encoding::Binary).into_iter().collect()
+}
+
+/// A 40 x 2 array `a`, a text and a sparse matrix in version 4, in both orders of bytes.
+pub fn matlab4() -> Vec<Vec<u8>> {
+    let file = |big_endian: bool| {
+        let word = |value: u32| match big_endian {
+            true => value.to_be_bytes(),
+            false => value.to_le_bytes(),
+        };
+        let matrix = |kind: u32, lengths: [u32; 2], name: u8, values: &[f64]| {
+            // The thousands digit is the order of the bytes.
+            let kind = kind + 1000 * u32::from(big_endian);
+            let header = [kind, lengths[0], lengths[1], 0, 2].map(word);
+            let numbers = values.iter().flat_map(|value| match big_endian {
+                true => value.to_be_bytes(),
+                false => value.to_le_bytes(),
+            });
+            let numbers: Vec<u8> = numbers.collect();
+            [header.concat(), vec![name, 0], numbers].concat()
+        };
+        let values: Vec<f64> = (0..80_u8).map(f64::from).collect();
+        let sparse = [1.0, 3.0, 2.0, 4.0, 0.5, 0.0];
+        [
+            matrix(0, [40, 2], b'a', &values),
+            matrix(1, [2, 2], b't', &[97.0, 98.0, 99.0, 32.0]),
+            matrix(2, [2, 3], b's', &sparse),
+        ]
+        .concat()
+    };
+    vec![file(false), file(true)]
 }
 
 /// A 40 x 2 array `a` in a compressed element, as MATLAB saves it.

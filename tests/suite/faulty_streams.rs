@@ -125,11 +125,12 @@ fn read_cut(format: &dyn Format, bytes: &[u8], end: u64) -> Option<Vec<Block>> {
 /// The formats whose samples are read after the file is opened.
 #[test]
 fn a_file_that_shrinks_while_it_is_read_is_an_error_or_gives_what_it_held() {
-    let all: [(&str, Vec<Vec<u8>>); 8] = [
+    let all: [(&str, Vec<Vec<u8>>); 9] = [
         ("uff", seeds::uff()),
         ("hdf5", seeds::hdf5()),
         ("npz", seeds::npz()),
         ("npy", seeds::npy()),
+        ("matlab4", seeds::matlab4()),
         ("matlab5", seeds::matlab5()),
         ("table", seeds::table()),
         ("pulse", seeds::pulse()),
