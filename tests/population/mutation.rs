@@ -118,7 +118,7 @@ fn matlab_arrays() -> TableSpec {
 
 /// A soft link of `seeds::hdf5_of_links` through another.
 fn linked() -> TableSpec {
-    columns(&["run/twice"])
+    columns(&["run/inner/through"])
 }
 
 /// A field of `seeds::structured_npy`, whose array has the name of the file.

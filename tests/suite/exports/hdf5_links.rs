@@ -213,3 +213,25 @@ fn a_group_of_links_alone_and_an_empty_one_are_no_damage() {
     let expected = ["x (1 f64)", "links/a (1 f64)", "links/b (1 f64)"];
     assert_eq!(arrays(&ran), expected);
 }
+
+#[test]
+fn groups_that_links_double_again_and_again_end_as_damage() {
+    // 25 groups, each with two links to the next one: 2^25 groups without an array.
+    let names: Vec<String> = (10..36).map(|number| format!("g{number}")).collect();
+    let paths: Vec<String> = names.iter().map(|name| format!("/{name}")).collect();
+    let mut file = File::new();
+    let mut members = Vec::new();
+    for (number, name) in names.iter().enumerate() {
+        let links: Vec<(&str, Member)> = match paths.get(number + 1) {
+            Some(next) => vec![("a", Member::Soft(next)), ("b", Member::Soft(next))],
+            None => Vec::new(),
+        };
+        members.push((name.as_str(), file.group(&links)));
+    }
+    let x = file.dataset(&[1.0]);
+    members.push(("x", x));
+    let root = file.group(&members);
+    let ran = inspected("link.h5", &file.finish(root));
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert_eq!(arrays(&ran), ["x (1 f64)"]);
+}

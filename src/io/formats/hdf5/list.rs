@@ -1,8 +1,8 @@
 //! The datasets of every group, by their paths.
 //!
 //! The object of a soft link is listed under the name of the link, too; a link that leads to no
-//! object of the file, or back to a group that holds it, is a finding. Hard links can lead back to a
-//! group that is being listed, so that depth, number and the bytes that are read are limited.
+//! object of the file, or back to a group that holds it, is a finding. Links can list a group many
+//! times, so that depth, bytes of names and the bytes that are read are limited.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
@@ -143,6 +143,10 @@ struct Members {
 impl Walk<'_> {
     /// Lists the members of a group under `name`, but for those that its soft links lead to.
     fn group(&mut self, group: &Group, place: &Place, name: &str, depth: usize) {
+        // Members that are known are listed without reading, so that bytes read are no limit here.
+        if !self.takes(name.len() + place.path.len()) {
+            return;
+        }
         if depth > MAX_NESTING {
             return self.damage(name, format!("groups in groups, {depth} deep"));
         }

@@ -2,8 +2,8 @@
 //!
 //! Numbers of every width and byte order, in C and Fortran order, and fixed-width texts are read,
 //! also as fields of structured arrays. Arrays of Python objects (pickles), dates and long doubles
-//! are listed, not read. `.npz` is written in the schema of modalign, stored without compression, so that a part of
-//! an array can be read alone.
+//! are listed, not read. `.npz` is written in the schema of modalign, stored without compression,
+//! so that a part of an array can be read alone.
 //!
 //! # Reference
 //! NumPy documentation, `numpy.lib.format`, format versions 1.0 to 3.0.

@@ -1,5 +1,5 @@
-//! `.npy`: one array. It has no name in the file, so it takes the file's; the fields of a structured
-//! one are listed as `name/field`.
+//! `.npy`: one array. It has no name in the file, so it takes the file's; the fields of a
+//! structured one are listed as `name/field`.
 
 use std::io::{Read, SeekFrom};
 use std::path::Path;

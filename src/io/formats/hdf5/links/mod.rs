@@ -1,7 +1,7 @@
 //! Links of groups: names that lead to an object of the file (hard), to a path (soft) or to another
 //! file (external).
 //!
-//! The reader follows hard links alone. It fails on a group of version 1 that has a soft link, whose
+//! The reader follows hard links alone. It fails on a group of version 1 with a soft link, whose
 //! entry has no address, and passes over those of newer groups. Here the links of all groups are
 //! read, whatever their form, so that a soft link can be followed to the path of hard links that it
 //! stands for, and the entries of version 1 that the reader fails on can be kept from it.
