@@ -142,6 +142,18 @@ codes! {
     /// Directions that were never measured.
     UnmeasuredLeftOut: "Values that are 0 in every mode mark directions that were not measured. They were left out.",
         "Measurement systems fill the directions of a node that were not measured with zeros, and dataset 55 cannot say so. Where the ID lines or the title name such a system (Test.Lab, LMS, Simcenter), or a note of modalign says that zeros are unmeasured, a degree of freedom that is exactly 0 in every one of these modes is left out. In every other file 0 is a value and stays. The place is the first of the modes, the value the number of degrees of freedom.";
+    /// Eigenvalues whose real part is the decay rate.
+    DecayRateSign: "Eigenvalues have a positive real part, which was read as the decay rate: its sign was reversed.",
+        "The real part of the eigenvalue of a stable mode is negative. Some programs write the decay rate, its amount, in its place. It is taken as such where all complex modes of a file have a positive real part, because a structure is not unstable in every mode, and where a positive damping ratio is written beside the eigenvalue. A negative damping ratio beside it says that the mode is unstable. The place is the first of the modes, the value their number. Check the damping ratios.";
+    /// Modes with negative damping.
+    NegativeDamping: "Modes have negative damping: they are unstable, or the sign is an error. They were read as written.",
+        "The real part of the eigenvalue is positive, or the damping ratio negative, while other modes of the file are stable or the damping ratio confirms the sign. Such modes grow in time: chatter, flutter, a control loop. Modes identified from FRFs of a stable structure cannot. The place is the first of the modes, the value their number. Check the sign in the program that wrote the file.";
+    /// Damping ratios in percent.
+    DampingInPercent: "Damping ratios of 1 and more show that the file states damping in percent. All were divided by 100.",
+        "Datasets 55 and 2414 state the damping ratio as a fraction. A mode with a ratio of 1 or more does not vibrate, so that a file with such a ratio, and without one below 0.05, states percent. The value is the largest ratio as written, the place the first of the modes. Check the damping ratios, and let the program write fractions.";
+    /// Damping ratios that are no fractions of a structure and may be percent.
+    DampingImplausible: "The damping ratios of the file are implausible as fractions and may be percent. They were read as written.",
+        "A file with a damping ratio of 1 or more is read as percent only where no other is below 0.05 and none is 100 or more. Where every ratio is above 0.2 and none reaches 1, either reading is possible. The value is the largest ratio as written, the place the first of the modes. Where the file states percent, divide its damping ratios by 100.";
     /// A modal scale without a unit.
     ModalScaleUnknown: "Modal mass, modal A and modal B are of unknown unit and were left out.",
         "Modal mass, A and B belong to the scale of the shape. They have a unit only where dataset 164 states the units of the file and the shape is a displacement; to which of its quantities the scale of a velocity or acceleration shape belongs differs from writer to writer. The shape itself stays, in an arbitrary scale. The value is the number of modes.";

@@ -20,4 +20,6 @@ mod other_quantities;
 mod structured_arrays;
 mod text_coding;
 mod units;
+mod mode_builder;
+mod mode_poles;
 mod universal_file;

@@ -184,7 +184,7 @@ impl Function {
 }
 
 /// A number of 13 columns, `-1.23457E-02`, as C and Fortran print it.
-fn printed(number: f64) -> String {
+pub fn printed(number: f64) -> String {
     let text = format!("{number:.5E}");
     let (mantissa, exponent) = text.split_once('E').unwrap();
     let exponent: i32 = exponent.parse().unwrap();

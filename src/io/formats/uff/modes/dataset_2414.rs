@@ -12,6 +12,12 @@
 //! | 12 | 6 E13.5 | time, frequency in Hz, eigenvalue, modal mass, viscous and hysteretic damping ratio |
 //! | 13 | 6 E13.5 | Re λ, Im λ in rad/s, modal A, modal B |
 //! | 14, 15 | I10, 6 E13.5 | node and its values, repeated |
+//!
+//! The eigenvalue of a normal mode is ω² in (rad/s)². Writers fill some of these fields alone:
+//! where the frequency of a normal mode is 0, it follows from ω², else from λ; where λ of a complex
+//! mode is 0, frequency and damping ratio replace it.
+
+use std::f64::consts::TAU;
 
 use super::mode_note::ModeNote;
 use super::node_data::{Definition, no_root, node_values, two_rows_of_parameters};
@@ -40,11 +46,11 @@ pub(in crate::io::formats::uff) fn mode(
     records.filled("record 11 of dataset 2414")?;
     let parameters = two_rows_of_parameters(&mut records)?;
     let (reals, [one, two]) = (parameters.numbers, parameters.stated);
-    let (root, stated) = match definition.analysis {
-        2 if one < 2 => (None, one),
-        2 => (Root::normal(&[reals[1], reals[3], reals[4], reals[5]]), one),
-        _ => (Root::complex(&reals[6..6 + two]), two),
+    let stated = match definition.analysis {
+        2 => one,
+        _ => two,
     };
+    let root = root(definition.analysis, &reals, [one, two]);
     let root = root.ok_or_else(|| no_root(parameters.at, stated))?;
     let (nodes, values) = node_values(&mut records, definition)?;
     Ok(Ok(RawMode {
@@ -52,8 +58,25 @@ pub(in crate::io::formats::uff) fn mode(
         title: titles(&id_lines),
         note: ModeNote::from_lines(&id_lines),
         root,
+        damping_field: reals[4],
         definition,
         nodes,
         values,
     }))
+}
+
+/// The pole from the twelve numbers of records 12 and 13, of which the first `stated` of either are
+/// stated; `None` where neither a frequency nor an eigenvalue is.
+fn root(analysis: i64, reals: &[f64], stated: [usize; 2]) -> Option<Root> {
+    let squared = reals[2].max(0.0).sqrt() / TAU;
+    let frequency_hz = if reals[1] == 0.0 { squared } else { reals[1] };
+    let normal = Root::normal(&[frequency_hz, reals[3], reals[4], reals[5]]);
+    let normal = normal.filter(|_| stated[0] >= 2);
+    let complex = Root::complex(&reals[6..6 + stated[1]]);
+    let [first, second] = match analysis {
+        2 => [normal, complex],
+        _ => [complex, normal],
+    };
+    let vibrates = |root: &Root| root.frequency_hz() > 0.0;
+    first.filter(vibrates).or(second.filter(vibrates)).or(first)
 }

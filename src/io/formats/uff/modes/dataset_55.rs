@@ -50,6 +50,7 @@ pub(in crate::io::formats::uff) fn mode(
         title: titles(&id_lines),
         note: ModeNote::from_lines(&id_lines),
         root,
+        damping_field: 0.0,
         definition,
         nodes,
         values,

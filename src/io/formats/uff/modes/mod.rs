@@ -4,14 +4,16 @@
 //! **Pole.** The natural frequency is |λ|/2π of the eigenvalue, the damping ratio −Re λ/|λ|; a
 //! conjugate pole (Im λ < 0) is turned to the positive one with its shape. A normal mode has its
 //! frequency, and as damping ratio the viscous one, else half the hysteretic one; both 0 is
-//! unknown.
+//! unknown. Writers that state decay rates or percent are recognised from all modes of the file
+//! (`conventions`).
 //!
 //! **Degrees of freedom.** A row has values for all directions of a node. 0 is a value, as at the
 //! supports of a computed shape, and stays; but measurement systems fill what was not measured with
 //! zeros. Where ID lines or title name one, or a [`ModeNote`] says so, a direction that is exactly
-//! zero in every such mode of the file is left out, with a finding. At a node with a local
-//! displacement system this is decided in the local directions; a global direction is claimed where
-//! one of the measured local ones has a part along it (more than 1e-6 of it).
+//! zero in every such mode of the file is left out, with a finding; of all other files a comparison
+//! decides (`ModalModel::unmeasured_dofs`). At a node with a local displacement system this is
+//! decided in the local directions; a global direction is claimed where one of the measured local
+//! ones has a part along it (more than 1e-6 of it). In other files it is else exactly 0.
 //!
 //! **Units.** SI value = file value / length factor of dataset 164 for translations; rotations are
 //! in rad. Modal A, B and mass, which have the units of (shape)²/residue and (shape)² mass, are
@@ -23,6 +25,7 @@
 //! which of them modal A belongs differs from writer to writer. Complex modes state modal A
 //! (residue φφᵀ/A); modal mass is A/(2iω_d) where that is real.
 
+pub(super) mod conventions;
 pub(super) mod dataset_2414;
 pub(super) mod dataset_55;
 mod mode_note;
@@ -163,6 +166,8 @@ pub(super) struct RawMode {
     pub title: Vec<String>,
     pub note: ModeNote,
     pub root: Root,
+    /// Viscous damping ratio that is stated beside an eigenvalue; 0 for none.
+    pub damping_field: f64,
     pub definition: Definition,
     pub nodes: Vec<i64>,
     /// [`Definition::per_node`] values of each node.
@@ -214,7 +219,7 @@ pub(super) struct Measured {
     pub left_out: usize,
 }
 
-/// Finds the directions that were measured in modes that are filled with zeros.
+/// Finds the directions that are not zero in every one of some modes.
 pub(super) fn measured<'a>(modes: impl Iterator<Item = &'a RawMode>) -> Measured {
     let mut moves: BTreeMap<(i64, Axis), bool> = BTreeMap::new();
     for mode in modes {
@@ -234,6 +239,15 @@ pub(super) fn measured<'a>(modes: impl Iterator<Item = &'a RawMode>) -> Measured
         }
     }
     measured
+}
+
+/// What a direction means that is 0 in every mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Zeros {
+    /// It may have been measured, and is kept.
+    Values,
+    /// It was not measured, and is left out.
+    Unmeasured,
 }
 
 /// Unit vectors of the displacement directions of nodes that do not count them in the global frame.
@@ -277,18 +291,20 @@ impl RawMode {
         stated && !self.scale_is_known(units)
     }
 
-    /// The mode in SI units and in the global frame; of `measured` directions alone where that is
-    /// given.
+    /// The mode in SI units and in the global frame, of the measured directions alone where zeros
+    /// stand for unmeasured ones.
     pub fn entry(
         &self,
         units: Option<&Units>,
-        measured: Option<&Measured>,
+        measured: &Measured,
+        zeros: Zeros,
         frames: &Frames,
     ) -> ModeEntry {
         let note = self.note();
         let frequency = note.and_then(|note| note.frequency_hz);
         let damping = note.and_then(|note| note.damping_ratio);
-        let shape = self.shape(units.map_or(1.0, |units| units.length), measured, frames);
+        let length = units.map_or(1.0, |units| units.length);
+        let shape = self.shape(length, measured, zeros, frames);
         let mut mode = Mode::new(
             frequency.unwrap_or_else(|| self.root.frequency_hz()),
             damping.unwrap_or_else(|| self.root.damping_ratio()),
@@ -330,23 +346,27 @@ impl RawMode {
         };
     }
 
-    fn shape(&self, length: f64, measured: Option<&Measured>, frames: &Frames) -> ModeShape {
+    fn shape(&self, length: f64, measured: &Measured, zeros: Zeros, frames: &Frames) -> ModeShape {
         let axes = axes(self.definition.per_node);
         let conjugate = matches!(self.root, Root::Complex { lambda, .. } if lambda.im < 0.0);
         let mut shape: Vec<(Dof, Complex64)> = Vec::new();
         for (node, row) in self.nodes.iter().zip(self.values.chunks_exact(axes.len())) {
             let is_known = |axis: &Axis| {
-                measured.is_none_or(|all| {
-                    let directions = all.directions.get(node);
-                    directions.is_some_and(|directions| directions.contains(axis))
-                })
+                let directions = measured.directions.get(node);
+                directions.is_some_and(|directions| directions.contains(axis))
             };
             let known = axes.iter().zip(row).filter(|(axis, _)| is_known(axis));
             let known: Vec<(Axis, Complex64)> = known.map(|(axis, v)| (*axis, *v)).collect();
-            let global = match frames.get(node) {
+            let mut global = match frames.get(node) {
                 Some(frame) => turned(&known, frame),
                 None => known,
             };
+            if zeros == Zeros::Values {
+                let others = axes.iter().filter(|axis| !has_axis(&global, **axis));
+                let others: Vec<(Axis, Complex64)> =
+                    others.map(|axis| (*axis, Complex64::ZERO)).collect();
+                global.extend(others);
+            }
             for (axis, value) in global {
                 let value = if conjugate { value.conj() } else { value };
                 let translation = axis.unit_vector().is_some() && !axis.is_rotation();
@@ -357,6 +377,10 @@ impl RawMode {
         }
         ModeShape::new(shape)
     }
+}
+
+fn has_axis(values: &[(Axis, Complex64)], axis: Axis) -> bool {
+    values.iter().any(|(other, _)| *other == axis)
 }
 
 /// SI value of modal A, B or mass over the file's.

@@ -16,7 +16,9 @@ use crate::io::formats::uff::geometry::systems::{Found, Systems, position_m};
 use crate::io::formats::uff::geometry::{
     dataset_15, dataset_18, dataset_82, dataset_2411, dataset_2412, dataset_2420, dataset_2467,
 };
-use crate::io::formats::uff::modes::{Frames, RawMode, measured, names_measurement_system};
+use crate::io::formats::uff::modes::{
+    Frames, RawMode, Zeros, conventions, measured, names_measurement_system,
+};
 use crate::io::formats::uff::modes::{dataset_55, dataset_2414};
 
 /// Largest number of findings about undescribed coordinate systems; a file may have any number of
@@ -93,7 +95,7 @@ impl Scanner {
 
     /// Puts everything that was collected into the catalogue, in metres and in the global frame.
     pub fn place_geometry(&mut self) {
-        let described = std::mem::take(&mut self.described);
+        let mut described = std::mem::take(&mut self.described);
         if self.catalog.title.is_empty() && !described.model_name.is_empty() {
             self.catalog.title.push(described.model_name);
         }
@@ -105,6 +107,7 @@ impl Scanner {
         }
         self.report_unknown_systems(&systems, &described.nodes);
         let nodes = self.place_nodes(&systems, described.nodes);
+        self.correct_poles(&mut described.modes);
         self.place_modes(&frames(&systems, &nodes), &described.modes);
         self.catalog.geometry.nodes = nodes.into_values().map(|(_, node)| node).collect();
         self.catalog.geometry.systems = systems.placed;
@@ -202,19 +205,35 @@ impl Scanner {
         }
     }
 
+    /// Turns poles of other conventions into those of the format, and takes out modes without a
+    /// frequency, which are damage.
+    fn correct_poles(&mut self, modes: &mut Vec<RawMode>) {
+        for error in conventions::remove_without_frequency(modes) {
+            self.damaged(error, Part::Mode);
+        }
+        for observed in conventions::correct(modes) {
+            let location = self.location(observed.at);
+            let finding = Finding::new(Severity::Warning, observed.code, location);
+            self.catalog
+                .findings
+                .push(finding.value(observed.value, ""));
+        }
+    }
+
     fn place_modes(&mut self, frames: &Frames, modes: &[RawMode]) {
         let title = &self.catalog.title;
         let by_title = title.iter().any(|line| names_measurement_system(line));
         let (filled, others): (Vec<&RawMode>, Vec<&RawMode>) =
             modes.iter().partition(|mode| mode.is_filled(by_title));
-        let measured = measured(filled.iter().copied());
+        let of_filled = measured(filled.iter().copied());
+        let of_others = measured(others.iter().copied());
         let others = others.into_iter().flat_map(|mode| &mode.nodes);
         let others: BTreeSet<&i64> = others.collect();
         let is_turned =
-            |node: &&i64| measured.directions.contains_key(node) || others.contains(node);
+            |node: &&i64| of_filled.directions.contains_key(node) || others.contains(node);
         let turned = frames.keys().filter(is_turned).count();
         let first_filled = filled.first().map(|mode| mode.at);
-        self.report_count(first_filled, Code::UnmeasuredLeftOut, measured.left_out);
+        self.report_count(first_filled, Code::UnmeasuredLeftOut, of_filled.left_out);
         self.report_count(
             modes.first().map(|mode| mode.at),
             Code::LocalSystemApplied,
@@ -227,8 +246,10 @@ impl Scanner {
                 unscaled += 1;
                 first_unscaled.get_or_insert(mode.at);
             }
-            let measured = mode.is_filled(by_title).then_some(&measured);
-            let entry = mode.entry(units, measured, frames);
+            let entry = match mode.is_filled(by_title) {
+                true => mode.entry(units, &of_filled, Zeros::Unmeasured, frames),
+                false => mode.entry(units, &of_others, Zeros::Values, frames),
+            };
             self.catalog.modes.push(entry);
         }
         self.report_count(first_unscaled, Code::ModalScaleUnknown, unscaled);

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use num_complex::Complex64;
+use proptest::prelude::*;
 
 use super::file_builder::{dataset, open};
 use crate::finding::Code;
@@ -166,7 +167,9 @@ fn normal_modes_have_mass_and_either_damping() {
         ("0. 0. 0. 0.", 0.0, None, None, Scaling::Unknown),
         ("-1.5-105 0. 0. 0.", 1.5e-105, None, None, Scaling::Unknown),
     ] {
-        let modes = modes(&[UNITS.to_vec(), with(&NORMAL, &[record, "5", "1. 0. 0."])]);
+        let other = with(&NORMAL, &["20.", "5", "0. 1. 0."]);
+        let mode = with(&NORMAL, &[record, "5", "1. 0. 0."]);
+        let modes = modes(&[UNITS.to_vec(), mode, other]);
         let mode = &modes[0].mode;
         assert_eq!(
             (mode.frequency_hz, mode.damping_ratio),
@@ -229,7 +232,8 @@ fn negative_damping_and_poles_at_the_origin_break_nothing() {
     let with_pole = |record: &'static str| {
         let mut lines = with(&COMPLEX, &["5", "1. 2. 0. 0. 0. 0."]);
         lines[8] = record;
-        modes(&[lines, UNITS.to_vec()]).remove(0)
+        let stable = with(&COMPLEX, &["5", "1. 2. 0. 0. 0. 0."]);
+        modes(&[lines, stable, UNITS.to_vec()]).remove(0)
     };
     let unstable = with_pole("3. 4. 0. 0. 0. 0.");
     assert!((unstable.mode.damping_ratio.unwrap() + 0.6).abs() < 1e-15);
@@ -497,5 +501,93 @@ fn a_damaged_mode_is_left_out_and_placed() {
             panic!("{text}: {damage:?}")
         };
         assert_eq!(*at, line, "{text}");
+    }
+}
+
+/// Frequencies with damping ratios, and codes with values of findings.
+type PolesAndFindings = (Vec<(f64, Option<f64>)>, Vec<(Code, Option<f64>)>);
+
+/// Poles and findings of normal modes of dataset 55 with these records 8.
+fn normal_poles(records: &[&str]) -> PolesAndFindings {
+    let of_record = |record: &&str| {
+        let rows = [*record, "5", "1. 2. 3."];
+        dataset(&with(&NORMAL, &rows), "\n")
+    };
+    let file: Vec<Vec<u8>> = records.iter().map(of_record).collect();
+    let source = open(file.concat()).unwrap();
+    let catalog = source.catalog();
+    let modes = catalog.modes.iter().map(|entry| &entry.mode);
+    let poles = modes.map(|mode| (mode.frequency_hz, mode.damping_ratio));
+    let findings = catalog.findings.iter();
+    let findings = findings.map(|finding| (finding.code, finding.value));
+    (poles.collect(), findings.collect())
+}
+
+#[test]
+fn percent_of_a_lightly_damped_structure_is_recognised() {
+    let (poles, findings) = normal_poles(&["10. 0. .2 0.", "20. 0. 1.2 0.", "30. 0. 0. .8"]);
+    let ratios: Vec<f64> = poles.iter().filter_map(|pole| pole.1).collect();
+    for (got, expected) in ratios.iter().zip([0.002, 0.012, 0.004]) {
+        assert!((got - expected).abs() < 1e-15, "{ratios:?}");
+    }
+    assert_eq!(findings, [(Code::DampingInPercent, Some(1.2))]);
+}
+
+#[test]
+fn plausible_and_unknown_damping_is_not_reported() {
+    for record in ["10. 0. .15 0.", "10. 0. 0. .3", "10.", "10. 0. 0. 0."] {
+        let (poles, findings) = normal_poles(&[record, "20. 0. .1 0."]);
+        assert_eq!((poles.len(), findings), (2, vec![]), "{record}");
+    }
+    // Impossible as percent, too.
+    let (poles, findings) = normal_poles(&["10. 0. 150. 0."]);
+    assert_eq!(poles, [(10.0, Some(150.0))]);
+    assert_eq!(findings, [(Code::DampingImplausible, Some(150.0))]);
+}
+
+#[test]
+fn modes_without_any_frequency_are_damage_and_one_of_zero_hertz_beside_others_is_not() {
+    assert_eq!(normal_poles(&["0. 0. 0. 0.", "20."]).0.len(), 2);
+    let mode = dataset(&with(&NORMAL, &["0. 0. 0. 0.", "5", "1. 2. 3."]), "\n");
+    let mut source = open([mode.clone(), mode].concat()).unwrap();
+    assert!(source.catalog().modes.is_empty());
+    let damage = source.take_damage();
+    let damage: Vec<String> = damage
+        .iter()
+        .map(|damaged| damaged.error.to_string())
+        .collect();
+    assert_eq!(damage.len(), 2);
+    assert!(
+        damage[0].contains(":2: frequency of a mode: got"),
+        "{damage:?}"
+    );
+    assert!(
+        damage[0].contains("export the modes with their frequencies"),
+        "{damage:?}"
+    );
+}
+
+proptest! {
+    #[test]
+    fn a_convention_changes_no_frequency_and_damping_by_sign_or_percent_alone(
+        numbers in proptest::collection::vec((-1e3..1e3f64, -1e3..1e3f64), 1..6),
+    ) {
+        let of_pole = |(re, im): &(f64, f64)| {
+            let record = format!("{re:e} {im:e} 0. 0. 0. 0.");
+            let mut lines = with(&COMPLEX, &["5", "1. 2. 0. 0. 0. 0."]);
+            lines[8] = &record;
+            dataset(&lines, "\n")
+        };
+        let file: Vec<Vec<u8>> = numbers.iter().map(of_pole).collect();
+        let source = open(file.concat()).unwrap();
+        let modes = &source.catalog().modes;
+        prop_assert_eq!(modes.len(), numbers.len());
+        let are_all_positive = numbers.iter().all(|(re, _)| *re >= 0.0);
+        for (entry, (re, im)) in modes.iter().zip(&numbers) {
+            let norm = re.hypot(*im);
+            prop_assert!((entry.mode.frequency_hz * TAU - norm).abs() <= 1e-9 * norm);
+            let ratio = if are_all_positive { re / norm } else { -re / norm };
+            prop_assert!((entry.mode.damping_ratio.unwrap() - ratio).abs() <= 1e-9);
+        }
     }
 }

@@ -82,6 +82,43 @@ fn seeds() -> Vec<Vec<u8>> {
         ],
         "\n",
     );
+    let conventions = dataset(
+        &[
+            "  2414",
+            "1",
+            "a",
+            "1",
+            "",
+            "",
+            "",
+            "",
+            "",
+            "1 3 2 8 5 3",
+            "0 0 0 0 0 1 0 0",
+            "0 0",
+            "0. 0. 100. 1. 1.2 .1",
+            "1. 10. 0. 0. 0. 0.",
+            "7",
+            "0. 0. 0. 0. 5. 6.",
+        ],
+        "\n",
+    );
+    let normal = dataset(
+        &[
+            "    55",
+            "",
+            "",
+            "",
+            "",
+            "",
+            "1 2 2 8 2 3",
+            "2 4 1 1",
+            "0. 0. 1.5 0.",
+            "7",
+            "0. 0. 3.",
+        ],
+        "\n",
+    );
     let text = text_58(&header(2, 8), &["1.0 2.0 3.0 4.0-5.0E+00", "6 7 8"], "\n");
     let complex = text_58(&header(6, 2), &["1.0 2.0 3.0", "4.0"], "\r\n");
     let form = |little_endian| Form {
@@ -125,7 +162,8 @@ fn seeds() -> Vec<Vec<u8>> {
         [pairs, window, bytes].concat(),
         [title, units, nodes, trace].concat(),
         [systems.clone(), mesh, groups, local.clone()].concat(),
-        [mode, local, systems, analysis].concat(),
+        [mode, local, systems.clone(), analysis].concat(),
+        [conventions, normal, systems].concat(),
         [double, text.clone()].concat(),
         [single.clone(), text, wide.clone()].concat(),
         [complex, wide, single].concat(),
