@@ -30,13 +30,18 @@ pub struct DofPair {
 ///
 /// Two are the same when point (with its component) and axis are equal. Of several that name the
 /// same point and axis in one set (repeated measurements, a second sensor the other way round) the
-/// first in order is taken.
+/// first in order is taken. The map of two models leaves out the degrees of freedom that the test
+/// did not measure ([`ModalModel::unmeasured_dofs`]).
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct DofMap {
     /// The common ones.
     pub pairs: Vec<DofPair>,
     /// Those of the test that the theory does not have.
     pub test_alone: Vec<Dof>,
+    /// Those that the test did not measure and where the theory moves.
+    pub unmeasured: Vec<Dof>,
+    /// Those where the theory is 0 in every mode and the test moves.
+    pub zero_in_theory: Vec<Dof>,
 }
 
 type Label = (String, Axis);
@@ -81,7 +86,32 @@ impl DofMap {
             let shapes = model.modes.iter().map(|mode| &mode.shape);
             shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof))
         }
-        Self::new(dofs(test), dofs(theory))
+        let mut map = Self::new(dofs(test), dofs(theory));
+        map.leave_out_unmeasured(test, theory);
+        let at_rest = map.pairs.iter();
+        let at_rest =
+            at_rest.filter(|pair| moves(test, &pair.test) && !moves(theory, &pair.theory));
+        map.zero_in_theory = at_rest.map(|pair| pair.test.clone()).collect();
+        map
+    }
+
+    /// Leaves out what the test did not measure. Where the theory is 0 too, nothing is lost.
+    fn leave_out_unmeasured(&mut self, test: &ModalModel, theory: &ModalModel) {
+        let unmeasured = test.unmeasured_dofs();
+        self.test_alone.retain(|dof| !unmeasured.contains(dof));
+        let pairs = std::mem::take(&mut self.pairs).into_iter();
+        let (left_out, kept): (Vec<DofPair>, Vec<DofPair>) =
+            pairs.partition(|pair| unmeasured.contains(&pair.test));
+        self.pairs = kept;
+        let left_out = left_out.into_iter();
+        let left_out = left_out.filter(|pair| moves(theory, &pair.theory));
+        self.unmeasured = left_out.map(|pair| pair.test).collect();
+    }
+
+    /// Whether it has rotations among translations.
+    pub(super) fn has_both_kinds(&self) -> bool {
+        let is_rotation = |pair: &DofPair| pair.test.axis().is_rotation();
+        self.pairs.iter().any(is_rotation) && !self.pairs.iter().all(is_rotation)
     }
 
     /// How many degrees of freedom both have.
@@ -97,12 +127,12 @@ impl DofMap {
     /// Factor of each common degree of freedom in a MAC: 1, or the stated length for a rotation
     /// among translations.
     pub(super) fn weights(&self, options: &PairOptions) -> Result<Vec<f64>, CorrelateError> {
+        if !self.has_both_kinds() {
+            return Ok(vec![1.0; self.len()]);
+        }
         let turns = |pair: &&DofPair| pair.test.axis().is_rotation();
         let rotations = self.pairs.iter().filter(turns).count();
         let translations = self.len() - rotations;
-        if rotations == 0 || translations == 0 {
-            return Ok(vec![1.0; self.len()]);
-        }
         let length = options
             .rotation_length_m
             .ok_or(CorrelateError::MixedUnits {
@@ -131,15 +161,25 @@ impl DofMap {
         self.pairs.iter().zip(weights).map(value).collect()
     }
 
-    /// Findings on the map: degrees of freedom without a partner (each, or their number
-    /// where they are many) and a common number below the limit. Nothing for a test without shapes.
+    /// Findings on the map: degrees of freedom that were not measured, that are 0 in the theory or
+    /// that have no partner (each, or their number where they are many), and a common number below
+    /// the limit. Nothing for a test without shapes.
     pub fn findings(&self, min_dofs: usize) -> Vec<Finding> {
         let alone = &self.test_alone;
-        if self.is_empty() && alone.is_empty() {
-            return Vec::new();
-        }
         let warn = |code, location| Finding::new(Severity::Warning, code, location);
         let mut findings = Vec::new();
+        for (code, dofs) in [
+            (Code::UnmeasuredLeftOut, &self.unmeasured),
+            (Code::ZeroInModel, &self.zero_in_theory),
+        ] {
+            if !dofs.is_empty() {
+                let finding = warn(code, Location::Whole).value(dofs.len() as f64, "");
+                findings.push(finding.detail(first_names(dofs)));
+            }
+        }
+        if self.is_empty() && alone.is_empty() {
+            return findings;
+        }
         if alone.len() <= MAX_NAMED {
             findings.extend(alone.iter().map(|dof| {
                 let location = Location::Function {
@@ -157,6 +197,22 @@ impl DofMap {
             findings.push(few.value(self.len() as f64, "").limit(min_dofs as f64));
         }
         findings
+    }
+}
+
+/// Whether a mode has a value other than 0 at a degree of freedom.
+fn moves(model: &ModalModel, dof: &Dof) -> bool {
+    let mut values = model.modes.iter().filter_map(|mode| mode.shape.get(dof));
+    values.any(|value| value != Complex64::ZERO)
+}
+
+/// The first degrees of freedom by name, as many as get a finding each, and the number of others.
+fn first_names(dofs: &[Dof]) -> String {
+    let names: Vec<String> = dofs.iter().take(MAX_NAMED).map(Dof::to_string).collect();
+    let others = dofs.len().saturating_sub(MAX_NAMED);
+    match others {
+        0 => names.join(", "),
+        _ => format!("{} and {others} more", names.join(", ")),
     }
 }
 

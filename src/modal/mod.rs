@@ -7,6 +7,7 @@ mod pole;
 mod quality;
 mod selection;
 mod shape;
+mod unmeasured;
 
 pub use complexity::{mean_phase, mean_phase_deviation, modal_phase_collinearity};
 pub use mac::{mac, modal_scale_factor};

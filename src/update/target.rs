@@ -131,7 +131,7 @@ struct ShapeRow {
 
 impl ShapeRows {
     /// The common degrees of freedom of a test and of the sensors of the model, given with their
-    /// observation rows; without the test's reversed sensors.
+    /// observation rows; without the test's reversed sensors and what it did not measure.
     pub fn new(
         sensors: &[(Dof, Vec<f64>)],
         test: &ModalModel,
@@ -139,8 +139,10 @@ impl ShapeRows {
         options: &UpdateOptions,
         floor: f64,
     ) -> Self {
+        let unmeasured = test.unmeasured_dofs();
         let shapes = test.modes.iter().map(|mode| &mode.shape);
         let dofs = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof));
+        let dofs = dofs.filter(|dof| !unmeasured.contains(dof));
         let map = DofMap::new(dofs, sensors.iter().map(|(sensor, _)| sensor));
         let mixed = map.pairs.iter().any(|p| !p.test.axis().is_rotation());
         let length = options.pair.rotation_length_m.filter(|_| mixed);

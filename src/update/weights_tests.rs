@@ -1,8 +1,13 @@
 //! Deviations of what was measured: stated ones, assumed ones, and the floor that several tests
 //! share.
 
+use num_complex::Complex64;
+
+use super::target::ShapeRows;
 use super::test_models::{chain, free, measured, sensors, two_directions};
 use super::*;
+use crate::dof::Dof;
+use crate::modal::ModeShape;
 
 /// One spring, measured by some tests to 0.3 % with a floor of 0.4 %: the posterior deviation of
 /// its stiffness.
@@ -117,4 +122,27 @@ fn a_symmetric_start_splits_to_the_side_that_the_shapes_say() {
             );
         }
     }
+}
+
+#[test]
+fn directions_that_a_test_filled_with_zeros_take_no_part() {
+    let start = [100.0, 200.0, 300.0];
+    let model = chain(&start);
+    let mut test = measured(&model, &start, 1e-4, true);
+    let dofs: Vec<Dof> = test.modes[0]
+        .shape
+        .iter()
+        .map(|(dof, _)| dof.clone())
+        .collect();
+    for mode in &mut test.modes {
+        let values = mode.shape.iter().map(|(dof, value)| match *dof == dofs[0] {
+            true => (dof.clone(), Complex64::ZERO),
+            false => (dof.clone(), value),
+        });
+        mode.shape = ModeShape::new(values.collect::<Vec<_>>());
+    }
+    let sensors: Vec<(Dof, Vec<f64>)> = dofs.iter().map(|dof| (dof.clone(), vec![1.0])).collect();
+    let rows = ShapeRows::new(&sensors, &test, &[], &UpdateOptions::default(), 0.0);
+    let read: Vec<bool> = dofs.iter().map(|dof| rows.reads(dof)).collect();
+    assert_eq!(read, [false, true, true]);
 }

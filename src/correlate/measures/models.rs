@@ -18,7 +18,11 @@ pub fn model(modes: &[(f64, &[f64])]) -> ModalModel {
 pub fn complex_model(modes: &[(f64, Vec<Complex64>)]) -> ModalModel {
     let mode = |(hz, shape): &(f64, Vec<Complex64>)| {
         let values = (1..).zip(shape).map(|(n, v)| (dof(n), *v));
-        Mode::new(*hz, None, ModeShape::new(values), Scaling::Unknown)
+        Mode {
+            // The zeros of these shapes are values, and not directions without a sensor.
+            method: Some("theory".to_owned()),
+            ..Mode::new(*hz, None, ModeShape::new(values), Scaling::Unknown)
+        }
     };
     ModalModel {
         modes: modes.iter().map(mode).collect(),

@@ -22,4 +22,5 @@ mod text_coding;
 mod units;
 mod mode_builder;
 mod mode_poles;
+mod mode_zeros;
 mod universal_file;
