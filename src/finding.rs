@@ -437,6 +437,9 @@ codes! {
     /// Two modes of one set with one shape.
     DuplicateModes: "This mode has nearly the same shape and frequency as another of its set: one mode found twice, or two that the sensors cannot separate.",
         "The value is the MAC of both (autoMAC). Causes: one pole selected twice in the stabilization diagram, two poles fitted to one resonance that shifted between runs, or too few sensors. Keep the one that explains more of the response, or measure at more points.";
+    /// Rotations without a length that scales them to translations.
+    RotationsLeftOut: "The modes have translations and rotations. The rotations were left out of the autoMAC.",
+        "Translations are in metres and rotations in radians: their sum in a MAC needs a length that scales the rotations, such as the size of the structure. The value is the number of rotations. State the length with --rotation-length of `correlate`, or rotation_length_m in [pair] of a scene, to compare both.";
     /// A sensor of the opposite sign.
     ReversedSensor: "This sensor has the opposite sign of the model in the pairs. Reversed, it raises their mean MAC.",
         "Its values disagree in sign with those of the model in most pairs of modes. The value is the gain of the mean MAC. Check how the sensor was mounted, and the sign of its channel. Its values are unchanged unless --turn-reversed is given.";

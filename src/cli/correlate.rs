@@ -7,7 +7,9 @@ use crate::correlate::measures::{
     auto_mac, measures, orthogonality, orthogonality_dofs, reverse_sensors, reversed_findings,
     reversed_sensors, serep_modes,
 };
-use crate::correlate::{DofNames, ErrorReference, PairOptions, Pairing, Reading, expand_shapes};
+use crate::correlate::{
+    CorrelateError, DofNames, ErrorReference, PairOptions, Pairing, Reading, expand_shapes,
+};
 use crate::dof::Dof;
 use crate::error::Error;
 use crate::finding::Finding;
@@ -346,7 +348,28 @@ fn pair_options(args: &CorrelateArgs) -> Result<PairOptions, Error> {
         .unwrap_or(options.max_frequency_error);
     options.min_mac = args.min_mac.unwrap_or(options.min_mac);
     options.rotation_length_m = args.rotation_length;
+    options.validate().map_err(|error| match error {
+        CorrelateError::Option {
+            name,
+            got,
+            expected,
+        } => Error::Argument {
+            argument: pair_flag(name),
+            got: got.to_string(),
+            expected: expected.to_owned(),
+        },
+        other => other.into(),
+    })?;
     Ok(options)
+}
+
+/// The flag of a pairing option.
+fn pair_flag(option: &str) -> &'static str {
+    match option {
+        "max_frequency_error" => "--max-frequency-error",
+        "rotation_length_m" => "--rotation-length",
+        _ => "--min-mac",
+    }
 }
 
 /// One side of a comparison, with the model that was solved where it is one.

@@ -22,6 +22,8 @@ mod left_out;
 mod man;
 mod meter;
 mod new;
+#[cfg(test)]
+mod option_names_tests;
 mod order;
 mod outcome;
 mod output;

@@ -108,6 +108,14 @@ impl DofMap {
         self.unmeasured = left_out.map(|pair| pair.test).collect();
     }
 
+    /// The map of the translations alone, and the number of rotations that it leaves out.
+    pub(super) fn without_rotations(mut self) -> (Self, usize) {
+        let all = self.len();
+        self.pairs.retain(|pair| !pair.test.axis().is_rotation());
+        let left_out = all - self.len();
+        (self, left_out)
+    }
+
     /// Whether it has rotations among translations.
     pub(super) fn has_both_kinds(&self) -> bool {
         let is_rotation = |pair: &DofPair| pair.test.axis().is_rotation();

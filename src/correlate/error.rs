@@ -40,7 +40,7 @@ pub enum CorrelateError {
     },
     /// Translations and rotations in one MAC without a length.
     #[error(
-        "got {translations} translations and {rotations} rotations in common, expected one kind or a rotation_length_m to weigh them"
+        "got {translations} translations and {rotations} rotations in common, expected one kind, or a length in metres that scales the rotations (--rotation-length of `correlate`, rotation_length_m in [pair] of a scene)"
     )]
     MixedUnits {
         /// Common degrees of freedom that are translations.

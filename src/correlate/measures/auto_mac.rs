@@ -50,15 +50,18 @@ pub struct AutoMac {
     pub limits: DuplicateLimits,
     /// The duplicates, the largest MAC first.
     pub duplicates: Vec<Duplicate>,
+    /// Rotations that the MAC leaves out, because no length scales them to translations.
+    pub rotations_left_out: usize,
 }
 
 /// MAC of every mode of a set with every other, and the duplicates.
 ///
 /// Modes of one repeated root (same group number) span a space of which any basis is as good; they
-/// are not duplicates.
+/// are not duplicates. Of translations and rotations without
+/// [`PairOptions::rotation_length_m`] only the translations are compared.
 ///
 /// # Errors
-/// [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`], [`CorrelateError::MixedUnits`].
+/// [`CorrelateError::Frequency`], [`CorrelateError::ShapeValue`].
 ///
 /// # Reference
 /// Allemang and Brown (1982), A correlation coefficient for modal vector analysis, IMAC 1.
@@ -68,9 +71,16 @@ pub fn auto_mac(
     options: &PairOptions,
 ) -> Result<AutoMac, CorrelateError> {
     check_model("test", model)?;
-    let matrix = matrix(model, &DofMap::of_models(model, model), options)?;
+    let map = DofMap::of_models(model, model);
+    let is_scaled = options.rotation_length_m.is_some();
+    let (map, rotations_left_out) = match map.has_both_kinds() && !is_scaled {
+        true => map.without_rotations(),
+        false => (map, 0),
+    };
+    let matrix = matrix(model, &map, options)?;
     Ok(AutoMac {
         duplicates: duplicates(model, &matrix, limits),
+        rotations_left_out,
         matrix,
         limits,
     })
@@ -117,7 +127,7 @@ fn duplicates(model: &ModalModel, matrix: &MacMatrix, limits: DuplicateLimits) -
 }
 
 impl AutoMac {
-    /// Each duplicate as a finding at its second mode.
+    /// The rotations that are left out, and each duplicate as a finding at its second mode.
     pub fn findings(&self) -> Vec<Finding> {
         let finding = |duplicate: &Duplicate| {
             let location = Location::Mode(duplicate.second.hz);
@@ -125,6 +135,12 @@ impl AutoMac {
                 .value(duplicate.mac, "")
                 .limit(self.limits.min_mac)
         };
-        self.duplicates.iter().map(finding).collect()
+        let rotations = self.rotations_left_out;
+        let left_out = (rotations > 0).then(|| {
+            Finding::new(Severity::Warning, Code::RotationsLeftOut, Location::Whole)
+                .value(rotations as f64, "")
+        });
+        let duplicates = self.duplicates.iter().map(finding);
+        left_out.into_iter().chain(duplicates).collect()
     }
 }

@@ -22,5 +22,6 @@ mod text_coding;
 mod units;
 mod mode_builder;
 mod mode_poles;
+mod mode_rotations;
 mod mode_zeros;
 mod universal_file;
