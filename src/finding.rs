@@ -96,13 +96,19 @@ codes! {
         "With several hammers at a structure, one hits and the channels of the others record noise and cross-talk of cables. A force whose peak is at most 5 % of the largest of the same hit is idle.";
     /// A channel that starts later than the force.
     ChannelDelayCorrected: "This channel starts later than the force. The phase of its FRFs was corrected.",
-        "Modules of a recorder with clocks of their own start some microseconds or samples apart, as the headers state. The response is turned by exp(-iωt) with the time t between the first samples. The value is this time; it is negative for a channel that starts earlier.";
+        "Modules of a recorder with separate clocks start some microseconds or samples apart, as the headers state. The response is turned by exp(-iωt) with the time t between the first samples. The value is this time; it is negative for a channel that starts earlier.";
     /// Continuous records cut without being asked for.
     CutByTrigger: "Each record holds several hits and was cut into them.",
         "Every force record of the test has several pulses at some distance from each other, so that it is a continuous record. Without the cut, responses to all hits would be divided by one force. `--hits records` or `hits = \"records\"` in [[test]] keeps the records whole; --trigger-level, --pretrigger and --hit-length with `--hits trigger` decide how they are cut.";
     /// Blocks that are short for the resonances.
     BlockLeakage: "The blocks are short for the resonances: leakage lowers the peaks of the FRFs.",
         "Steady random excitation is averaged in blocks with Hann windows. At a resonance that decays for longer than a block, the response of one block comes from the force of the one before, and the peak is too low. The value is the relative change of a peak by blocks of half the length, which is about the bias of the whole ones. Identification corrects poles by the line shape of the stated window; FRFs, coherence and residues at the peaks remain too low. Use longer blocks (--block-length, `block_length_s` in [frf]), longer records, or burst random.";
+    /// A sensor that does not move with the rigid body.
+    SensorNotRigid: "This sensor does not move with the rigid body between the suspension's modes and the first elastic one.",
+        "Between the modes of a soft suspension and the first elastic mode a structure moves as a rigid body, so that six numbers say what every sensor reads. The detail says what would make this one fit: its sign, axis, gain, or the place of another sensor. Its position may be wrong as well. The value is by how much the sum of squares of what does not fit falls. Check cable, sensitivity, direction and position.";
+    /// The mass from the mass line.
+    MassOfMassLine: "The FRFs between the suspension's modes and the first elastic one give a mass.",
+        "A rigid body has ten inertia parameters; hits at several points and the positions of sensors and hits determine them (Okubo and Furusawa 1986; Almeida, Urgueira and Maia 2007). A weighed mass that differs shows a wrong calibration of hammer or accelerometers. The value is the mass.";
     /// FRFs with both halves of the transform.
     TwoSided: "The FRFs are two-sided: their upper half is the mirror image of the lower. It was left out.",
         "The transform of a real record repeats its lower half, mirrored and conjugate, above half the sampling rate. Modes that are found there are images of those below. The value is half the sampling rate.";

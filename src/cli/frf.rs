@@ -12,7 +12,8 @@ use crate::frf::{
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{frf_block, hits_block, hits_screen, json};
 use crate::scene::{
-    FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files, offset,
+    FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files,
+    mass_line_findings, offset,
 };
 
 use crate::signal::{Offset, TriggerOptions};
@@ -73,6 +74,10 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.add_json(|| set_json(&set, usable, &hits));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);
+    let sensors = scene
+        .as_ref()
+        .map_or(&[][..], |scene| scene.sensors.as_slice());
+    output.add_findings(&mass_line_findings(&set, &data.geometry, sensors));
     Ok(Outcome::missed_if(data.partly_bad))
 }
 

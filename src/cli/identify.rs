@@ -13,7 +13,7 @@ use crate::report::{
 };
 use crate::scene::{
     FilePlan, IngestOptions, SceneError, add_file_dofs, identify_sets, indicators_of_sets,
-    ingest_files,
+    ingest_files, mass_line_findings,
 };
 
 use super::args::IdentifyArgs;
@@ -75,6 +75,9 @@ pub fn identify(
     let inputs = args.inputs.iter().map(|path| input(path));
     modes.inputs = add_file_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
+    let mass_lines = data.frfs.iter();
+    let mass_lines = mass_lines.flat_map(|set| mass_line_findings(set, &data.geometry, &[]));
+    modes.findings.extend(mass_lines);
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {
         // The directions are those of the functions; no system turns them once more.

@@ -8,6 +8,7 @@
 //! | [`evaluate_hammer_test`] | a whole test: quality of the hits, window, FRFs |
 //! | [`evaluate_test`] | the same for any excitation |
 //! | `shaker_test` | random and sine excitation: averages over blocks (Welch 1967) |
+//! | [`rigid_body`] | mass line, inertia and sensors of a structure on a soft suspension |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
 //! | `force_levels` | whether poles depend on the force, from single hits of different levels |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
@@ -36,6 +37,7 @@ mod measurement_runs;
 mod options;
 mod peaks;
 mod preconditions;
+pub mod rigid_body;
 mod selection;
 mod set;
 mod shaker_test;

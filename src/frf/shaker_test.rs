@@ -1,10 +1,10 @@
 //! Random, burst random and sine excitation: records are cut into blocks, and the spectra of force
 //! and response are averaged over them (Welch 1967).
 //!
-//! A burst that ends within its record, with the response to it, needs no window and has no leakage: each record
-//! is a block. Steady excitation has blocks with Hann windows that overlap by half; their FRFs are
-//! too low at resonances narrower than the window's lines, and the set states the window, so that
-//! identification fits poles with the line shape of that leakage.
+//! A burst that ends within its record, with the response to it, needs no window and has no
+//! leakage: each record is a block. Steady excitation has blocks with Hann windows that overlap by
+//! half; their FRFs are too low at resonances narrower than the window's lines, and the set states
+//! the window, so that identification fits poles with the line shape of that leakage.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ const END_PART: f64 = 0.02;
 /// force cell makes a burst steady (`burst_random_frfs_are_exact_within_their_variance`).
 const MAX_QUIET: f64 = 0.1;
 /// Largest root mean square of a response at the end of a record, beyond that at its start, over
-/// that of the whole: what is left then leaks as much.
+/// that of the whole: that much leaks.
 const MAX_LEFT: f64 = 0.02;
 /// Squared correlation of neighbouring blocks under Hann windows that overlap by half, `(Σ w_n
 /// w_{n+L/2} / Σ w²)² = 1/36`.

@@ -295,7 +295,7 @@ impl<'a> Reader<'a> {
                 }
             };
             let stem = name.get(prefix.len()..).filter(|_| starts)?;
-            // Without case M is milli or mega, unless nobody measures in mega.
+            // Without case M is milli or mega, unless mega is not in use.
             let is_milli = |symbol: &Symbol| {
                 let never_mega = [LENGTH, TIME, ACCELERATION];
                 let is_ambiguous = prefix.eq_ignore_ascii_case("m");

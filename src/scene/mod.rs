@@ -14,6 +14,7 @@ mod figures;
 mod file_dofs;
 mod ingest;
 mod limits;
+mod mass_line;
 mod matrices;
 #[cfg(test)]
 mod matrices_tests;
@@ -57,6 +58,7 @@ pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, check_comparison, check_modes, percent,
 };
+pub use mass_line::mass_line_findings;
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use model_kind::{ModelKind, built_in_name_finding, model_kind};
 pub use modes_file::{LoadedModes, ModesOptions, has_functions_only, is_modes_file, load_modes};

@@ -22,6 +22,7 @@ use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, check_comparison, check_modes};
+use super::mass_line::mass_line_findings;
 use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
@@ -321,6 +322,11 @@ fn identify_test(
             (vec![set], Some(band))
         }
     };
+    if let [set] = frfs.as_slice() {
+        let mut geometry = data.geometry.clone();
+        geometry.add(&scene.points);
+        findings.extend(mass_line_findings(set, &geometry, &scene.sensors));
+    }
     let mut options = IdentifyOptions {
         band,
         partial: test.partial,

@@ -7,8 +7,8 @@ use crate::axis::FrequencyAxis;
 
 /// Fewest measured lines.
 const MIN_LINES: usize = 8;
-/// Measured lines that the pole near a line is estimated from: with four it follows from their
-/// noise alone, with more a second pole is among them (`a_resonance_on_uneven_lines_is_interpolated`).
+/// Measured lines that the pole near a line is estimated from. Fewer: it follows from noise alone.
+/// More: a second pole is among them (`a_resonance_on_uneven_lines_is_interpolated`).
 const NODES: usize = 6;
 /// Measured lines that a value is interpolated from, once the pole is divided out.
 const CUBIC_NODES: usize = 4;
@@ -93,30 +93,31 @@ fn value_at_zero(nodes: &[(f64, Complex64); NODES], first: usize) -> Complex64 {
         false => Complex64::ZERO,
     };
     let cubic = &nodes[first..first + CUBIC_NODES];
-    let term = |(x, value): &(f64, Complex64)| {
-        let others = cubic
-            .iter()
-            .map(|(other, _)| *other)
-            .filter(|other| other != x);
-        let weight: f64 = others.map(|other| other / (other - x)).product();
+    let term = |(place, (x, value)): (usize, &(f64, Complex64))| {
+        let weight: f64 = others(cubic, place)
+            .map(|other| other / (other - x))
+            .product();
         *value * (1.0 + slope * *x) * weight
     };
-    cubic.iter().map(term).sum()
+    cubic.iter().enumerate().map(term).sum()
 }
 
 fn third_divided_difference(
     window: &[(f64, Complex64)],
     value: impl Fn(&(f64, Complex64)) -> Complex64,
 ) -> Complex64 {
-    let term = |node: &(f64, Complex64)| {
-        let others = window
-            .iter()
-            .map(|(other, _)| *other)
-            .filter(|other| *other != node.0);
-        let denominator: f64 = others.map(|other| node.0 - other).product();
+    let term = |(place, node): (usize, &(f64, Complex64))| {
+        let denominator: f64 = others(window, place).map(|other| node.0 - other).product();
         value(node) / denominator
     };
-    window.iter().map(term).sum()
+    window.iter().enumerate().map(term).sum()
+}
+
+/// The places of all nodes but one.
+fn others(nodes: &[(f64, Complex64)], place: usize) -> impl Iterator<Item = f64> {
+    let all = nodes.iter().enumerate();
+    all.filter(move |(other, _)| *other != place)
+        .map(|(_, (x, _))| *x)
 }
 
 #[cfg(test)]

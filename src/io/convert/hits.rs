@@ -268,9 +268,10 @@ fn build_hit(
     Ok((hit, force_entry, entries))
 }
 
-/// Channels start together where they do within this part of a sample: the digits of a printed
-/// start. Larger: a delay that turns the phase by a degree at half the sampling rate stays. Smaller:
-/// rounding alone is a delay (`a_channel_that_starts_late_has_the_phase_of_one_that_does_not`).
+/// Channels start together where they do within this part of a sample, the digits of a printed
+/// start. Larger: a delay that turns the phase by a degree at half the sampling rate stays.
+/// Smaller: rounding alone is a delay
+/// (`a_channel_that_starts_late_has_the_phase_of_one_that_does_not`).
 const MIN_DELAY_SAMPLES: f64 = 1e-3;
 
 /// The time of the first sample.

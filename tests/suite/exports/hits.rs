@@ -229,7 +229,7 @@ fn channels_that_come_one_by_one_make_hits() {
 }
 
 #[test]
-fn channels_in_files_of_their_own_make_hits() {
+fn channels_in_separate_files_make_hits() {
     let functions = three_hits(0.0, SAMPLES);
     let of = |is_force: bool| {
         let records = functions

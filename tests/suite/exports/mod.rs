@@ -13,6 +13,7 @@ mod hdf5_links;
 mod hits;
 mod inspected;
 mod joined;
+mod mass_line;
 mod matlab4;
 mod mode_builder;
 mod mode_poles;
