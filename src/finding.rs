@@ -88,6 +88,12 @@ codes! {
     /// A file with time records and FRFs.
     RecordsPassedOver: "The file holds FRFs and time records. The FRFs were used, the records were not.",
         "Modes are identified from FRFs. `run` estimates them anew where the records of the file make hits, each with a force record; `identify` uses those of the file. The value is the number of records.";
+    /// Averaged FRFs beside the records of one hit.
+    LastHitPassedOver: "The file holds averaged FRFs and the time records of the last hit. The FRFs are used, the records are not.",
+        "SignalCalc keeps the time records of the last hit only. An FRF of one hit has more noise than the average of all hits, and no coherence. To use the records, describe their columns in `[[test.channel]]`. The value is the number of records.";
+    /// Files with the same channels and no points.
+    ChannelsRepeated: "FRFs of several files have the same channels, and no points are stated. They are taken as repeated measurements of one FRF.",
+        "The files name channels, not points. In a roving test every file has other points: without them the shapes mix the points. State the points of each file in `[[test.file]]` as `reference` or `response`, or in `modalign new` as `--reference DOF,DOF,...`. The value is the number of files.";
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
         "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";

@@ -121,7 +121,8 @@ fn next_step(catalogs: &[Catalog]) -> String {
     let is_frf = |entry: &&Entry| entry.function_type == FunctionType::Frf;
     let is_record = |entry: &&Entry| entry.function_type == FunctionType::Time;
     let is_test = |entry: &&Entry| is_frf(entry) || is_record(entry);
-    let arrays = catalogs.iter().any(|catalog| !catalog.arrays.is_empty());
+    let holds_arrays = |file: &Catalog| !file.arrays.is_empty() && file.entries.is_empty();
+    let arrays = catalogs.iter().any(holds_arrays);
     if !arrays && !entries().any(|entry| is_test(&entry)) {
         return String::new();
     }
@@ -139,7 +140,9 @@ fn next_step(catalogs: &[Catalog]) -> String {
     missing(
         "the reference of FRFs",
         "--reference DOF",
-        entries().any(|entry| is_frf(&entry) && entry.reference.is_none()),
+        entries().any(|entry| {
+            is_frf(&entry) && (entry.reference.is_none() || entry.reference_is_channel)
+        }),
     );
     missing(
         "units",
@@ -163,13 +166,14 @@ fn blocks(catalog: &Catalog) -> Vec<Block> {
     if !catalog.entries.is_empty() {
         blocks.push(Block::Table(entry_table(&catalog.entries)));
     }
+    blocks.extend(array_blocks(catalog));
     for damage in &catalog.damage {
         blocks.push(Block::Text(format!("damaged: {damage}")));
     }
     blocks
 }
 
-/// The blocks before records, functions and damage.
+/// The blocks before records, functions, arrays and damage.
 fn head_blocks(catalog: &Catalog) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!(
         "{} ({})",
@@ -182,10 +186,12 @@ fn head_blocks(catalog: &Catalog) -> Vec<Block> {
     if !catalog.modes.is_empty() {
         blocks.push(Block::Table(mode_table(&catalog.modes)));
     }
-    if !catalog.arrays.is_empty() {
-        blocks.push(Block::Table(array_table(&catalog.arrays)));
-    }
     blocks
+}
+
+/// The arrays of a catalogue, behind its records and functions.
+fn array_blocks(catalog: &Catalog) -> Option<Block> {
+    (!catalog.arrays.is_empty()).then(|| Block::Table(array_table(&catalog.arrays)))
 }
 
 /// Maximum number of damaged parts on the screen.
@@ -209,6 +215,7 @@ fn screen(group: &[&Catalog], width: usize) -> Vec<Block> {
     if !entries.is_empty() {
         blocks.push(Block::Table(kind_table(&entries)));
     }
+    blocks.extend(array_blocks(catalog));
     let damage = catalog.damage.iter().take(MAX_SCREEN_DAMAGE);
     blocks.extend(damage.map(|damage| Block::Text(format!("damaged: {damage}"))));
     let further = catalog.damage.len().saturating_sub(MAX_SCREEN_DAMAGE);

@@ -7,7 +7,8 @@ use crate::dof::Dof;
 use crate::error::Error;
 use crate::geometry::{Geometry, Node};
 use crate::io::{
-    Catalog, FunctionType, Hints, Need, NewFile, check_damage, open_path, sha256_hex, write_all_new,
+    Catalog, FunctionType, Hints, Need, NewFile, check_damage, check_stated_points, open_path,
+    sha256_hex, write_all_new,
 };
 use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
@@ -54,6 +55,9 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let units = stated_units(args)?;
     let responses = responses_of_files(&args.response, &opened, args.files.len())?;
     let references = dofs_of_files("--reference", &args.reference, &opened, args.files.len())?;
+    for (file, (response, reference)) in opened.iter().zip(responses.iter().zip(&references)) {
+        check_stated_points(&file.catalog, response.first(), reference.first())?;
+    }
     let files: Vec<DraftFile> = opened
         .iter()
         .zip(responses.iter().zip(&references))

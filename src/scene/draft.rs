@@ -295,16 +295,9 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         text += &axis_text(entry);
     }
     text.push('\n');
-    dofs.extend(
-        frfs()
-            .filter_map(|entry| entry.response.as_ref())
-            .map(Dof::positive),
-    );
-    dofs.extend(
-        frfs()
-            .filter_map(|entry| entry.reference.as_ref())
-            .map(Dof::positive),
-    );
+    let pairs = files.iter().flat_map(|file| pairs_of(file));
+    let points = pairs.flat_map(|(response, reference)| [response, reference]);
+    dofs.extend(points.flatten().map(|dof| dof.positive()));
     let averaged = frfs().any(|entry| entry.note.averages.is_some());
     if entries_of_type(files, FunctionType::Coherence)
         .next()
@@ -325,14 +318,36 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         text += &unit_line(files[0].units.frf, &accepted);
     }
     for file in files {
-        let frf_files = || entries_of_type(std::slice::from_ref(file), FunctionType::Frf);
-        let response = frf_files().any(|frf| frf.response.is_none());
-        let reference = frf_files().any(|frf| frf.reference.is_none());
+        let of_file = || entries_of_type(std::slice::from_ref(file), FunctionType::Frf);
+        let response = of_file().any(|frf| {
+            frf.response.is_none() || frf.response_is_channel && file.response().is_some()
+        });
+        let is_stated = file.reference.is_some() || has_pair_of_another(file, files);
+        let reference =
+            of_file().any(|frf| frf.reference.is_none() || frf.reference_is_channel && is_stated);
         if response || reference {
             text += &file_text(file, response, reference, dofs);
         }
     }
     text
+}
+
+/// Response and reference of each FRF of a file, with the stated points.
+fn pairs_of(file: &DraftFile) -> Vec<(Option<Dof>, Option<Dof>)> {
+    let entries = file.catalog.entries.iter();
+    let frfs = entries.filter(|entry| entry.function_type == FunctionType::Frf);
+    let pair = |frf: &Entry| {
+        let response = frf.response_point(file.response());
+        (response, frf.reference_point(file.reference))
+    };
+    frfs.map(pair).collect()
+}
+
+/// Whether another file has an FRF of the same response and reference.
+fn has_pair_of_another(file: &DraftFile, files: &[&DraftFile]) -> bool {
+    let pairs = pairs_of(file);
+    let mut others = files.iter().filter(|other| !std::ptr::eq(**other, file));
+    others.any(|other| pairs_of(other).iter().any(|pair| pairs.contains(pair)))
 }
 
 fn model_text(model: Option<&DraftModel>) -> String {

@@ -9,7 +9,8 @@ use crate::frf::{FrfSet, Window, check_functions, usable_set};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
-    IoError, Merged, Need, check_damage, format_of, frf_sets, group_hits, open_bytes, open_path,
+    IoError, Merged, Need, check_damage, check_stated_points, format_of, frf_sets, group_hits,
+    open_bytes, open_path,
 };
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::{Recording, Role};
@@ -109,9 +110,9 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
     } else {
         format.name()
     };
-    let described = options
-        .typed
-        .filter(|test| DESCRIBED_FORMATS.contains(&format) && !test.channel.is_empty());
+    let described = options.typed.filter(|test| {
+        DESCRIBED_FORMATS.contains(&format) && !test.channel.is_empty() && !states_frf_unit(test)
+    });
     let table = described
         .map(|test| table_spec(test, options.scene))
         .transpose()?;
@@ -124,6 +125,11 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
     let of_scene = of_scene.and_then(|test| stated_frf_unit(&test.channel));
     let frf_unit = options.frf_unit.or(of_scene);
     let mut source = open_path(&file.path, &hints, Some(format))?;
+    check_stated_points(
+        source.catalog(),
+        file.response.as_ref(),
+        file.reference.as_ref(),
+    )?;
     if options.partial {
         let mut merged = Merged::new(vec![source]);
         merged.leave_out_unreadable();
@@ -187,6 +193,13 @@ fn describes_columns(test: &TestTable) -> bool {
         .iter()
         .filter_map(|channel| channel.role.as_deref());
     roles.into_iter().any(|role| COLUMN_ROLES.contains(&role))
+}
+
+/// Whether the scene states nothing but the unit of FRFs whose file describes them: no channel has
+/// a role.
+fn states_frf_unit(test: &TestTable) -> bool {
+    let has_role = test.channel.iter().any(|channel| channel.role.is_some());
+    !has_role && stated_frf_unit(&test.channel).is_some()
 }
 
 /// Unit of every FRF that does not state one: a unit such as (m/s2)/N, times its calibration.

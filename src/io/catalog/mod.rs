@@ -123,6 +123,11 @@ pub struct Entry {
     pub response: Option<Dof>,
     /// Reference degree of freedom; `None` when the header names none.
     pub reference: Option<Dof>,
+    /// Whether the response is the name of a channel, because the file names no point; a stated
+    /// point replaces it.
+    pub response_is_channel: bool,
+    /// Whether the reference is the name of a channel, as the response may be.
+    pub reference_is_channel: bool,
     /// Quantity of the ordinate (of the numerator for an FRF); `None` when the header does not say.
     pub quantity: Option<Quantity>,
     /// Quantity of the ordinate's denominator (for an FRF); `None` when the header does not say.
@@ -158,6 +163,8 @@ impl Entry {
             identification: Identification::default(),
             response: None,
             reference: None,
+            response_is_channel: false,
+            reference_is_channel: false,
             quantity: None,
             denominator: None,
             has_other_quantity: false,
@@ -171,6 +178,16 @@ impl Entry {
             line: None,
             byte: None,
         }
+    }
+
+    /// The response: of the header, or the stated one where the header names none or a channel.
+    pub fn response_point(&self, stated: Option<&Dof>) -> Option<Dof> {
+        stated_point(self.response.as_ref(), self.response_is_channel, stated)
+    }
+
+    /// The reference: of the header, or the stated one where the header names none or a channel.
+    pub fn reference_point(&self, stated: Option<&Dof>) -> Option<Dof> {
+        stated_point(self.reference.as_ref(), self.reference_is_channel, stated)
     }
 
     /// Number of values.
@@ -191,6 +208,14 @@ impl Entry {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+fn stated_point(header: Option<&Dof>, is_channel: bool, stated: Option<&Dof>) -> Option<Dof> {
+    let (first, second) = match is_channel {
+        true => (stated, header),
+        false => (header, stated),
+    };
+    first.or(second).cloned()
 }
 
 /// One mode of a file.

@@ -54,6 +54,7 @@ pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
             collected.findings.extend(alone.add_file(file)?);
         }
     }
+    collected.findings.extend(repeated_channels(files));
     let mut over_all = Occurrences::default();
     for file in files {
         let mut in_file = NoiseByPair::default();
@@ -76,6 +77,34 @@ pub fn frf_sets(files: &mut [HitFile]) -> Result<Vec<FrfSet>, IoError> {
         }
     }
     collected.finish()
+}
+
+/// The finding of files whose FRFs have the same channels, where no point is stated for them.
+fn repeated_channels(files: &[HitFile]) -> Option<Finding> {
+    let mut repeated: BTreeMap<(Option<Dof>, Option<Dof>), usize> = BTreeMap::new();
+    for file in files {
+        let (response, reference) = (file.response.as_ref(), file.reference.as_ref());
+        let names_channel = |entry: &&Entry| {
+            entry.function_type == FunctionType::Frf
+                && (entry.response_is_channel && response.is_none()
+                    || entry.reference_is_channel && reference.is_none())
+        };
+        let entries = file.source.catalog().entries.iter().filter(names_channel);
+        let pair = |entry: &Entry| {
+            let response = entry.response_point(response);
+            (response, entry.reference_point(reference))
+        };
+        for pair in entries.map(pair).collect::<BTreeSet<_>>() {
+            *repeated.entry(pair).or_default() += 1;
+        }
+    }
+    let (pair, files) = repeated.into_iter().find(|(_, files)| *files > 1)?;
+    let location = Location::Function {
+        response: pair.0,
+        reference: pair.1,
+    };
+    let finding = Finding::new(Severity::Warning, Code::ChannelsRepeated, location);
+    Some(finding.value(files as f64, "files"))
 }
 
 /// Sets of one axis and window each, while functions are added.
@@ -231,8 +260,8 @@ impl Occurrences {
     /// files before counted in; points that the header leaves open are the scene's.
     fn of(&mut self, file: &HitFile) -> Vec<Occurrence> {
         let numbered = |entry: &Entry| {
-            let response = entry.response.clone().or_else(|| file.response.clone());
-            let reference = entry.reference.clone().or_else(|| file.reference.clone());
+            let response = entry.response_point(file.response.as_ref());
+            let reference = entry.reference_point(file.reference.as_ref());
             let key = (entry.function_type, response.clone(), reference.clone());
             let count = self.0.entry(key).or_default();
             *count += 1;
@@ -355,14 +384,14 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
             expected: "displacement, velocity or acceleration over force".to_owned(),
         });
     }
-    let response = entry.response.clone().or_else(|| file.response.clone());
+    let response = entry.response_point(file.response.as_ref());
     let response = response.ok_or_else(|| {
         not_stated(
             "the response point",
             "a response node in the header or `response` in [[test.file]]",
         )
     })?;
-    let reference = entry.reference.clone().or_else(|| file.reference.clone());
+    let reference = entry.reference_point(file.reference.as_ref());
     let reference = reference.ok_or_else(|| {
         not_stated(
             "the reference point",

@@ -1,11 +1,13 @@
 //! An opened file carries the scene's statements about it; hits are grouped by a rule of the test.
 
+use std::collections::BTreeSet;
+
 use crate::dof::Dof;
 use crate::frf::Window;
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::Role;
 
-use crate::io::Source;
+use crate::io::{Catalog, Entry, IoError, Source};
 
 /// The rule that groups the records of a test into hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -98,4 +100,45 @@ impl HitFile {
             partial: false,
         }
     }
+}
+
+/// Checks that a point that is stated for a whole file replaces one channel, not several.
+///
+/// # Errors
+/// [`IoError::Grouping`] with the channels.
+pub fn check_stated_points(
+    catalog: &Catalog,
+    response: Option<&Dof>,
+    reference: Option<&Dof>,
+) -> Result<(), IoError> {
+    let channels = |of: fn(&Entry) -> Option<&Dof>| -> BTreeSet<&Dof> {
+        catalog.entries.iter().filter_map(of).collect()
+    };
+    let responses = channels(|entry| {
+        let response = entry.response.as_ref();
+        response.filter(|_| entry.response_is_channel)
+    });
+    let references = channels(|entry| {
+        let reference = entry.reference.as_ref();
+        reference.filter(|_| entry.reference_is_channel)
+    });
+    let sides = [
+        ("stating the response of a file", response, responses),
+        ("stating the reference of a file", reference, references),
+    ];
+    for (what, stated, channels) in sides {
+        let Some(stated) = stated.filter(|_| channels.len() > 1) else {
+            continue;
+        };
+        let names: Vec<String> = channels.iter().map(ToString::to_string).collect();
+        return Err(IoError::Grouping {
+            path: catalog.path.clone(),
+            what,
+            got: format!("{stated} for the channels {}", names.join(", ")),
+            expected: "a file with one such channel; else name the channels by their points, such \
+                       as 12+Z, before the export, or describe the columns in [[test.channel]]"
+                .to_owned(),
+        });
+    }
+    Ok(())
 }

@@ -45,12 +45,14 @@ impl Merged {
 }
 
 impl Merged {
-    /// Sets the DOFs of source `number` where its headers do not state them.
+    /// Sets the DOFs of source `number` where its headers do not state them or name channels.
     pub fn state_points(&mut self, number: usize, response: Option<&Dof>, reference: Option<&Dof>) {
         for (entry, place) in self.catalog.entries.iter_mut().zip(&self.places) {
             if place.0 == number {
-                entry.response = entry.response.take().or_else(|| response.cloned());
-                entry.reference = entry.reference.take().or_else(|| reference.cloned());
+                entry.response = entry.response_point(response);
+                entry.reference = entry.reference_point(reference);
+                entry.response_is_channel &= response.is_none();
+                entry.reference_is_channel &= reference.is_none();
             }
         }
     }

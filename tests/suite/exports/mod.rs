@@ -22,6 +22,7 @@ mod mode_zeros;
 mod names;
 mod not_a_number;
 mod other_quantities;
+mod signalcalc_mat;
 mod structured_arrays;
 mod text_coding;
 mod units;

@@ -2,9 +2,10 @@
 //!
 //! A store lists and reads the arrays of one file. The schema gives names and shapes to records,
 //! FRFs, geometry and modes. A source reads the arrays of a store by the schema, by a scene's
-//! description, or lists them without a meaning. Nothing here knows the bytes of a file.
+//! description, by the names of a measurement system (`signalcalc`), or lists them without a meaning. Nothing here knows the bytes of a file.
 
 pub mod schema;
+mod signalcalc;
 pub(in crate::io) mod source;
 pub(in crate::io) mod store;
 

@@ -8,8 +8,8 @@ use num_complex::Complex64;
 use serde_json::Value;
 
 use crate::io::{
-    Block, ColumnName, ColumnRole, Dimension, EntryAxis, Hints, Source, TableColumn, TableSpec,
-    open_path,
+    Block, ColumnName, ColumnRole, Dimension, EntryAxis, FunctionType, Hints, Source, TableColumn,
+    TableSpec, Window, open_path,
 };
 
 /// The folder of recordings; says so when there is none.
@@ -161,7 +161,7 @@ fn an_analyser_file_is_listed_and_its_functions_are_read() {
         (info.kind.clone(), info.shape.clone())
     };
     let lines = listed["n_lines"].as_u64().unwrap() as usize;
-    assert_eq!(kind_of("H1_2"), ("complex f64".to_owned(), vec![lines, 2]));
+    assert_eq!(kind_of("G1_2"), ("complex f64".to_owned(), vec![lines, 2]));
     assert_eq!(kind_of("Unit"), ("text".to_owned(), vec![4]));
     for channel in 2..=4 {
         let columns = vec![
@@ -186,6 +186,40 @@ fn an_analyser_file_is_listed_and_its_functions_are_read() {
             panic!("coherence is real")
         };
         assert_listed(coherence[150], &listed[format!("C1_{channel}_idx150")]);
+        assert_spectra(&folder, name, channel, &h1, &listed);
+    }
+}
+
+#[test]
+fn the_functions_of_an_analyser_file_are_entries() {
+    let Some(folder) = recordings() else { return };
+    let name = "signalcalc-aircraft/DPsv00001.mat";
+    let listed = expected(&folder, name);
+    let mut source = open(&folder, name, None);
+    let catalog = source.catalog();
+    let frfs: Vec<usize> = (0..catalog.entries.len())
+        .filter(|entry| catalog.entries[*entry].function_type == FunctionType::Frf)
+        .collect();
+    assert_eq!((catalog.entries.len(), frfs.len()), (6, 3));
+    for (entry, channel) in frfs.into_iter().zip(2..) {
+        let frf = source.catalog().entries[entry].clone();
+        let points = [&frf.response, &frf.reference].map(|dof| dof.as_ref().unwrap().to_string());
+        assert_eq!(points, [format!("I{channel}:+S"), "I1:+S".to_owned()]);
+        assert_eq!(frf.to_si, Some(9.80665));
+        assert_eq!(frf.note.window, Some(Window::ForceAndExponential));
+        // A time constant of nine tenths of the record.
+        let decay_rad_s = frf.note.added_damping_rad_s.unwrap();
+        assert!(
+            (decay_rad_s * 0.9 * 16.0 - 1.0).abs() < 1e-6,
+            "{decay_rad_s}"
+        );
+        let axis = frequency_axis(source.as_ref(), entry);
+        assert_listed(axis.1, &listed["df"]);
+        let h1 = complex_samples(source.as_mut(), entry);
+        let pairs = &listed[format!("H1_{channel}_idx_0_1_150")];
+        for (place, line) in [0, 1, 150].into_iter().enumerate() {
+            assert_pair(h1[line], &pairs[place]);
+        }
         assert_spectra(&folder, name, channel, &h1, &listed);
     }
 }

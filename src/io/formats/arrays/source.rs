@@ -1,7 +1,8 @@
-//! Arrays become a source: by the schema of modalign, by a scene's description, or as a plain list
-//! of arrays.
+//! Arrays become a source: by the schema of modalign, by a scene's description, by the names of a
+//! measurement system, or as a plain list of arrays.
 //!
-//! A container of arrays does not say what its arrays mean, unless modalign wrote it. A scene's
+//! A container of arrays does not say what its arrays mean, unless modalign or a known measurement
+//! system wrote it. A scene's
 //! `[[test.channel]]` names an array by its path in the file (levels separated by `/` or `.`) and,
 //! where it holds several channels, the channel by its number: `H1_2:2`. Without `dimensions` the
 //! rows of a two-dimensional array are samples and its columns are channels, as MATLAB and NumPy
@@ -10,6 +11,7 @@
 use crate::finding::{Code, Finding, Location, Severity};
 
 use super::schema;
+use super::signalcalc;
 use super::store::{ArrayStore, Elements};
 use crate::io::columns::{Columns, RowLines, entries_from_columns};
 use crate::io::{
@@ -53,6 +55,9 @@ pub(in crate::io) fn open_arrays(
         return Ok(Box::new(schema::open_with_schema(store, catalog)));
     }
     let Some(spec) = spec else {
+        if signalcalc::is_signalcalc(store.as_ref()) {
+            return Ok(Box::new(signalcalc::open(store.as_mut(), catalog)));
+        }
         catalog.arrays = store.list().to_vec();
         return Ok(Box::new(MemorySource {
             catalog,

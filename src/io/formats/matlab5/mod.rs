@@ -29,6 +29,8 @@ mod damage_tests;
 #[cfg(test)]
 mod file_builder;
 #[cfg(test)]
+mod signalcalc_tests;
+#[cfg(test)]
 mod tests;
 use std::io::SeekFrom;
 

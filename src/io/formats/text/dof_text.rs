@@ -4,7 +4,7 @@ use crate::dof::{Axis, Dof};
 
 /// A degree of freedom from `12+Z`, `12-RX` or `12:+Z`; the point begins with a digit, so that a
 /// channel's name is none, and is not 0, which stands for a channel without a position.
-pub(super) fn printed_dof(text: &str) -> Option<Dof> {
+pub(in crate::io::formats) fn printed_dof(text: &str) -> Option<Dof> {
     let text = text.trim();
     let sign = text.rfind(['+', '-'])?;
     let (point, direction) = (&text[..sign], &text[sign..]);

@@ -74,7 +74,10 @@ fn entry_of(described: &HeadingMeaning, axis: EntryAxis, format: SampleFormat) -
 }
 
 /// The axis, its values where they are not even, and its unit.
-pub(super) fn axis_of(abscissa: &Abscissa, values: Vec<f64>) -> (EntryAxis, Vec<f64>, String) {
+pub(in crate::io::formats) fn axis_of(
+    abscissa: &Abscissa,
+    values: Vec<f64>,
+) -> (EntryAxis, Vec<f64>, String) {
     let len = values.len();
     let even = if abscissa.uneven {
         None
@@ -99,7 +102,11 @@ pub(super) fn axis_of(abscissa: &Abscissa, values: Vec<f64>) -> (EntryAxis, Vec<
 }
 
 /// Says once that an abscissa of time or frequency in this file is not even, as functions need it.
-pub(super) fn report_uneven_axis(axis: &EntryAxis, line: Option<u64>, source: &mut MemorySource) {
+pub(in crate::io::formats) fn report_uneven_axis(
+    axis: &EntryAxis,
+    line: Option<u64>,
+    source: &mut MemorySource,
+) {
     let EntryAxis::General(axis) = axis else {
         return;
     };

@@ -38,7 +38,7 @@ pub(super) enum Meaning {
 
 /// The abscissa as a heading states it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Abscissa {
+pub(in crate::io::formats) struct Abscissa {
     /// The measured quantity.
     pub domain: Domain,
     /// Whether its values are to be kept as they are.
@@ -66,7 +66,7 @@ pub(super) struct HeadingMeaning {
 
 /// Unit of an entry.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub(super) struct StatedUnit {
+pub(in crate::io::formats) struct StatedUnit {
     /// Quantity.
     pub quantity: Option<Quantity>,
     /// Quantity of the denominator.
@@ -191,7 +191,7 @@ fn stated(text: Option<&str>, function_type: FunctionType) -> StatedUnit {
 }
 
 /// Unit of a text; where it is not known the text is all there is.
-pub(super) fn unit_of(text: &str, function_type: FunctionType) -> StatedUnit {
+pub(in crate::io::formats) fn unit_of(text: &str, function_type: FunctionType) -> StatedUnit {
     let known = |rest: &str| {
         let rest = match function_type {
             FunctionType::Variance => rest.strip_prefix('(')?.strip_suffix(")2")?,

@@ -29,6 +29,11 @@ mod vendor_tests;
 #[cfg(test)]
 mod write_tests;
 
+pub(in crate::io::formats) use dof_text::printed_dof;
+pub(in crate::io::formats) use entries::{axis_of, report_uneven_axis};
+pub(in crate::io::formats) use header_syntax::{Abscissa, StatedUnit};
+pub(in crate::io::formats) use signalcalc::ratio_unit;
+
 pub use pulse::Pulse;
 pub use signalcalc::SignalCalc;
 pub use table::Table;

@@ -17,7 +17,7 @@ use super::dof_text::printed_dof;
 use super::encoding::{TextBlocks, first_lines, lines, text_of};
 use super::entries::{axis_of, new_source, report_uneven_axis, with_damage};
 use super::fields::{Notation, RowShape, Slot, fields, row_of};
-use super::header_syntax::{Abscissa, unit_of};
+use super::header_syntax::{Abscissa, StatedUnit, unit_of};
 use crate::dof::Dof;
 use crate::io::{
     Block, Confidence, Delimiter, Domain, Entry, Format, FunctionType, Hints, IoError,
@@ -220,18 +220,22 @@ impl Header {
     /// taken.
     fn put_unit(&self, entry: &mut Entry, text: &str) {
         let ratio = entry.function_type == FunctionType::Frf;
-        let written = if ratio {
-            text.replacen(")(", ")/(", 1)
+        let unit = if ratio {
+            ratio_unit(text)
         } else {
-            text.to_owned()
+            unit_of(text, entry.function_type)
         };
-        let unit = unit_of(&written, entry.function_type);
         text.clone_into(&mut entry.unit_label);
         if ratio || entry.function_type == FunctionType::Time {
             (entry.quantity, entry.denominator) = (unit.quantity, unit.denominator);
             entry.to_si = unit.to_si;
         }
     }
+}
+
+/// Unit of an FRF: `(m/s²)(N)` is one over the other.
+pub(in crate::io::formats) fn ratio_unit(text: &str) -> StatedUnit {
+    unit_of(&text.replacen(")(", ")/(", 1), FunctionType::Frf)
 }
 
 /// The item of a function in a list of the header, if the list has one item for each function.
