@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{
-    EstimateOptions, Estimator, Excitation, FrfSet, HammerOptions, HammerTestResult, HitReport,
-    ResponseWindow, evaluate_test,
+    BeforeYouLeave, EstimateOptions, Estimator, Excitation, FrfSet, HammerOptions,
+    HammerTestResult, HitReport, ResponseWindow, before_you_leave, evaluate_test,
 };
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
-use crate::report::{frf_block, hits_block, hits_screen, json};
+use crate::report::{before_you_leave_blocks, frf_block, hits_block, hits_screen, json};
 use crate::scene::{
     FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files,
     mass_line_findings, offset,
@@ -26,11 +26,7 @@ use super::targets::{check_targets, input_files, targets};
 /// Prints what was estimated; writes the FRFs with `-o`. Exit code 1 when part of the input was bad
 /// and left out.
 pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
-    let grouping = match args.hits.as_deref() {
-        None => HitGrouping::Auto,
-        Some(name) => HitGrouping::from_name(name)
-            .ok_or_else(|| argument_error("--hits", name, "records, files or trigger"))?,
-    };
+    let grouping = hit_grouping(args)?;
     check_extension(args.output.as_deref(), FRF_EXTENSIONS)?;
     let read: Vec<PathBuf> = args
         .inputs
@@ -42,16 +38,19 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     check_arguments(args, scene.is_some())?;
     let data = match &scene {
         Some(scene) => ingest_scene_files(args, scene, format)?,
-        None => ingest_recordings(args, grouping, format)?,
+        None => ingest_recordings(args, &args.inputs, grouping, format)?,
     };
     let options = options(args, scene.as_ref())?;
     let mut recording = data.recording.ok_or_else(no_records)?;
+    let result = evaluate_test(recording.as_mut(), &options)?;
+    let list = before_you_leave(&result);
     let HammerTestResult {
         estimated,
         hits,
         usable,
         estimate,
-    } = evaluate_test(recording.as_mut(), &options)?;
+        ..
+    } = result;
     let set = estimated.set;
     if let Some(path) = &args.output {
         let mut source = frf_source(&set, "FRFs");
@@ -64,14 +63,20 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         output.add_findings(&write_path(path, &mut source, WriteOptions::default())?);
     }
     output.add_result(
-        |width| hits_screen(&hits, &set, usable, width),
-        || vec![hits_block("Hits", &hits), frf_block(&set, usable, &hits)],
+        |width| hits_screen(&hits, &set, usable, &list, width),
+        || {
+            let tables = [hits_block("Hits", &hits), frf_block(&set, usable, &hits)];
+            tables
+                .into_iter()
+                .chain(before_you_leave_blocks(&list))
+                .collect()
+        },
     );
     output.add_rest_note(match args.output {
         Some(_) => "All hits and FRFs: --full.",
         None => "All hits and FRFs: --full; FRFs to a file: -o FILE.",
     });
-    output.add_json(|| set_json(&set, usable, &hits));
+    output.add_json(|| set_json(&set, usable, &hits, &list));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);
     let sensors = scene
@@ -129,8 +134,19 @@ fn ingest_scene_files(
     )?)
 }
 
-fn ingest_recordings(
+/// How the arguments group records into hits.
+pub(super) fn hit_grouping(args: &FrfArgs) -> Result<HitGrouping, Error> {
+    match args.hits.as_deref() {
+        None => Ok(HitGrouping::Auto),
+        Some(name) => HitGrouping::from_name(name)
+            .ok_or_else(|| argument_error("--hits", name, "records, files or trigger")),
+    }
+}
+
+/// Recordings as the arguments describe them.
+pub(super) fn ingest_recordings(
     args: &FrfArgs,
+    paths: &[PathBuf],
     grouping: HitGrouping,
     format: Option<&str>,
 ) -> Result<Ingested, Error> {
@@ -138,7 +154,7 @@ fn ingest_recordings(
         reference: args.reference.clone(),
         ..FilePlan::without_points(path)
     };
-    let plans: Vec<FilePlan> = args.inputs.iter().map(|path| plan(path)).collect();
+    let plans: Vec<FilePlan> = paths.iter().map(|path| plan(path)).collect();
     let options = IngestOptions {
         hits: grouping,
         trigger: TriggerOptions {
@@ -164,7 +180,8 @@ fn record_window(options: &EstimateOptions) -> Option<Window> {
     }
 }
 
-fn no_records() -> Error {
+/// The error of files without time records.
+pub(super) fn no_records() -> Error {
     argument_error(
         "INPUT",
         "files whose headers describe no time records",
@@ -173,7 +190,7 @@ fn no_records() -> Error {
 }
 
 /// Options of the command line, else of the scene, else the defaults.
-fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error> {
+pub(super) fn options(args: &FrfArgs, scene: Option<&Scene>) -> Result<HammerOptions, Error> {
     let default = HammerOptions {
         estimate: EstimateOptions {
             offset: offset(None),
@@ -235,7 +252,7 @@ fn merge_hit_numbers(scene: &BTreeSet<usize>, added: &[usize], other: &[usize]) 
 }
 
 /// Rejects options that a scene states, and options of the trigger without it.
-fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
+pub(super) fn check_arguments(args: &FrfArgs, of_scene: bool) -> Result<(), Error> {
     let stated = [
         ("--hits", args.hits.is_some()),
         ("--reference", args.reference.is_some()),
@@ -274,7 +291,7 @@ fn response_window(text: &str) -> Result<ResponseWindow, Error> {
     }
 }
 
-fn argument_error(argument: &'static str, got: &str, expected: &str) -> Error {
+pub(super) fn argument_error(argument: &'static str, got: &str, expected: &str) -> Error {
     Error::Argument {
         argument,
         got: got.to_owned(),
@@ -282,7 +299,7 @@ fn argument_error(argument: &'static str, got: &str, expected: &str) -> Error {
     }
 }
 
-fn set_json(set: &FrfSet, usable: Band, hits: &[HitReport]) -> String {
+fn set_json(set: &FrfSet, usable: Band, hits: &[HitReport], list: &BeforeYouLeave) -> String {
     let axis = set.axis();
     let functions: Vec<_> = set
         .functions()
@@ -300,6 +317,7 @@ fn set_json(set: &FrfSet, usable: Band, hits: &[HitReport]) -> String {
         "added_damping_rad_s": set.added_damping_rad_s,
         "functions": functions,
         "hits": json::hits_value(hits),
+        "before_you_leave": json::before_you_leave_value(list),
         "findings": set.findings,
     });
     format!("{result:#}")

@@ -11,12 +11,12 @@ use crate::report::json::{
     report_from_json, report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
-    Block, CompanionResults, Language, TableGroup, claims_block, comparison_blocks, energies_block,
-    figure_files, figures_svg, hits_block, limits_block, modes_block, parameters_block,
-    placement_blocks, published_comparison_block, published_roots_block, quantities_block,
-    report_page, update_figures_svg,
+    Block, CompanionResults, Language, TableGroup, before_you_leave_blocks, claims_block,
+    comparison_blocks, energies_block, figure_files, figures_svg, hits_block, limits_block,
+    modes_block, parameters_block, placement_blocks, published_comparison_block,
+    published_roots_block, quantities_block, report_page, update_figures_svg,
 };
-use crate::scene::{ReportTableTable, Scene, SceneResult, figures, read_text};
+use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, figures, read_text};
 
 use super::args::ReportArgs;
 use super::outcome::Outcome;
@@ -200,6 +200,20 @@ pub(super) fn table_group(table: &ReportTableTable) -> TableGroup<'_> {
     }
 }
 
+/// What to repeat before the structure of a test is gone, under the name of the test.
+pub(super) fn before_leaving_blocks(test: &TestResult) -> Vec<Block> {
+    let Some(list) = &test.before_you_leave else {
+        return Vec::new();
+    };
+    let mut blocks = before_you_leave_blocks(list);
+    for block in &mut blocks {
+        if let Block::Table(table) = block {
+            table.caption = format!("{}: {}", table.caption, test.name);
+        }
+    }
+    blocks
+}
+
 /// The tables of the page, by tab.
 fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     let expected = result.expected.as_ref();
@@ -249,6 +263,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
         }
         hits.push(block);
     }
+    hits.extend(result.tests.iter().flat_map(before_leaving_blocks));
     vec![
         Section::new("comparison", comparison),
         Section::new("published", published),

@@ -18,7 +18,7 @@ use super::args::RunArgs;
 use super::first_names::first_names;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::report::{report_files, table_group};
+use super::report::{before_leaving_blocks, report_files, table_group};
 use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
 use super::test_stem::test_stem;
@@ -170,6 +170,9 @@ fn blocks(scene: &Scene, result: &SceneResult, columns: Columns) -> Vec<Block> {
     }));
     if result.tests.is_empty() {
         blocks.extend(parameters_block(&result.theory.parameters));
+    }
+    if matches!(columns, Columns::All) {
+        blocks.extend(result.tests.iter().flat_map(before_leaving_blocks));
     }
     if let Some(table) = &result.table {
         let groups: Vec<TableGroup<'_>> = scene.tables.iter().map(table_group).collect();

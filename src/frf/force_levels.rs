@@ -1,20 +1,21 @@
 //! Hits of different force levels at one point show whether the structure is linear.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::dof::Dof;
 use crate::finding::Finding;
-use crate::record::{ChannelPlace, ChannelSegment, HitInfo, ReadError, Recording, Samples};
+use crate::record::Recording;
 use crate::signal::{Outcome, Rule};
 
 use super::consistency::force_level::{HitLevel, MIN_LEVEL_RANGE_DB, SingleHits, findings};
 use super::estimate::estimate_recording;
-use super::hit_report::{HitReport, assessed_responses};
+use super::few_responses::FewResponses;
+use super::hit_report::HitReport;
 use super::selection::Selection;
 use super::{EstimateOptions, FrfSet};
 
 /// Fewest hits of a series: a slope and a mean leave one degree of freedom.
-const MIN_HITS: usize = 3;
+pub(super) const MIN_HITS: usize = 3;
 
 /// Resonances whose frequency or damping depends on the force; nothing where no series of hits, at
 /// one point with the same sensors, has levels that differ by 3 dB or more.
@@ -74,7 +75,7 @@ pub(super) fn force_level_findings(
 fn series_of_hits<'h>(hits: &'h [HitReport], recording: &FewResponses) -> Vec<Vec<&'h HitReport>> {
     let mut series: BTreeMap<(&Dof, Vec<&Dof>), Vec<&HitReport>> = BTreeMap::new();
     for hit in hits.iter().filter(|hit| is_sound(hit)) {
-        let responses = recording.hits[hit.number - 1].responses.iter();
+        let responses = recording.hits()[hit.number - 1].responses.iter();
         let key = (
             &hit.reference,
             responses.map(|response| &response.dof).collect(),
@@ -93,7 +94,8 @@ fn series_of_hits<'h>(hits: &'h [HitReport], recording: &FewResponses) -> Vec<Ve
     series.into_values().filter(differ).collect()
 }
 
-fn is_sound(hit: &HitReport) -> bool {
+/// Whether a hit is used, or was rejected only for its level or its difference from others.
+pub(super) fn is_sound(hit: &HitReport) -> bool {
     let rejects = |rule: Rule| {
         let mut checks = hit.checks.iter();
         checks.any(|check| check.rule == rule && check.outcome == Outcome::Rejected)
@@ -104,60 +106,6 @@ fn is_sound(hit: &HitReport) -> bool {
     let is_rejected_otherwise =
         checks.any(|check| hit.rejects(check) && !of_level.contains(&check.rule));
     hit.peak_n != 0.0 && (hit.used || (by_level && !hit.stated && !is_rejected_otherwise))
-}
-
-/// A recording with at most four responses of each hit, spread over its channels.
-struct FewResponses<'a> {
-    recording: &'a mut dyn Recording,
-    hits: Vec<HitInfo>,
-    /// The number of each response in the recording.
-    numbers: Vec<Vec<usize>>,
-}
-
-impl<'a> FewResponses<'a> {
-    fn new(recording: &'a mut dyn Recording) -> Self {
-        let mut hits = recording.hits().to_vec();
-        let numbers = hits.iter_mut().map(|hit| {
-            let numbers: Vec<usize> = assessed_responses(hit.responses.len()).collect();
-            hit.responses = numbers.iter().map(|n| hit.responses[*n].clone()).collect();
-            numbers
-        });
-        let numbers = numbers.collect();
-        FewResponses {
-            recording,
-            hits,
-            numbers,
-        }
-    }
-
-    /// Response and excitation point of its functions.
-    fn pairs(&self) -> BTreeSet<(Dof, Dof)> {
-        let pairs = self.hits.iter().flat_map(|hit| {
-            let responses = hit.responses.iter();
-            responses.map(|response| (response.dof.clone(), hit.force.dof.clone()))
-        });
-        pairs.collect()
-    }
-}
-
-impl Recording for FewResponses<'_> {
-    fn hits(&self) -> &[HitInfo] {
-        &self.hits
-    }
-
-    fn read(&mut self, segment: &ChannelSegment, samples: &mut Samples) -> Result<(), ReadError> {
-        let channel = match segment.channel {
-            ChannelPlace::Force => ChannelPlace::Force,
-            ChannelPlace::Response(number) => {
-                ChannelPlace::Response(self.numbers[segment.hit][number])
-            }
-        };
-        let segment = ChannelSegment {
-            channel,
-            ..segment.clone()
-        };
-        self.recording.read(&segment, samples)
-    }
 }
 
 #[cfg(test)]
@@ -171,7 +119,7 @@ mod tests {
     use crate::finding::Code;
     use crate::frf::{HammerOptions, ResponseWindow, evaluate_hammer_test};
     use crate::quantity::Quantity;
-    use crate::record::{Channel, Hit, InMemory, Role};
+    use crate::record::{Channel, Hit, InMemory, Role, Samples};
 
     const STEP_S: f64 = 1.0 / 1024.0;
     const LEN: usize = 8192;

@@ -9,6 +9,8 @@ use crate::record::Recording;
 use crate::signal::{ExponentialWindow, Outcome, Rule};
 
 use super::consistency::check_set;
+use super::consistency::visits::Drift;
+use super::drift::drift;
 use super::estimate::{Estimated, estimate_recording};
 use super::force_levels::force_level_findings;
 use super::hammer_options::{HammerOptions, ResponseWindow};
@@ -35,6 +37,8 @@ pub struct HammerTestResult {
     pub usable: Band,
     /// The options as decided, with the exponential window that was used.
     pub estimate: EstimateOptions,
+    /// Changes at a point that was hit again after others.
+    pub drift: Option<Drift>,
 }
 
 /// Assesses every hit that the user does not reject, decides the window and estimates the FRFs of
@@ -82,8 +86,10 @@ pub fn evaluate_hammer_test(
     findings.extend(checks.filter(|f| !(truncated && f.code == Code::DrivingPointSign)));
     let by_level = force_level_findings(recording, &hits, &estimated.set, &selection, &estimate);
     findings.extend(by_level);
+    let drift = drift(recording, &hits, &estimated.set, &selection, &estimate);
     estimated.set.findings = findings;
     Ok(HammerTestResult {
+        drift,
         estimated,
         hits,
         usable,

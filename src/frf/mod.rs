@@ -11,6 +11,8 @@
 //! | [`rigid_body`] | mass line, inertia and sensors of a structure on a soft suspension |
 //! | [`truncation_bounds`] | how wrong H is because the record ends, from the record itself |
 //! | `force_levels` | whether poles depend on the force, from single hits of different levels |
+//! | `drift` | whether resonances changed until a point was hit again |
+//! | [`before_you_leave`] | what to repeat before the structure is gone |
 //! | [`usable_band`] | where the force excites and the anti-alias filter is open |
 //! | [`convert`] | receptance, mobility and accelerance into each other |
 //! | [`check_set`] | signs, reciprocity, repeats, delays, frequencies that move from run to run |
@@ -19,13 +21,16 @@
 //!
 //! Values are SI in the kind that the function states. It identifies no mode and reads no file.
 
+mod before_you_leave;
 mod coherence;
 mod consistency;
 mod convert;
+mod drift;
 mod error;
 mod estimate;
 mod evaluate;
 mod exported;
+mod few_responses;
 mod force;
 mod force_levels;
 mod frf_estimation;
@@ -57,9 +62,16 @@ mod hammer_tests;
 #[cfg(test)]
 mod recording_tests;
 
+pub use before_you_leave::hit_again::{
+    Cause, HitAgain, MIN_GOOD_HITS, PointCheck, Reason, ResonanceDeviation,
+};
+pub use before_you_leave::linearity::Linearity;
+pub use before_you_leave::{BeforeYouLeave, CheckItem, before_you_leave};
 pub(crate) use coherence::variance_from_coherence;
 pub(crate) use consistency::check_functions;
 pub use consistency::check_set;
+pub use consistency::pair_figures::{DrivingPoints, PairFigures};
+pub use consistency::visits::{Change, Drift, ResonanceDrift};
 pub use convert::convert;
 pub use error::FrfError;
 pub use estimate::{Estimated, estimate, estimate_recording, truncation_bounds, usable_band};

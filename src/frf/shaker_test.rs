@@ -89,6 +89,7 @@ pub(super) fn evaluate_shaker_test(
         hits: Vec::new(),
         usable,
         estimate: options.estimate,
+        drift: None,
     })
 }
 

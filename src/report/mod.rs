@@ -4,6 +4,7 @@
 //! Renderers know blocks alone, so that a new result needs no new renderer, and a new format no
 //! change of results. This stage computes no results; it only rounds them.
 
+mod before_you_leave;
 mod block;
 mod breakdown;
 mod comparison;
@@ -37,6 +38,9 @@ mod translation;
 mod update;
 mod verdict;
 
+pub use before_you_leave::{
+    before_you_leave_blocks, before_you_leave_line, before_you_leave_screen,
+};
 pub use block::Block;
 pub use breakdown::{
     breakdown_blocks, breakdown_cells, breakdown_rates, breakdown_times, breakdown_user_modes,

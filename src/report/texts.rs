@@ -47,8 +47,9 @@ mod tests {
     use super::*;
 
     /// Headings and labels that the code composes of several literals.
-    const COMPOSED: [&str; 3] = [
+    const COMPOSED: [&str; 4] = [
         "Hits: {}",
+        "Points to hit again: {}",
         "{}: (test−theory)/theory (%)",
         "{}: (theory−test)/test (%)",
     ];

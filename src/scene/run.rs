@@ -8,7 +8,7 @@ use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfError, FrfSet, evaluate_test};
+use crate::frf::{FrfError, FrfSet, before_you_leave, evaluate_test};
 use crate::identify::{
     Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, assess, identification,
     indicators,
@@ -309,12 +309,13 @@ fn identify_test(
         source: Box::new(source),
     };
     let mut findings = data.findings;
-    let mut hits = Vec::new();
+    let (mut hits, mut list) = (Vec::new(), None);
     let (frfs, band) = match data.recording {
         None => (data.frfs, test.band),
         Some(mut recording) => {
             let options = test.hammer_options(&scene.hammer);
             let hammer_result = evaluate_test(recording.as_mut(), &options).map_err(of_test)?;
+            list = Some(before_you_leave(&hammer_result));
             let set = hammer_result.estimated.set;
             let band = search_band(&set, hammer_result.usable, test.band, &mut findings)
                 .map_err(of_test)?;
@@ -345,6 +346,7 @@ fn identify_test(
         name: test.name.clone(),
         frfs,
         hits,
+        before_you_leave: list,
         modes,
         stabilization: identified.stabilization,
         geometry: data.geometry,

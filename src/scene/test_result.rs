@@ -1,7 +1,7 @@
 //! The result of a test holds its FRFs, its hits and its modes.
 
 use crate::finding::Code;
-use crate::frf::{FrfSet, HitReport};
+use crate::frf::{BeforeYouLeave, FrfSet, HitReport};
 use crate::geometry::Geometry;
 use crate::identify::PoleAtOrder;
 use crate::io::modes_to_json;
@@ -18,6 +18,8 @@ pub struct TestResult {
     pub frfs: Vec<FrfSet>,
     /// Its hits with their checks.
     pub hits: Vec<HitReport>,
+    /// What to repeat before the structure is gone; `None` without recordings.
+    pub before_you_leave: Option<BeforeYouLeave>,
     /// Its modes.
     pub modes: ModalModel,
     /// Poles of all model orders, where the method has orders.

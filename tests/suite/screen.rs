@@ -271,6 +271,14 @@ fn full_output_has_every_root_record_function_and_parameter() {
     assert_eq!(used.count(), hits.len());
     let rows = text.lines().filter(|line| line.contains("accelerance"));
     assert_eq!(rows.count(), functions.len());
+    let section = &text[text.find("Before you leave").unwrap()..];
+    let items = list(&json, "before_you_leave");
+    assert_eq!(items.len(), 5);
+    for point in list(&items[0], "points") {
+        let line = row(section, point["reference"].as_str().unwrap());
+        assert_number(line, &point["resonance"], "frequency_hz", 1.0, 2);
+        assert_number(line, &point["resonance"], "relative_std", 100.0, 3);
+    }
     let (text, _, json) = full_and_json(&["update", BEAM]);
     for parameter in list(&json, "parameters") {
         assert!(text.contains(parameter["name"].as_str().unwrap()));

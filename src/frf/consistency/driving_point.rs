@@ -24,16 +24,36 @@ const MIN_LINES_PER_BANDWIDTH: f64 = 3.0;
 /// noise 25 dB below the peak turns no sign. The limit is half of one peak. A wrong sign of one
 /// channel gives 1.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
-    let functions = data.functions().iter().enumerate();
-    functions
-        .filter(|(_, f)| {
-            f.response.without_sign_and_repeat() == f.reference.without_sign_and_repeat()
+    let signs = driving_points(data).into_iter();
+    signs
+        .filter_map(|i| {
+            let sign = wrong_sign(data, i)?;
+            (sign.value > sign.limit).then(|| {
+                Finding::new(Severity::Warning, Code::DrivingPointSign, data.location(i))
+                    .value(sign.value, "")
+                    .limit(sign.limit)
+            })
         })
-        .filter_map(|(i, _)| sign_finding(data, i))
         .collect()
 }
 
-fn sign_finding(data: &Mobilities, i: usize) -> Option<Finding> {
+/// The functions whose force and response are at one point along one axis.
+pub(super) fn driving_points(data: &Mobilities) -> Vec<usize> {
+    let functions = data.functions().iter().enumerate();
+    let at_one_point = functions.filter(|(_, f)| {
+        f.response.without_sign_and_repeat() == f.reference.without_sign_and_repeat()
+    });
+    at_one_point.map(|(i, _)| i).collect()
+}
+
+/// Share of energy with the wrong sign at the clear peaks of a driving point, with its limit.
+pub(super) struct WrongSign {
+    pub value: f64,
+    pub limit: f64,
+}
+
+/// The wrong sign of function `i`; `None` where it has no clear peak.
+pub(super) fn wrong_sign(data: &Mobilities, i: usize) -> Option<WrongSign> {
     let values = data.values(i);
     let power: Vec<f64> = values.iter().map(Complex64::norm_sqr).collect();
     let floor: Vec<f64> = data
@@ -46,12 +66,9 @@ fn sign_finding(data: &Mobilities, i: usize) -> Option<Finding> {
         .iter()
         .map(|peak| wrong_sign_fraction(&values, peak))
         .sum();
-    let value = wrong / peaks.len() as f64;
-    let limit = 0.5 / peaks.len() as f64;
-    (value > limit).then(|| {
-        Finding::new(Severity::Warning, Code::DrivingPointSign, data.location(i))
-            .value(value, "")
-            .limit(limit)
+    (!peaks.is_empty()).then(|| WrongSign {
+        value: wrong / peaks.len() as f64,
+        limit: 0.5 / peaks.len() as f64,
     })
 }
 

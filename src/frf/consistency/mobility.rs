@@ -46,6 +46,11 @@ impl<'a> Mobilities<'a> {
         self.set.axis().hz(self.set.axis().len - 1)
     }
 
+    /// The lines of the set that are the lines of the mobilities.
+    pub fn lines(&self) -> Range<usize> {
+        self.lines.clone()
+    }
+
     /// `s^d` that turns function `i` into another kind, and the line of the set, for every line of
     /// the band.
     fn factors(&self, i: usize, kind: FrfKind) -> impl Iterator<Item = (usize, Complex64)> + '_ {

@@ -12,6 +12,9 @@
 //! | [`mass_loading`] | one structure in all runs: one pole | Ewins (2000), section 3.6 (mass loading) |
 //! | [`force_level`] | a linear structure: one pole whatever the force | Worden and Tomlinson (2001), section 3.2 |
 //!
+//! [`pair_figures`] and [`visits`] give the figures of such checks where they pass, too, and
+//! [`resonances`] coherence and standard deviation of functions at their resonances.
+//!
 //! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A
 //! check says nothing where the data cannot carry it. It fits single resonances to compare
 //! functions; it lists no modes.
@@ -22,9 +25,12 @@ mod driving_point;
 pub(super) mod force_level;
 mod mass_loading;
 mod mobility;
+pub(super) mod pair_figures;
 mod reciprocity;
 mod repeatability;
+pub(super) mod resonances;
 mod sensor_scale;
+pub(super) mod visits;
 
 #[cfg(test)]
 mod false_alarm_tests;

@@ -7,7 +7,7 @@ use super::mobility::Mobilities;
 
 /// Relative difference of two reciprocal functions: hammer and accelerometer are each calibrated to
 /// about 5 %, and two positions have two pairs of them at worst.
-const LIMIT: f64 = 0.1;
+pub(super) const LIMIT: f64 = 0.1;
 
 /// `H_ij` against `H_ji` for every pair of which both are there, directions turned; the first
 /// measurement of each.

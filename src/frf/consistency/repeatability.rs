@@ -7,7 +7,7 @@ use super::mobility::Mobilities;
 
 /// Relative difference of two measurements of one pair: the calibration of one channel, about 5 %,
 /// when the second was made with another sensor; the same sensor repeats better.
-const LIMIT: f64 = 0.05;
+pub(super) const LIMIT: f64 = 0.05;
 
 /// Every further measurement of a pair against the first one.
 pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {

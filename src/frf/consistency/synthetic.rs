@@ -159,7 +159,7 @@ pub(super) const AVERAGES: u32 = 5;
 /// White complex noise of a signal-to-noise ratio (rms over the band over rms noise), with the
 /// variance of each line as five hits know it: the true one times χ² of 8 degrees of freedom
 /// over 8.
-pub(super) fn add_noise(set: &mut FrfSet, snr_db: f64, seed: u64) {
+pub(in crate::frf) fn add_noise(set: &mut FrfSet, snr_db: f64, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let normal = Normal::new(0.0, 1.0).expect("a positive deviation");
     let mut out = FrfSet::new(*set.axis());

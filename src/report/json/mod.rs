@@ -1,6 +1,7 @@
 //! The JSON files that others may rely on; a change that breaks a reader raises the number in the
 //! schema's name.
 
+mod before_you_leave;
 mod comparison;
 mod details;
 mod hits;
@@ -14,6 +15,7 @@ mod sweep;
 mod theory;
 mod update;
 
+pub use before_you_leave::before_you_leave_value;
 pub use comparison::{
     COMPARISON_SCHEMA, ComparisonFile, ExtraResults, JsonError, RowFile, SummaryFile, TestFile,
     TheoryFile, comparison_from_json, comparison_to_json, comparison_with,

@@ -92,7 +92,7 @@ fn row_lines(row: &[Cell]) -> usize {
 }
 
 /// The first rows of a table, with the number of the others.
-fn cut_rows(mut table: Table, most: usize) -> Table {
+pub(super) fn cut_rows(mut table: Table, most: usize) -> Table {
     let further = table.rows.len().saturating_sub(most);
     if further > 0 {
         table.rows.truncate(most);

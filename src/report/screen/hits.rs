@@ -3,16 +3,27 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::axis::Band;
-use crate::frf::{Estimator, FrfSet, HitReport};
+use crate::frf::{BeforeYouLeave, Estimator, FrfSet, HitReport};
 use crate::report::frf::{hits_block, median};
 use crate::report::table::significant;
-use crate::report::{Block, Cell};
+use crate::report::{Block, Cell, before_you_leave_screen};
 use crate::signal::{Check, Outcome};
 
+use super::abridged::cut_rows;
 use super::{MAC_DECIMALS, abridged, counted};
 
-/// Counts of hits and FRFs, the coherence in the usable band, and the rejected hits.
-pub fn hits_screen(hits: &[HitReport], set: &FrfSet, usable: Band, width: usize) -> Vec<Block> {
+/// Rows of rejected hits: more leave no room for the section below.
+const MAX_REJECTED_ROWS: usize = 8;
+
+/// Counts of hits and FRFs, the coherence in the usable band, the rejected hits, and what to repeat
+/// before the structure is gone.
+pub fn hits_screen(
+    hits: &[HitReport],
+    set: &FrfSet,
+    usable: Band,
+    list: &BeforeYouLeave,
+    width: usize,
+) -> Vec<Block> {
     let sentences = [
         hit_sentence(hits),
         frf_sentence(set, usable),
@@ -21,9 +32,15 @@ pub fn hits_screen(hits: &[HitReport], set: &FrfSet, usable: Band, width: usize)
     let mut blocks = vec![Block::Text(sentences.join("\n"))];
     let rejected: Vec<HitReport> = hits.iter().filter(|hit| !hit.used).cloned().collect();
     if !rejected.is_empty() {
-        blocks.push(hits_block("Rejected hits", &rejected));
+        let mut block = hits_block("Rejected hits", &rejected);
+        if let Block::Table(table) = block {
+            block = Block::Table(cut_rows(table, MAX_REJECTED_ROWS));
+        }
+        blocks.push(block);
     }
-    abridged(blocks, width)
+    let mut blocks = abridged(blocks, width);
+    blocks.push(before_you_leave_screen(list));
+    blocks
 }
 
 fn hit_sentence(hits: &[HitReport]) -> String {

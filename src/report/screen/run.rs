@@ -1,6 +1,6 @@
 //! The screen of `run`: verdict, comparison, published results, and what to do next.
 
-use crate::report::Block;
+use crate::report::{Block, before_you_leave_line};
 use crate::scene::{Scene, SceneResult, TestResult};
 
 use super::MAX_ROWS;
@@ -14,7 +14,8 @@ const ADVICE: &str = "Try another band (band_hz of [[test]]) or method or order 
 const MIN_MODES_OF_TEST: usize = 5;
 
 /// The result of a scene: limits, synthetic data and assumptions; the comparison, or the modes of
-/// the tests, or the roots of the model; published results; recommended points.
+/// the tests, or the roots of the model; published results; what each test needs; recommended
+/// points.
 pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(scene.title.clone())];
     let verdict = [
@@ -49,10 +50,15 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
             blocks.extend(result.tests.iter().flat_map(of_test));
         }
     }
+    let lists = result.tests.iter();
+    let lists = lists.filter_map(|test| {
+        let list = test.before_you_leave.as_ref()?;
+        Some(before_you_leave_line(&test.name, list))
+    });
     let published = result.expected.iter().flat_map(published);
     let points = result.placements.iter();
     let points = points.filter_map(|placed| next_points(placed, result.table.as_ref()));
-    let last: Vec<String> = published.chain(points).collect();
+    let last: Vec<String> = published.chain(lists).chain(points).collect();
     blocks.push(Block::Text(last.join("\n")));
     blocks
 }

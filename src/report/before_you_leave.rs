@@ -1,0 +1,467 @@
+//! The section *Before you leave* lists what to repeat or to add while the structure is there:
+//! points to hit again with their reasons, linearity, reciprocity, driving points and drift.
+
+use crate::dof::Dof;
+use crate::finding::Location;
+use crate::frf::{
+    BeforeYouLeave, Cause, CheckItem, Drift, DrivingPoints, HitAgain, Linearity, MIN_GOOD_HITS,
+    PairFigures, PointCheck, Reason, ResonanceDrift,
+};
+use crate::signal::Rule;
+use crate::study::counted;
+
+use super::table::significant;
+use super::{Block, Cell, Column, Table};
+
+/// Points to hit again that the screen has a line for.
+const MAX_LISTED_POINTS: usize = 3;
+/// Points that a line names.
+const MAX_NAMED_POINTS: usize = 6;
+/// Best hits that a line names.
+const MAX_NAMED_HITS: usize = 3;
+
+/// The section as a screen shows it: a line for each item, and one for each of the first points.
+pub fn before_you_leave_screen(list: &BeforeYouLeave) -> Block {
+    let mut lines = vec![headline(list)];
+    if let Some(points) = points(list) {
+        lines.extend(point_lines(points));
+    }
+    lines.extend(item_lines(list));
+    Block::Text(lines.join("\n"))
+}
+
+/// The whole section: every excitation point with its hits, and every item.
+pub fn before_you_leave_blocks(list: &BeforeYouLeave) -> Vec<Block> {
+    let mut blocks = vec![Block::Text(headline(list))];
+    blocks.extend(points(list).map(points_table));
+    let mut lines = item_lines(list);
+    for item in &list.items {
+        match item {
+            CheckItem::Linearity(linearity) => lines.extend(dependence_lines(linearity)),
+            CheckItem::Drift(Some(drift)) => lines.extend(drift.resonances.iter().map(drift_line)),
+            _ => (),
+        }
+    }
+    blocks.push(Block::Text(lines.join("\n")));
+    blocks
+}
+
+/// One line for a test of a scene.
+pub fn before_you_leave_line(test: &str, list: &BeforeYouLeave) -> String {
+    let listed = points(list).map(|points| {
+        let names: Vec<&Dof> = points.listed().map(|point| &point.reference).collect();
+        match names.is_empty() {
+            true => "no point to hit again".to_owned(),
+            false => format!("hit again {}", named(&names)),
+        }
+    });
+    let with = |state: State, words: &str| {
+        let names = list.items.iter().filter(|item| item_state(item) == state);
+        let names: Vec<&str> = names.filter_map(item_name).collect();
+        (!names.is_empty()).then(|| format!("{words}{}", names.join(", ")))
+    };
+    let parts = [
+        listed,
+        with(State::Wrong, "beyond the limit: "),
+        with(State::NotTested, "not tested: "),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let text = match parts.is_empty() {
+        true => "nothing to repeat".to_owned(),
+        false => parts.join("; "),
+    };
+    format!("Before you leave, {test}: {text}.")
+}
+
+fn points(list: &BeforeYouLeave) -> Option<&HitAgain> {
+    list.items.iter().find_map(|item| match item {
+        CheckItem::HitAgain(points) => Some(points),
+        _ => None,
+    })
+}
+
+fn headline(list: &BeforeYouLeave) -> String {
+    let Some(points) = points(list) else {
+        return "Before you leave: excitation by a shaker, no hits to repeat.".to_owned();
+    };
+    let all = points.points.len();
+    match points.listed().count() {
+        0 => format!(
+            "Before you leave: no point to hit again, of {}.",
+            counted(all, "point")
+        ),
+        listed => format!(
+            "Before you leave: hit again {listed} of {}.",
+            counted(all, "point")
+        ),
+    }
+}
+
+/// A line for each of the first points to hit again; points of the same reasons share one.
+fn point_lines(points: &HitAgain) -> Vec<String> {
+    let mut groups: Vec<(String, Vec<&PointCheck>)> = Vec::new();
+    for point in points.listed() {
+        let text = reasons_text(&point.reasons);
+        match groups.iter_mut().find(|(other, _)| *other == text) {
+            Some((_, points)) => points.push(point),
+            None => groups.push((text, vec![point])),
+        }
+    }
+    let line = |(reasons, points): &(String, Vec<&PointCheck>)| match points.as_slice() {
+        [only] => format!(
+            "- {}: {reasons}{}.",
+            only.reference,
+            best_and_deviation(only)
+        ),
+        several => {
+            let names: Vec<&Dof> = several.iter().map(|point| &point.reference).collect();
+            format!("- {}: {reasons}.", named(&names))
+        }
+    };
+    let mut lines: Vec<String> = groups.iter().take(MAX_LISTED_POINTS).map(line).collect();
+    let further = groups.iter().skip(MAX_LISTED_POINTS);
+    let further: Vec<&Dof> = further
+        .flat_map(|(_, points)| points.iter().map(|point| &point.reference))
+        .collect();
+    if !further.is_empty() {
+        let names = named(&further);
+        lines.push(format!("- {names}: for other reasons, see --full."));
+    }
+    lines
+}
+
+/// Names of points, the first of many.
+fn named(names: &[&Dof]) -> String {
+    let first: Vec<String> = names
+        .iter()
+        .take(MAX_NAMED_POINTS)
+        .map(ToString::to_string)
+        .collect();
+    match names.len().saturating_sub(MAX_NAMED_POINTS) {
+        0 => first.join(", "),
+        more => format!("{} and {more} more", first.join(", ")),
+    }
+}
+
+fn best_and_deviation(point: &PointCheck) -> String {
+    let best = match point.best.is_empty() {
+        true => String::new(),
+        false => format!("; best hits {}", best_hits(point)),
+    };
+    let deviation = point.deviation.as_ref().map(|deviation| {
+        // Where no hit is missing, as many again.
+        let more = match point.missing_hits() {
+            0 => MIN_GOOD_HITS,
+            missing => missing,
+        };
+        format!(
+            "; std of the FRF at {} Hz {} %, with {more} more {} %",
+            significant(deviation.hz, 4),
+            percent(deviation.relative_std),
+            percent(deviation.with_more(more))
+        )
+    });
+    best + &deviation.unwrap_or_default()
+}
+
+fn best_hits(point: &PointCheck) -> String {
+    let numbers = point.best.iter().take(MAX_NAMED_HITS);
+    let numbers: Vec<String> = numbers.map(ToString::to_string).collect();
+    numbers.join(", ")
+}
+
+fn percent(fraction: f64) -> String {
+    significant(100.0 * fraction, 2)
+}
+
+/// A change with its sign, %.
+fn signed_percent(fraction: f64) -> String {
+    let sign = if fraction < 0.0 { "" } else { "+" };
+    format!("{sign}{}", percent(fraction))
+}
+
+fn reasons_text(reasons: &[Reason]) -> String {
+    let texts: Vec<String> = reasons.iter().map(reason_text).collect();
+    texts.join(", ")
+}
+
+fn reason_text(reason: &Reason) -> String {
+    let number = |value: Option<f64>| value.map(|value| significant(value, 2));
+    let value = number(reason.value).unwrap_or_else(|| "-".to_owned());
+    let limit = number(reason.limit).unwrap_or_else(|| "-".to_owned());
+    let at = reason.response.as_ref();
+    let at = at.map_or_else(String::new, |response| format!(" of {response}"));
+    let hit = reason
+        .hit
+        .map_or_else(String::new, |hit| format!(" in hit {hit}"));
+    match reason.cause {
+        Cause::Rule(Rule::Overload) => {
+            format!("overload{at}{hit}: {value} samples clipped ({limit})")
+        }
+        Cause::Rule(Rule::Decay) => {
+            let end = percent(reason.value.unwrap_or(0.0));
+            let limit = percent(reason.limit.unwrap_or(0.0));
+            format!("response{at} not decayed{hit}: {end} % at the end ({limit} %)")
+        }
+        Cause::Rule(rule) => {
+            let name = match rule {
+                Rule::DoubleHit => "double hit",
+                Rule::Level => "peak force over the median",
+                Rule::PreTrigger => "vibration before the hit",
+                Rule::Dead => "no signal",
+                Rule::InconsistentHit => "FRF unlike the other hits",
+                Rule::RollOff => "roll-off of the force",
+                Rule::Sign => "negative force",
+                Rule::Drift => "offset or drift",
+                Rule::Overload | Rule::Decay => rule.name(),
+            };
+            match reason.value {
+                Some(_) => format!("{name}{at}{hit}: {value} ({limit})"),
+                None => format!("{name}{at}{hit}"),
+            }
+        }
+        Cause::Stated => format!("rejected by the user{hit}"),
+        Cause::WeakForce => format!("hammer force{hit} {value} dB against the others ({limit} dB)"),
+        Cause::FewHits => format!(
+            "{} of {limit}",
+            counted(reason.value.unwrap_or(0.0) as usize, "good hit")
+        ),
+        Cause::LowCoherence { hz } => format!(
+            "coherence{at} {} at {} Hz ({limit})",
+            significant(reason.value.unwrap_or(0.0), 3),
+            significant(hz, 4)
+        ),
+    }
+}
+
+/// Every excitation point with its hits and the standard deviation of its FRFs.
+fn points_table(points: &HitAgain) -> Block {
+    let row = |point: &PointCheck| {
+        let deviation = point.deviation.as_ref();
+        let with_more = |more: usize| {
+            let std = deviation.map(|deviation| 100.0 * deviation.with_more(more));
+            Cell::number(std, 3)
+        };
+        vec![
+            Cell::text(point.reference.to_string()),
+            Cell::text(point.hits.to_string()),
+            Cell::text(point.best.len().to_string()),
+            Cell::text(best_hits(point)),
+            Cell::number(deviation.map(|deviation| deviation.hz), 2),
+            with_more(0),
+            with_more(1),
+            with_more(MIN_GOOD_HITS),
+            Cell::text(reasons_text(&point.reasons)),
+        ]
+    };
+    let texts = ["at", "hits", "good hits", "best hits"].map(Column::text);
+    let numbers = [
+        "resonance (Hz)",
+        "std of FRF (%)",
+        "1 more hit (%)",
+        "3 more hits (%)",
+    ]
+    .map(Column::number);
+    let columns = texts.into_iter().chain(numbers);
+    Block::Table(Table {
+        caption: "Points to hit again".to_owned(),
+        columns: columns.chain([Column::text("why")]).collect(),
+        rows: points.points.iter().map(row).collect(),
+        footnotes: vec![
+            "Standard deviation of the magnitude of the FRF over the magnitude, at the resonance where it is largest; it falls as one over the square root of the number of hits. In brackets: limits.".to_owned(),
+        ],
+    })
+}
+
+/// A line for each item but the points.
+fn item_lines(list: &BeforeYouLeave) -> Vec<String> {
+    let line = |item: &CheckItem| match item {
+        CheckItem::HitAgain(_) => None,
+        CheckItem::Linearity(linearity) => Some(linearity_line(linearity)),
+        CheckItem::Reciprocity(figures) => Some(reciprocity_line(figures.as_ref())),
+        CheckItem::DrivingPoints(points) => Some(driving_point_line(points.as_ref())),
+        CheckItem::Drift(drift) => Some(drift_sentence(drift.as_ref())),
+    };
+    list.items.iter().filter_map(line).collect()
+}
+
+fn linearity_line(linearity: &Linearity) -> String {
+    let (hits, range) = (
+        counted(linearity.hits, "hit"),
+        significant(linearity.range_db, 2),
+    );
+    let at = &linearity.reference;
+    if !linearity.dependences.is_empty() {
+        let count = linearity.dependences.len();
+        return format!(
+            "Linearity: {} with the force; hit all points with one force.",
+            match count {
+                1 => "1 resonance changes".to_owned(),
+                _ => format!("{count} resonances change"),
+            }
+        );
+    }
+    match linearity.is_tested() {
+        true => {
+            format!("Linearity: no resonance changes with the force; {hits}, {range} dB, at {at}.")
+        }
+        false => format!(
+            "Linearity: not tested; {hits}, {range} dB, at {at}; add hits of half and of twice the force."
+        ),
+    }
+}
+
+fn dependence_lines(linearity: &Linearity) -> Vec<String> {
+    let line = |finding: &crate::finding::Finding| {
+        let at = match finding.location {
+            Location::Mode(hz) => format!("{hz:.2} Hz"),
+            _ => String::new(),
+        };
+        let detail = finding.detail.as_deref().unwrap_or_default();
+        format!("- {at}: {detail}.")
+    };
+    linearity.dependences.iter().map(line).collect()
+}
+
+fn reciprocity_line(figures: Option<&PairFigures>) -> String {
+    let Some(figures) = figures else {
+        return "Reciprocity: not tested; exchange sensor and hammer at two points.".to_owned();
+    };
+    let (difference, limit) = (percent(figures.difference), percent(figures.limit));
+    let pair = format!("{}/{}", figures.response, figures.reference);
+    match figures.above_limit {
+        0 => format!(
+            "Reciprocity: {} within the limit; {pair} differs by {difference} % ({limit} %).",
+            counted(figures.pairs, "pair")
+        ),
+        above => format!(
+            "Reciprocity: {above} of {} above the limit; {pair} differs by {difference} % ({limit} %): check directions, points and calibration.",
+            counted(figures.pairs, "pair")
+        ),
+    }
+}
+
+fn driving_point_line(points: Option<&DrivingPoints>) -> String {
+    let Some(points) = points else {
+        return "Driving points: none; hit beside a sensor along its axis.".to_owned();
+    };
+    match points.wrong.first() {
+        None => format!(
+            "Driving points: {} with the right sign.",
+            counted(points.points, "FRF")
+        ),
+        Some((response, reference)) => format!(
+            "Driving points: {} of {} with the wrong sign; {response}/{reference} for {} % of the energy ({} %): check directions and points.",
+            points.wrong.len(),
+            counted(points.points, "FRF"),
+            percent(points.value),
+            percent(points.limit)
+        ),
+    }
+}
+
+fn drift_sentence(drift: Option<&Drift>) -> String {
+    let Some(drift) = drift else {
+        return "Drift: not tested; hit the first point again at the end.".to_owned();
+    };
+    let hits = |hits: &[usize]| match hits {
+        [only] => format!("hit {only}"),
+        [first, .., last] => format!("hits {first} to {last}"),
+        [] => String::new(),
+    };
+    let (first, last) = (hits(&drift.first_hits), hits(&drift.last_hits));
+    let Some(worst) = worst_drift(drift) else {
+        return "Drift: not tested; no isolated resonance in the hits that were repeated."
+            .to_owned();
+    };
+    let figures = format!(
+        "{} Hz changed by {} % ({} %), its residue by {} % ({} %)",
+        significant(worst.hz, 4),
+        signed_percent(worst.frequency.value),
+        percent(worst.frequency.limit),
+        signed_percent(worst.amplitude.value),
+        percent(worst.amplitude.limit),
+    );
+    let at = &drift.reference;
+    match is_drift(worst) {
+        false => format!("Drift: none at {at} from {first} to {last}; {figures}."),
+        true => format!(
+            "Drift: at {at} from {first} to {last} {figures}: check supports, temperature and sensors, then repeat."
+        ),
+    }
+}
+
+fn is_drift(resonance: &ResonanceDrift) -> bool {
+    resonance.frequency.is_drift() || resonance.amplitude.is_drift()
+}
+
+/// The resonance with the largest change over its limit.
+fn worst_drift(drift: &Drift) -> Option<&ResonanceDrift> {
+    let excess = |resonance: &&ResonanceDrift| {
+        let changes = [resonance.frequency, resonance.amplitude];
+        changes
+            .map(|change| change.value.abs() / change.limit)
+            .into_iter()
+            .fold(0.0, f64::max)
+    };
+    let resonances = drift.resonances.iter();
+    resonances.max_by(|a, b| excess(a).total_cmp(&excess(b)))
+}
+
+fn drift_line(resonance: &ResonanceDrift) -> String {
+    format!(
+        "- {:.2} Hz: frequency {} ± {} % ({} %), residue {} ± {} % ({} %).",
+        resonance.hz,
+        signed_percent(resonance.frequency.value),
+        percent(resonance.frequency.std),
+        percent(resonance.frequency.limit),
+        signed_percent(resonance.amplitude.value),
+        percent(resonance.amplitude.std),
+        percent(resonance.amplitude.limit),
+    )
+}
+
+/// What an item came to.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    Right,
+    Wrong,
+    NotTested,
+}
+
+fn item_state(item: &CheckItem) -> State {
+    let state = |tested: bool, wrong: bool| match (tested, wrong) {
+        (false, _) => State::NotTested,
+        (true, true) => State::Wrong,
+        (true, false) => State::Right,
+    };
+    match item {
+        CheckItem::HitAgain(_) => State::Right,
+        CheckItem::Linearity(linearity) => {
+            let depends = !linearity.dependences.is_empty();
+            state(depends || linearity.is_tested(), depends)
+        }
+        CheckItem::Reciprocity(figures) => state(
+            figures.is_some(),
+            figures.as_ref().is_some_and(|all| all.above_limit > 0),
+        ),
+        CheckItem::DrivingPoints(points) => state(
+            points.is_some(),
+            points.as_ref().is_some_and(|all| !all.wrong.is_empty()),
+        ),
+        CheckItem::Drift(drift) => {
+            let worst = drift.as_ref().and_then(worst_drift);
+            state(worst.is_some(), worst.is_some_and(is_drift))
+        }
+    }
+}
+
+fn item_name(item: &CheckItem) -> Option<&'static str> {
+    match item {
+        CheckItem::HitAgain(_) => None,
+        CheckItem::Linearity(_) => Some("linearity"),
+        CheckItem::Reciprocity(_) => Some("reciprocity"),
+        CheckItem::DrivingPoints(_) => Some("driving points"),
+        CheckItem::Drift(_) => Some("drift"),
+    }
+}
