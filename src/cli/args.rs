@@ -178,8 +178,12 @@ pub struct ConvertArgs {
 )]
 pub struct FrfArgs {
     /// Recordings, or one scene whose tests describe them.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "watch")]
     pub inputs: Vec<PathBuf>,
+    /// Watch this folder while a test is measured: after each new or changed file print what to
+    /// repeat before you leave, of all its recordings in the order of their names, until Ctrl-C.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "output", "accept", "reject"])]
+    pub watch: Option<PathBuf>,
     /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is
     /// complete.
     #[arg(short, long, value_name = "OUT")]
@@ -217,7 +221,8 @@ pub struct FrfArgs {
     #[arg(long)]
     pub remove_offset: bool,
     /// records: a further force record opens the next hit; files: each file is one hit; trigger:
-    /// each record is continuous and holds several hits.
+    /// each record is continuous and holds several hits. By default records, or trigger where every
+    /// record plainly holds several hits.
     #[arg(long, value_name = "records|files|trigger")]
     pub hits: Option<String>,
     /// With --hits trigger: force above its offset that starts a hit, N; by default estimated from

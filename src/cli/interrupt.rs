@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
@@ -23,6 +24,8 @@ pub struct Writing(&'static Shared);
 struct Shared {
     lock: Mutex<()>,
     folders_in_use: Mutex<OpenFolders>,
+    /// Whether an interrupt is the regular end of the program.
+    is_regular_end: AtomicBool,
 }
 
 /// Folders that are written into, each with the temporary files that were there before.
@@ -37,6 +40,11 @@ impl Writing {
         // the program at once.
         let _ = ctrlc::try_set_handler(move || end_program(shared));
         Self(shared)
+    }
+
+    /// Ends the program with exit code 0 at an interrupt, as a verb that would never end otherwise.
+    pub fn end_regularly(self) {
+        self.0.is_regular_end.store(true, Ordering::Relaxed);
     }
 
     /// Until the guard is dropped no interrupt ends the program, but one that has waited too long
@@ -103,6 +111,9 @@ fn end_program(shared: &'static Shared) {
             other => break other,
         }
     };
+    if shared.is_regular_end.load(Ordering::Relaxed) {
+        std::process::exit(0);
+    }
     let stderr = std::io::stderr();
     // In place of the progress that may stand there.
     let clear = if stderr.is_terminal() && !is_dumb() {

@@ -39,6 +39,7 @@ mod targets;
 mod test_stem;
 mod theory;
 mod update;
+mod watch;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -165,7 +166,10 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
         Some(Verb::Run(args)) => run::run(args, format, output),
         Some(Verb::Inspect(args)) => inspect::inspect(args, format, output),
         Some(Verb::Convert(args)) => convert::convert(args, format, output),
-        Some(Verb::Frf(args)) => frf::frf(args, format, output),
+        Some(Verb::Frf(args)) => match &args.watch {
+            Some(folder) => watch::watch(args, folder, format, output),
+            None => frf::frf(args, format, output),
+        },
         Some(Verb::Identify(args)) => identify::identify(args, format, output),
         Some(Verb::Theory(args)) => theory::theory(args, format, output),
         Some(Verb::Correlate(args)) => correlate::correlate(args, format, output),

@@ -1,7 +1,7 @@
 //! Standard output carries only the result, standard error the findings.
 
 use std::collections::BTreeSet;
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::MutexGuard;
 
@@ -250,6 +250,28 @@ impl Output {
             .iter()
             .map(|finding| (test.to_owned(), finding.clone()));
         self.findings.extend(named);
+    }
+
+    /// Makes an interrupt the regular end of a verb that watches.
+    pub fn end_regularly_at_interrupt(&self) {
+        self.writing.end_regularly();
+    }
+
+    /// Prints the result so far at once and forgets it; on a terminal in place of what was there.
+    ///
+    /// # Errors
+    /// [`Error::Output`] when standard output cannot be written.
+    pub fn show(&mut self) -> Result<(), Error> {
+        let mut stdout = std::io::stdout().lock();
+        let clear = match stdout.is_terminal() && !color::is_dumb() && !self.json {
+            true => "\u{1b}[2J\u{1b}[H",
+            false => "",
+        };
+        let text = std::mem::take(&mut self.result);
+        let end = if self.json { "" } else { "\n" };
+        write!(stdout, "{clear}{text}{end}")
+            .and_then(|()| stdout.flush())
+            .map_err(Error::Output)
     }
 
     /// Writes the files, prints the result, then the findings.

@@ -59,4 +59,5 @@ mod twins;
 mod unneeded;
 mod updating;
 mod vocabulary;
+mod watch_command;
 mod wrong_files;
