@@ -174,9 +174,9 @@ pub(crate) fn names_other_quantity(text: &str) -> bool {
         return false;
     }
     let is_other = |part: &str| measure(part).is_some() && part.parse::<Unit>().is_err();
-    let slashes = text.match_indices('/').map(|(place, _)| place);
-    let mut sides = slashes.flat_map(|place| [&text[..place], &text[place + 1..]]);
-    is_other(text) || sides.any(is_other)
+    // The last slash parts response and force: `m/s2/V`, `Pa/EU`.
+    let sides = text.rsplit_once('/');
+    is_other(text) || sides.is_some_and(|(above, below)| is_other(above) || is_other(below))
 }
 
 /// Response per force: receptance X/F, mobility V/F, accelerance A/F.
@@ -336,6 +336,8 @@ mod tests {
             "ms-2/N",
             "1/kg",
             "furlong/N",
+            "EU/s^2/N",
+            "EU/s/N",
             "EU",
             "EU/EU",
             "?",

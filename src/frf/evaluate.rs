@@ -14,6 +14,9 @@ use super::shaker_test::evaluate_shaker_test;
 /// pulses (`records_of_a_shaker_are_no_hits`).
 const MAX_PULSE_PART: f64 = 0.1;
 
+/// Largest distance from its mean, over it, of a force that is constant but for rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// FRFs of a recorded test.
 ///
 /// # Errors
@@ -62,6 +65,9 @@ fn high_part(
         .iter()
         .map(|value| (value - mean).abs())
         .fold(0.0, f64::max);
+    if peak <= ROUNDING * mean.abs() {
+        return Ok(0.0);
+    }
     let high = samples
         .iter()
         .filter(|value| (value - mean).abs() > 0.25 * peak);

@@ -38,8 +38,9 @@ use super::{
 const BLOCKS: f64 = 16.0;
 /// Fewest samples of a block.
 const MIN_BLOCK_SAMPLES: usize = 32;
-/// Part of a record at each end that is compared with the whole.
-const END_PART: f64 = 0.02;
+/// Part of a record at each end that is compared with the whole. Smaller: a generator that was
+/// switched off before the recording makes a burst. Larger: a burst over most of its record is none.
+const END_PART: f64 = 0.05;
 /// Largest root mean square of a force at the end of its record over that of the whole where it is
 /// a burst. Larger: steady noise passes, by chance, at some of its ends. Smaller: the noise of a
 /// force cell makes a burst steady (`burst_random_frfs_are_exact_within_their_variance`).
@@ -66,7 +67,7 @@ pub(super) fn evaluate_shaker_test(
 ) -> Result<HammerTestResult, FrfError> {
     let infos: Vec<HitInfo> = recording.hits().to_vec();
     check(&infos.iter().collect::<Vec<_>>(), &options.estimate)?;
-    let is_burst = is_burst(recording, &infos[0])?;
+    let is_burst = infos.len() > 1 && is_burst(recording, &infos[0])?;
     let blocks = Blocks::new(&infos, is_burst, options.block_length_s)?;
     let mut averaged = average(recording, &infos, &blocks, &options.estimate)?;
     let leakage = match blocks.half() {
@@ -106,7 +107,8 @@ struct Blocks {
 impl Blocks {
     fn new(infos: &[HitInfo], is_burst: bool, length_s: Option<f64>) -> Result<Self, FrfError> {
         let axis = infos[0].axis;
-        if is_burst && length_s.is_none() {
+        let is_whole = |s: f64| (s / axis.duration_s() - 1.0).abs() < 0.01;
+        if is_burst && length_s.is_none_or(is_whole) {
             return Ok(Self {
                 len: axis.len,
                 hop: axis.len,
@@ -211,8 +213,10 @@ fn cut_off_finding(
     let mut largest: f64 = 0.0;
     for number in 0..info.responses.len() {
         let response = Ends::of(&read(recording, info, 0, ChannelPlace::Response(number))?);
-        let beyond_noise = response.end * response.end - response.start * response.start;
-        largest = largest.max(beyond_noise.max(0.0).sqrt());
+        // A start that is as loud is the tail of the burst before, or noise.
+        let is_noise_small = response.start < 0.5 * response.end;
+        let noise = if is_noise_small { response.start } else { 0.0 };
+        largest = largest.max((response.end * response.end - noise * noise).sqrt());
     }
     let finding = Finding::new(Severity::Warning, Code::BlockLeakage, Location::Whole);
     let finding = finding.value(largest, "").limit(MAX_LEFT);
@@ -293,8 +297,8 @@ fn average(
     }
     set.record_duration_s = Some(axis.duration_s());
     set.window = blocks.weights.as_ref().map(|_| Window::HannBroad);
-    set.valid_band = power.valid_band().ok();
-    set.excited_band = power.excited_band().ok();
+    set.valid_band = power.covered_band().ok();
+    set.excited_band = set.valid_band;
     let low = low_coherence_finding(&set);
     set.findings.extend(low);
     Ok(Estimated {
@@ -430,8 +434,47 @@ fn power_of(spectra: &[&Vec<Complex64>], lines: usize) -> Arc<[f64]> {
     force_power(spectra.iter().map(|spectrum| spectrum.as_slice()), lines)
 }
 
-/// The largest change of a peak by blocks of half the length, beyond its noise: the bias by leakage
-/// of the whole blocks is as large, since it goes with one over their length.
+/// Half the length holds half the independent numbers.
+fn variance_of_half(whole: f64) -> f64 {
+    2.0 * whole
+}
+
+/// Bias of the peak of a mode of decay rate σ by Hann windows of length T: the expectation of H1 is
+/// the impulse response times the autocorrelation of the window,
+/// `R(u) = ((1 − u)(2 + cos 2πu) + 3 sin(2πu)/2π)/3`, u = t/T.
+fn bias(decays: f64) -> f64 {
+    const STEPS: usize = 400;
+    let term = |step: usize| {
+        let u = (step as f64 + 0.5) / STEPS as f64;
+        let turn = std::f64::consts::TAU * u;
+        let window =
+            ((1.0 - u) * (2.0 + turn.cos()) + 3.0 * turn.sin() / std::f64::consts::TAU) / 3.0;
+        (1.0 - window) * (-decays * u).exp() / STEPS as f64
+    };
+    decays * (0..STEPS).map(term).sum::<f64>() + (-decays).exp()
+}
+
+/// The bias of a peak that blocks of half the length lower by this part of it.
+fn bias_of_change(change: f64) -> f64 {
+    let of = |decays: f64| (bias(0.5 * decays) - bias(decays)) / (1.0 - bias(decays));
+    let (mut short, mut long) = (0.5, 1e3);
+    if change <= of(long) {
+        return change;
+    }
+    // The change falls with the length.
+    for _ in 0..60 {
+        let middle = f64::sqrt(short * long);
+        if of(middle) > change {
+            short = middle;
+        } else {
+            long = middle;
+        }
+    }
+    bias(long)
+}
+
+/// The largest bias of a peak by leakage, from its change by blocks of half the length beyond the
+/// noise of both.
 fn leakage_finding(set: &FrfSet, half: &FrfSet, block: usize) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let of_function = |i: usize| {
@@ -445,8 +488,9 @@ fn leakage_finding(set: &FrfSet, half: &FrfSet, block: usize) -> Option<Finding>
         let change = |line: usize| {
             let k = lines.start + line;
             let (whole, half) = (set.values(i)[k], half.values(i)[k]);
-            let noise = set.variance(i).map_or(0.0, |variance| variance[k].sqrt());
-            ((whole - half).norm() - 3.0 * noise).max(0.0) / whole.norm()
+            let variance = |set: &FrfSet| set.variance(i).map_or(0.0, |variance| variance[k]);
+            let noise = (variance(set) + variance_of_half(variance(set))).sqrt();
+            bias_of_change(((whole.norm() - half.norm()) - 4.0 * noise).max(0.0) / whole.norm())
         };
         let peaks = clear_peaks(&power, &vec![floor; power.len()], 0.0);
         peaks
@@ -460,4 +504,22 @@ fn leakage_finding(set: &FrfSet, half: &FrfSet, block: usize) -> Option<Finding>
     let finding = finding.value(largest, "").limit(MAX_LEAKAGE);
     let detail = format!("blocks of {block} samples");
     (largest > MAX_LEAKAGE).then(|| finding.detail(detail))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bias_of_a_peak_follows_from_its_change() {
+        for (decays, expected) in [(30.0, 0.014), (15.0, 0.051), (8.0, 0.139), (4.0, 0.32)] {
+            assert!(
+                (bias(decays) / expected - 1.0).abs() < 0.05,
+                "{}",
+                bias(decays)
+            );
+            let change = (bias(0.5 * decays) - bias(decays)) / (1.0 - bias(decays));
+            assert!((bias_of_change(change) / bias(decays) - 1.0).abs() < 1e-6);
+        }
+    }
 }

@@ -73,6 +73,27 @@ impl ForcePower {
         self.excited_below(self.lines.len())
     }
 
+    /// From the first to the last line above 0 Hz and below 0.4 of the sampling rate whose power is
+    /// within 20 dB of that which a tenth of the lines exceed. The force of a shaker drops at
+    /// resonances: lines between may be lower.
+    ///
+    /// # Errors
+    /// As [`ForcePower::valid_band`].
+    pub fn covered_band(&self) -> Result<Band, FrfError> {
+        let axis = self.record.spectrum_axis();
+        let end = MAX_BAND_OVER_SAMPLING_RATE * self.record.sampling_rate_hz() / axis.step_hz;
+        let end = ((end + 1e-6).floor() as usize + 1).min(self.lines.len());
+        let power = self.median_power(end);
+        let mut sorted = power.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let level = sorted.get(9 * sorted.len() / 10).copied().unwrap_or(0.0);
+        let is_covered = |k: &usize| power[*k] > 0.0 && power[*k] >= MIN_POWER_OVER_MAXIMUM * level;
+        let first = (1..power.len()).find(is_covered).unwrap_or(0);
+        let last = (1..power.len()).rev().find(is_covered).unwrap_or(0);
+        let (lo_hz, hi_hz) = (axis.hz(first), axis.hz(last));
+        Band::new(lo_hz, hi_hz).map_err(|_| FrfError::BandEmpty { lo_hz, hi_hz })
+    }
+
     /// Median over the neighbours of each line up to `end`, 0 Hz left out, less the noise.
     fn median_power(&self, end: usize) -> Vec<f64> {
         let median = |line: usize| {

@@ -163,6 +163,9 @@ const PREFIXES: [(&str, f64); 18] = [
 
 /// Reads a unit text; `None` where a part of it is no known symbol.
 pub(super) fn measure(text: &str) -> Option<Measure> {
+    if text.len() > MAX_LENGTH {
+        return None;
+    }
     // The Greek letter mu and the micro sign look alike.
     let text = text.trim().replace('\u{3bc}', "\u{b5}");
     let read = |case_counts| {
@@ -177,6 +180,8 @@ pub(super) fn measure(text: &str) -> Option<Measure> {
     read(true).or_else(|| read(false))
 }
 
+/// Longest text of a unit, bytes: a field of a header has 20 to 80.
+const MAX_LENGTH: usize = 200;
 /// Brackets may stand in each other as deeply as this. Deeper: a text of brackets alone overflows
 /// the stack. Shallower: `((m/s^2)/N)` is not read.
 const MAX_DEPTH: usize = 8;

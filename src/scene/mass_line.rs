@@ -13,7 +13,7 @@ use crate::geometry::{Geometry, Sensor, Target, unit};
 /// Nothing comes back where no points are placed, or no band has a mass line.
 pub fn mass_line_findings(set: &FrfSet, geometry: &Geometry, sensors: &[Sensor]) -> Vec<Finding> {
     let placed = placed(set, geometry, sensors);
-    rigid_body(set, &placed, None).map_or_else(Vec::new, |body| findings(&body))
+    rigid_body(set, &placed, None).map_or_else(Vec::new, |body| findings(set, &body))
 }
 
 /// Positions and directions of the degrees of freedom of a set: a sensor of the scene at a point of
@@ -52,12 +52,15 @@ fn placed(set: &FrfSet, geometry: &Geometry, sensors: &[Sensor]) -> BTreeMap<Dof
     dofs.filter_map(at).collect()
 }
 
-fn findings(body: &RigidBody) -> Vec<Finding> {
+fn findings(set: &FrfSet, body: &RigidBody) -> Vec<Finding> {
     let mut findings = Vec::new();
     if let Some(fault) = &body.fault {
+        // A roving hammer's hits are the rows of the motion.
+        let is_hit = !set.responses().contains(&fault.dof);
+        let dof = |wanted: bool| (is_hit == wanted).then(|| fault.dof.clone());
         let location = Location::Function {
-            response: Some(fault.dof.clone()),
-            reference: None,
+            response: dof(false),
+            reference: dof(true),
         };
         let finding = Finding::new(Severity::Warning, Code::SensorNotRigid, location);
         let what = match &fault.repair {
@@ -70,7 +73,7 @@ fn findings(body: &RigidBody) -> Vec<Finding> {
         let finding = Finding::new(Severity::Info, Code::MassOfMassLine, Location::Whole);
         let [x, y, z] = inertia.centre_m;
         findings.push(finding.value(inertia.mass_kg, "kg").detail(format!(
-            "standard deviation {:.2} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m, from {:.1} to {:.1} Hz",
+            "standard deviation {:.1e} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m, from {:.1} to {:.1} Hz",
             inertia.mass_std_kg, body.band.lo_hz, body.band.hi_hz
         )));
     }

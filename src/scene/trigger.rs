@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfError;
 use crate::record::{ChannelPlace, ChannelSegment, Cut, HitInfo, Recording, Samples};
-use crate::signal::{Segments, TriggerOptions, segments, to_si};
+use crate::signal::{Segment, Segments, TriggerOptions, segments, to_si};
 
 /// The hits of continuous records, all of one length, with findings on the rejected ones.
 ///
@@ -57,6 +57,10 @@ pub(super) fn cut_hits(
 /// Least distance of hits in a continuous record, over the mean distance. Larger: an unsteady hand
 /// makes no continuous record. Smaller: a double hit does (`a_double_hit_is_no_continuous_record`).
 const MIN_DISTANCE_OVER_MEAN: f64 = 0.25;
+/// Least height of two pulses over the higher. Larger: two hits of an unsteady hand are one record.
+/// Smaller: a bounce, some third of the hit, makes a record of two hits
+/// (`a_double_hit_is_no_continuous_record`).
+const MIN_HEIGHT_OF_TWO: f64 = 0.5;
 /// Largest part of a record in which the force of a hammer is above a quarter of its peak. Larger:
 /// bursts of a shaker are taken for hits, above that level in a third of a burst. Smaller: the
 /// pulse of a soft tip, a hundredth of its record, is none
@@ -72,10 +76,11 @@ pub(super) fn is_continuous(whole: &mut dyn Recording, options: &TriggerOptions)
         let Ok(force) = read_force(whole, record, info) else {
             return false;
         };
-        let peak = force
-            .iter()
-            .fold(0.0, |peak: f64, value| peak.max(value.abs()));
-        let high = force.iter().filter(|value| value.abs() > 0.25 * peak);
+        // A preload is no part of the pulse.
+        let mean = force.iter().sum::<f64>() / force.len().max(1) as f64;
+        let distance = |value: &f64| (value - mean).abs();
+        let peak = force.iter().map(distance).fold(0.0, f64::max);
+        let high = force.iter().filter(|value| distance(value) > 0.25 * peak);
         let is_pulsed = high.count() as f64 <= MAX_PULSE_PART * force.len() as f64;
         let found = is_pulsed.then(|| segments(&force, info.axis.step_s, options));
         let Some(Ok(found)) = found else {
@@ -84,7 +89,15 @@ pub(super) fn is_continuous(whole: &mut dyn Recording, options: &TriggerOptions)
         let onsets: Vec<usize> = found.segments.iter().map(|hit| hit.onset).collect();
         let mean = force.len() as f64 / onsets.len().max(1) as f64;
         let is_apart = |pair: &[usize]| (pair[1] - pair[0]) as f64 >= MIN_DISTANCE_OVER_MEAN * mean;
-        onsets.len() > 1 && onsets.windows(2).all(is_apart)
+        let height = |hit: &Segment| {
+            force[hit.range.clone()]
+                .iter()
+                .map(distance)
+                .fold(0.0, f64::max)
+        };
+        let is_high = |hit: &Segment| height(hit) >= MIN_HEIGHT_OF_TWO * peak;
+        let are_hits = onsets.len() > 2 || found.segments.iter().all(is_high);
+        onsets.len() > 1 && are_hits && onsets.windows(2).all(is_apart)
     };
     !infos.is_empty() && records.all(holds_several)
 }

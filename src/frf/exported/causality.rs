@@ -18,12 +18,13 @@ const MAX_FRACTION_OF_CONJUGATE: f64 = 0.25;
 const TAPER: f64 = 0.1;
 /// Times around 0 that tell nothing: a jump at time 0 spreads over the main lobe of the taper.
 const LOBE: usize = 3;
-/// Fewest lines of which a time signal is made.
-const MIN_LINES: usize = 32;
+/// Fewest lines of which a time signal is made. Fewer: noise has most of its energy at either sign
+/// of time by chance.
+const MIN_LINES: usize = 64;
 
 /// The set with conjugate functions turned, with a finding.
 ///
-/// Where no function is clearly causal and one or more are clearly conjugate, all are turned.
+/// Where no function is clearly causal and half of them are clearly conjugate, all are turned.
 pub(super) fn causal(mut set: FrfSet) -> FrfSet {
     let fractions: Vec<Option<f64>> = (0..set.len())
         .map(|i| fraction_at_positive_times(&set, i))
@@ -38,7 +39,8 @@ pub(super) fn causal(mut set: FrfSet) -> FrfSet {
     }
     let turned = match (0..set.len()).any(|i| is_causal(&i)) {
         true => clear,
-        false => (0..set.len()).collect(),
+        false if 2 * clear.len() >= set.len() => (0..set.len()).collect(),
+        false => return set,
     };
     for &i in &turned {
         set.values_mut(i)

@@ -5,7 +5,7 @@
 //! | `one_sided` | both halves of the transform, the upper one the mirror image of the lower |
 //! | `causality` | conjugate values, of the convention e^{-iωt} |
 //! | `even_lines` | lines of a stepped sine, unevenly spaced |
-//! | here | functions of several frequency axes in one file |
+//! | here | functions of several frequency axes or exponential windows in one test |
 //!
 //! It changes no value of a set that has none of these.
 
@@ -37,7 +37,14 @@ pub(crate) fn usable_set(sets: Vec<FrfSet>) -> Option<FrfSet> {
                 reference: Some(function.reference.clone()),
             };
             let finding = Finding::new(Severity::Warning, Code::FunctionLeftOut, location);
-            finding.detail(format!("{axis}, those used {}", described(used.axis())))
+            let detail = match other.axis().same_lines(used.axis()) {
+                false => format!("{axis}, those used {}", described(used.axis())),
+                true => format!(
+                    "added damping {} rad/s, those used {} rad/s",
+                    other.added_damping_rad_s, used.added_damping_rad_s
+                ),
+            };
+            finding.detail(detail)
         };
         let findings: Vec<Finding> = other.functions().iter().map(left_out).collect();
         used.findings.extend(findings);

@@ -49,6 +49,9 @@ pub struct RigidBody {
     pub inertia: Option<Inertia>,
 }
 
+/// Largest misfit beside which a mass is shown: sensors that do not move as one body have none.
+const MAX_MISFIT: f64 = 4.0;
+
 /// Fits the motion of a rigid body to the mass lines of a set.
 ///
 /// `placed` has position and direction of degrees of freedom by their positive name; others are not
@@ -66,10 +69,11 @@ pub fn rigid_body(
     let repaired = fault
         .as_ref()
         .map_or_else(|| rows.clone(), |fault| rows.repaired(&fault.repair));
+    let misfit = repaired.misfit()?;
     Some(RigidBody {
         band,
-        misfit: repaired.misfit()?,
-        inertia: inertia::fit(&repaired),
+        misfit,
+        inertia: inertia::fit(&repaired).filter(|_| misfit <= MAX_MISFIT),
         fault,
     })
 }

@@ -18,6 +18,9 @@ const CALIBRATION_ERROR: f64 = 0.005;
 /// Eigenvalue of the rows' Gram matrix over the largest, below which they do not see a motion.
 const MIN_EIGENVALUE: f64 = 1e-6;
 
+/// Least part of a row that lies in the motions that the others see, where they can tell of it.
+const MIN_SEEN_PART: f64 = 0.99;
+
 /// Where a degree of freedom is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedSensor {
@@ -64,6 +67,8 @@ pub(super) struct Rows {
     pub entries: Vec<Vec<Entry>>,
     /// Motions that the sensors see: six × rank.
     pub motions: RealMatrix,
+    /// Variance of errors of calibration, by hit.
+    calibration: Vec<f64>,
 }
 
 impl Rows {
@@ -129,42 +134,45 @@ impl Rows {
             .map(|(_, placed)| placed.row(&frame))
             .collect();
         let motions = seen_motions(&rows)?;
+        let calibration = |hit: usize| {
+            let of_hit: Vec<MassLine> = entries.iter().filter_map(|row| row[hit]).collect();
+            let power: f64 = of_hit.iter().map(|line| line.value * line.value).sum();
+            CALIBRATION_ERROR * CALIBRATION_ERROR * power / of_hit.len().max(1) as f64
+        };
+        let calibration = (0..hits.len()).map(calibration).collect();
         (sensors.len() > motions.ncols()).then_some(Self {
             sensors,
             hits,
             frame,
             entries,
             motions,
+            calibration,
         })
     }
 
-    /// The row of a sensor at this place in the motions that all sensors see; `None` where it sees
-    /// another one.
+    /// The row of a sensor at this place in the motions that all sensors see; `None` where it mostly
+    /// sees another one.
     pub fn seen_row(&self, placed: &PlacedSensor) -> Option<Vec<f64>> {
         let row = placed.row(&self.frame);
-        let seen: Vec<f64> = (0..self.motions.ncols())
-            .map(|motion| (0..6).map(|i| row[i] * self.motions[(i, motion)]).sum())
-            .collect();
+        let seen = self.projected(&row);
         let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-        let unseen = square(&row) - square(&seen);
-        (unseen <= 1e-9 * square(&row)).then_some(seen)
+        (square(&seen) > MIN_SEEN_PART * square(&row)).then_some(seen)
+    }
+
+    fn projected(&self, row: &[f64; 6]) -> Vec<f64> {
+        let along = |motion| (0..6).map(|i| row[i] * self.motions[(i, motion)]).sum();
+        (0..self.motions.ncols()).map(along).collect()
     }
 
     /// The rows of all sensors.
     pub fn seen_rows(&self) -> Vec<Vec<f64>> {
-        let row = |(_, placed): &(Dof, PlacedSensor)| self.seen_row(placed).unwrap_or_default();
+        let row = |(_, placed): &(Dof, PlacedSensor)| self.projected(&placed.row(&self.frame));
         self.sensors.iter().map(row).collect()
     }
 
     /// Variance of an entry with errors of calibration.
     pub fn variance(&self, sensor: usize, hit: usize) -> Option<f64> {
-        let line = self.entries[sensor][hit]?;
-        let of_hit = self.entries.iter().filter_map(|row| row[hit]);
-        let (count, power) = of_hit.fold((0.0, 0.0), |(count, power), line| {
-            (count + 1.0, power + line.value * line.value)
-        });
-        let calibration = CALIBRATION_ERROR * CALIBRATION_ERROR * power / f64::max(count, 1.0);
-        Some(line.variance + calibration)
+        Some(self.entries[sensor][hit]?.variance + self.calibration[hit])
     }
 
     /// The motion that fits the sensors of each hit.
@@ -193,6 +201,15 @@ impl Rows {
                     normal[a * rank + b] += row[a] * row[b] / variance;
                 }
             }
+        }
+        if count < rank {
+            // Too few sensors of this hit say nothing of each other.
+            return Some(Motion {
+                values: vec![0.0; rank],
+                covariance: real_matrix(rank, rank, |a, b| if a == b { f64::MAX } else { 0.0 }),
+                misfit: 0.0,
+                freedom: 0.0,
+            });
         }
         let matrix = real_matrix(rank, rank, |a, b| normal[a * rank + b]);
         let columns = real_matrix(rank, rank + 1, |a, column| match column {

@@ -63,10 +63,16 @@ pub(super) fn find(rows: &Rows) -> Option<SensorFault> {
         return None;
     }
     let lead = rival.map_or(f64::INFINITY, |(other, _)| other - left);
-    let repair = match lead >= MIN_LEAD {
-        true => repair.clone(),
-        false => ambiguous(&hypotheses, *left)?,
-    };
+    if lead >= MIN_LEAD {
+        let repair = repair.clone();
+        return Some(SensorFault { dof, repair, fall });
+    }
+    let repair = ambiguous(&hypotheses, *left)?;
+    let is_it = |(sensor, _): &&(usize, Vec<Motion>)| rows.sensors[*sensor].0 == dof;
+    let fall = fits
+        .iter()
+        .find(is_it)
+        .map(|(_, without)| total - sum(without))?;
     Some(SensorFault { dof, repair, fall })
 }
 

@@ -44,7 +44,7 @@ pub(super) fn common_axis(
             axis.len, axis.step_s, axis.start_s
         )
     };
-    let mut common: Option<TimeAxis> = None;
+    let mut axes: Vec<TimeAxis> = Vec::with_capacity(group.len());
     for index in group {
         let EntryAxis::Time(axis) = entries[*index].axis else {
             let axis = match entries[*index].axis {
@@ -53,16 +53,20 @@ pub(super) fn common_axis(
             };
             return Err(error(format!("record {} on {axis}", index + 1)));
         };
-        let first = common.get_or_insert(axis);
-        if !belong_together(&EntryAxis::Time(*first), &EntryAxis::Time(axis)) {
+        let is_apart =
+            |other: &&TimeAxis| !belong_together(&EntryAxis::Time(**other), &EntryAxis::Time(axis));
+        if let Some(other) = axes.iter().find(is_apart) {
             return Err(error(format!(
                 "{} and {} at record {}",
-                described(first),
+                described(other),
                 described(&axis),
                 index + 1
             )));
         }
-        first.len = first.len.min(axis.len);
+        axes.push(axis);
     }
+    let shortest = axes.iter().map(|axis| axis.len).min();
+    let first = axes.first().copied().zip(shortest);
+    let common = first.map(|(axis, len)| TimeAxis { len, ..axis });
     common.ok_or_else(|| error("no record".to_owned()))
 }
