@@ -40,7 +40,7 @@ use crate::dof::Dof;
 use crate::io::{IoError, MatrixEntries, read_matrix};
 use crate::linalg::SparseMatrix;
 use crate::theory::{
-    ExternalMatrices, ExternalModel, MatrixSet, ParameterSpec, SCHEMA, StatedDamping,
+    ExternalMatrices, ExternalModel, MatrixSet, ParameterSpec, SCHEMA, StatedDamping, Support,
 };
 
 use super::SceneError;
@@ -54,6 +54,7 @@ struct MatricesFile {
     #[serde(rename = "kind")]
     _kind: Option<String>,
     title: Option<String>,
+    support: Option<Support>,
     matrices: MatricesTable,
     #[serde(default, rename = "parameter")]
     parameters: Vec<ParameterSpec>,
@@ -206,6 +207,7 @@ pub(super) fn matrix_model(
             stiffness_s: file.damping.stiffness_s,
             ratios: file.damping.ratios,
         },
+        support: file.support,
     };
     ExternalModel::new(matrices).map_err(|source| model_error(path, source))
 }

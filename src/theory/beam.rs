@@ -18,8 +18,8 @@ use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::coordinate_index;
 use super::{
-    Assumption, Coordinate, ParameterSpec, SystemDerivative, SystemMatrices, TheoreticalModel,
-    TheoryError, hermite,
+    Assumption, Coordinate, ParameterSpec, Support, SystemDerivative, SystemMatrices,
+    TheoreticalModel, TheoryError, hermite,
 };
 
 /// A model of beams, made from a [`BeamFile`].
@@ -66,6 +66,13 @@ impl BeamModel {
     /// M and K, or their derivatives by the parameter of `values`: both are sums of what is taken
     /// out of each number.
     fn sum(&self, values: &Values<'_>) -> Result<SystemMatrices, TheoryError> {
+        let mut matrices = self.sum_without_springs(values)?;
+        self.add_springs(&mut matrices, values)?;
+        Ok(matrices)
+    }
+
+    /// The same without the springs to ground.
+    fn sum_without_springs(&self, values: &Values<'_>) -> Result<SystemMatrices, TheoryError> {
         check_values(self.name(), self.parameters(), values.values)?;
         let n = self.coordinates.len();
         let mut matrices = SystemMatrices {
@@ -77,7 +84,6 @@ impl BeamModel {
         };
         self.add_beams(&mut matrices, values)?;
         self.add_masses(&mut matrices, values)?;
-        self.add_springs(&mut matrices, values)?;
         Ok(matrices)
     }
 
@@ -222,6 +228,15 @@ impl TheoreticalModel for BeamModel {
             damping: None,
             stiffness: sum.stiffness,
         })
+    }
+
+    fn support(&self) -> Option<Support> {
+        self.file.support
+    }
+
+    fn stiffness_without_ground(&self, values: &[f64]) -> Result<Option<RealMatrix>, TheoryError> {
+        let matrices = self.sum_without_springs(&self.values(values, None))?;
+        Ok(Some(matrices.stiffness))
     }
 
     /// A point counts at the foot of its perpendicular on the beam's axis, and its direction by the

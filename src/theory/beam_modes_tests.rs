@@ -41,6 +41,7 @@ pub(super) fn bar(elements: usize, start: End, end: End) -> BeamFile {
         sensors: serde::de::IgnoredAny,
         schema: SCHEMA.to_owned(),
         title: "bar".to_owned(),
+        support: None,
         parameters: Vec::new(),
         beams: vec![BeamDescription {
             name: "bar".to_owned(),

@@ -175,6 +175,7 @@ fn parameterised(masses: usize) -> ExternalModel {
             ("added".to_owned(), group(added, None)),
         ],
         damping: StatedDamping::default(),
+        support: None,
     })
     .unwrap()
 }

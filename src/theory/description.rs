@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::parameter::index_of;
-use super::{ParameterSpec, TheoryError};
+use super::{ParameterSpec, Support, TheoryError};
 
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-model/1";
@@ -68,6 +68,8 @@ pub struct BeamFile {
     pub kind: String,
     /// Title of the model.
     pub title: String,
+    /// How the structure is held; shown by the matrices where not stated.
+    pub support: Option<Support>,
     /// Parameters that values may name.
     #[serde(default, rename = "parameter")]
     pub parameters: Vec<ParameterSpec>,

@@ -16,8 +16,8 @@ use super::nearest_name::nearest_name;
 use super::parameter::{check_values, index_of, nominal_values};
 use super::sparse::{SparseDerivative, SparseSystem, check_symmetric};
 use super::{
-    Assumption, Coordinate, Motion, ParameterSpec, StiffnessPart, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError,
+    Assumption, Coordinate, Motion, ParameterSpec, StiffnessPart, Support, SystemDerivative,
+    SystemMatrices, TheoreticalModel, TheoryError,
 };
 
 /// Up to so many coordinates all modes are computed with full matrices: less than a second.
@@ -67,6 +67,8 @@ pub struct ExternalMatrices {
     pub groups: Vec<(String, MatrixSet)>,
     /// Damping beside the matrices.
     pub damping: StatedDamping,
+    /// How the structure is held; shown by the matrices where not stated.
+    pub support: Option<Support>,
 }
 
 /// A model made from [`ExternalMatrices`].
@@ -298,6 +300,10 @@ impl TheoreticalModel for ExternalModel {
 
     fn stated_damping(&self, elastic: usize) -> Option<f64> {
         self.matrices.damping.ratios.get(elastic).copied()
+    }
+
+    fn support(&self) -> Option<Support> {
+        self.matrices.support
     }
 
     fn assumptions(&self) -> Vec<Assumption> {

@@ -60,6 +60,7 @@ fn two_masses(second: &str) -> ExternalMatrices {
             ),
         ],
         damping: StatedDamping::default(),
+        support: None,
     }
 }
 
@@ -100,6 +101,7 @@ fn membrane(damping: StatedDamping) -> (ExternalModel, Vec<f64>) {
         parameters: vec![parameter("along y", 1.0)],
         groups: vec![("along y".to_owned(), along_y)],
         damping,
+        support: None,
     });
     let root = |i: usize| {
         let angle = i as f64 * std::f64::consts::PI * h;

@@ -12,8 +12,8 @@ use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::{Attachment, RigidBodies};
 use super::{
-    Assumption, Coordinate, Motion, ParameterSpec, Spring, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError,
+    Assumption, Coordinate, Motion, ParameterSpec, Spring, Support, SystemDerivative,
+    SystemMatrices, TheoreticalModel, TheoryError,
 };
 
 /// The name of what does not move.
@@ -141,6 +141,10 @@ impl TheoreticalModel for LumpedModel {
             damping: None,
             stiffness: sum.stiffness,
         })
+    }
+
+    fn support(&self) -> Option<Support> {
+        self.file.support
     }
 
     /// A point need not lie on the body: it moves as if it were fixed to it.

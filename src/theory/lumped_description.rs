@@ -6,8 +6,8 @@ use serde::de::IgnoredAny;
 
 use crate::dof::Axis;
 
-use super::ParameterSpec;
 use super::description::Value;
+use super::{ParameterSpec, Support};
 
 /// `kind = "lumped"`, which is what a model without a `kind` is: rigid bodies on massless springs.
 ///
@@ -57,6 +57,8 @@ pub struct LumpedFile {
     /// Title of the model.
     #[serde(default = "untitled")]
     pub title: String,
+    /// How the structure is held; shown by the matrices where not stated.
+    pub support: Option<Support>,
     /// Parameters that values may name.
     #[serde(default, rename = "parameter")]
     pub parameters: Vec<ParameterSpec>,

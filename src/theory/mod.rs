@@ -7,6 +7,9 @@
 
 mod beam;
 mod beam_line;
+mod boundary;
+#[cfg(test)]
+mod boundary_tests;
 mod compare;
 mod condensation;
 #[cfg(test)]
@@ -50,6 +53,7 @@ mod sensitivity;
 mod sensor_modes;
 mod sparse;
 mod spring_assembly;
+mod support;
 mod sweep;
 mod sweep_events;
 mod sweep_track;
@@ -76,6 +80,7 @@ use crate::geometry::Target;
 use crate::linalg::{RealMatrix, SparseMatrix};
 
 pub use beam::BeamModel;
+pub use boundary::{ModelSupport, ReleasedMode, model_support, released_modes};
 pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
 pub use condensation::Condensation;
 pub use damped::{DampedModes, damped_model, damped_modes};
@@ -110,6 +115,7 @@ pub use sensitivity::{
 };
 pub use sensor_modes::modes;
 pub use sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
+pub use support::Support;
 pub use sweep::{Locus, Sweep, SweepRange, sweep};
 pub use sweep_events::{EventKind, LocusEvent};
 
@@ -298,6 +304,20 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// them.
     fn quantities(&self, _values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         Ok(Vec::new())
+    }
+
+    /// The support that the model states; `None` where its matrices alone show it.
+    fn support(&self) -> Option<Support> {
+        None
+    }
+
+    /// The stiffness matrix without the springs to ground, for a model whose elasticity is not
+    /// springs alone; `None` for any other, and where these springs are not known.
+    ///
+    /// # Errors
+    /// As [`assemble`](TheoreticalModel::assemble).
+    fn stiffness_without_ground(&self, _values: &[f64]) -> Result<Option<RealMatrix>, TheoryError> {
+        Ok(None)
     }
 
     /// Kinds of bodies (`ball` of `ball-1`, `ball-2`, ...) that a simpler model may leave without

@@ -1,7 +1,8 @@
 //! The matrices of a model in the form in which it is solved: full or sparse.
 
-use crate::linalg::RealMatrix;
+use crate::linalg::{RealMatrix, real_matrix};
 
+use super::eigen::sizes;
 use super::sparse::{SparseDerivative, SparseSystem, modes_of_sparse};
 use super::{
     ModeOptions, SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError, TheoryModes,
@@ -47,6 +48,20 @@ impl System {
         match self {
             System::Full(matrices) => &matrices.stiffness * x,
             System::Sparse(system) => system.stiffness.multiply(x),
+        }
+    }
+
+    /// `|K| |x|` of one column, entries without their signs.
+    pub fn stiffness_terms(&self, x: &RealMatrix) -> RealMatrix {
+        match self {
+            System::Full(matrices) => sizes(&matrices.stiffness) * sizes(x),
+            System::Sparse(system) => {
+                let mut terms = real_matrix(x.nrows(), 1, |_, _| 0.0);
+                for (i, j, k) in system.stiffness.entries() {
+                    terms[(i, 0)] += (k * x[(j, 0)]).abs();
+                }
+                terms
+            }
         }
     }
 }

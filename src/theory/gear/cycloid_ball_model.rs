@@ -4,8 +4,8 @@
 use crate::geometry::Target;
 use crate::theory::parameter::{check_derivable, check_values};
 use crate::theory::{
-    Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError,
+    Assumption, Coordinate, ModelQuantity, Motion, ParameterSpec, Support, SystemDerivative,
+    SystemMatrices, TheoreticalModel, TheoryError,
 };
 
 use super::cycloid_ball::{BALLS, CycloidBall, PIN_BALLS};
@@ -86,6 +86,10 @@ impl TheoreticalModel for CycloidBall {
 
     fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         study_quantities(self, values)
+    }
+
+    fn support(&self) -> Option<Support> {
+        Some(Support::Fixed)
     }
 
     fn assumptions(&self) -> Vec<Assumption> {

@@ -4,8 +4,8 @@
 use crate::geometry::Target;
 use crate::theory::parameter::check_values;
 use crate::theory::{
-    Assumption, ModelQuantity, Motion, Nonlinear, ParameterSpec, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError,
+    Assumption, ModelQuantity, Motion, Nonlinear, ParameterSpec, Support, SystemDerivative,
+    SystemMatrices, TheoreticalModel, TheoryError,
 };
 
 use super::helical_planetary::HelicalPlanetary;
@@ -71,6 +71,10 @@ impl TheoreticalModel for HelicalPlanetary {
 
     fn nonlinear(&self) -> Option<&dyn Nonlinear> {
         Some(self)
+    }
+
+    fn support(&self) -> Option<Support> {
+        Some(Support::Fixed)
     }
 
     fn assumptions(&self) -> Vec<Assumption> {

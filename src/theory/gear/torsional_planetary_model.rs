@@ -4,8 +4,8 @@
 use crate::geometry::Target;
 use crate::theory::parameter::check_values;
 use crate::theory::{
-    Assumption, ModelQuantity, ParameterSpec, SystemDerivative, SystemMatrices, TheoreticalModel,
-    TheoryError,
+    Assumption, ModelQuantity, ParameterSpec, Support, SystemDerivative, SystemMatrices,
+    TheoreticalModel, TheoryError,
 };
 
 use super::torsional_planetary::TorsionalPlanetary;
@@ -54,6 +54,10 @@ impl TheoreticalModel for TorsionalPlanetary {
 
     fn quantities(&self, values: &[f64]) -> Result<Vec<ModelQuantity>, TheoryError> {
         quantities(self, values)
+    }
+
+    fn support(&self) -> Option<Support> {
+        Some(Support::Fixed)
     }
 
     fn assumptions(&self) -> Vec<Assumption> {

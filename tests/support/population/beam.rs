@@ -126,6 +126,7 @@ fn file(length_m: f64, thickness_m: f64, [start, end]: [End; 2]) -> BeamFile {
         schema: SCHEMA.to_owned(),
         kind: "beam".to_owned(),
         title: "drawn beam".to_owned(),
+        support: None,
         parameters: Vec::new(),
         beams: vec![BeamDescription {
             name: "beam".to_owned(),
