@@ -485,6 +485,18 @@ codes! {
     /// A built-in model whose name a file or a folder has.
     BuiltInTaken: "A built-in model and a file, or a folder with a scene, have this name. The built-in model was used.",
         "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the built-in model where there is one. Put ./ before the name to use the file or the scene.";
+    /// A mode of a test that is a rigid-body mode on its suspension.
+    RigidBodyMode: "This mode of the test is a rigid-body mode of the structure on its suspension or mounts.",
+        "The scene states the highest of these modes (`highest_rigid_body_hz` in [test.state]), which is the limit. A free model has it at 0 Hz, so that no elastic mode of the model is its partner. Choose `band_hz` above it.";
+    /// A suspension that shifts elastic modes.
+    SuspensionStiff: "The suspension is stiff: its highest rigid-body mode is above a tenth of the lowest elastic mode.",
+        "A suspension with a rigid-body mode at f_r raises an elastic mode at f_e by about half of (f_r/f_e)², which is the stated bias; slings at the ends of a bar raise it four times as much, slings at nodes not at all. A model without the suspension has lower frequencies. The value is f_r, as the scene states it, the limit a tenth of the lowest elastic mode of the test (Ewins, Modal Testing, 2000, chapter 3, allows 0.1 to 0.2). Hang the structure in softer slings, attach them near nodes, or put their stiffness into the model.";
+    /// A test and a model with different supports.
+    SupportDiffers: "The supports of test and model differ.",
+        "The scene states that of the test (`support` in [test.state]). That of the model is stated, or follows from its stiffness matrix: a model is free where no translation of the whole strains it. The value is the largest relative change of the frequencies of the paired modes when the stiffness to ground is removed from the model, each followed by its shape. Part of the errors of the frequencies may come from the support and not from the parameters. Test and model need one support: remove the springs to ground from the model, or test the structure on its support.";
+    /// A stated support of a model that its matrices contradict.
+    ModelSupportContradicted: "The support that the model states contradicts its stiffness matrix.",
+        "A model is free where no translation of the whole strains it. One that states `fixed` or `mounted` needs springs to ground or fixed coordinates. One that states `suspended` may have the springs of its suspension: the value is then the highest frequency at which the whole model moves on them, the limit a tenth of its lowest mode that a test confirms. The stated support was compared with that of the tests. Correct `support` in the model, or its springs.";
     /// An assumption of a model.
     Assumption: "A value was assumed, not measured or published.",
         "The status of the parameter in the model shows it: printed, inferred or assumed.";

@@ -14,7 +14,7 @@ use crate::report::{
     Block, CompanionResults, Language, TableGroup, before_you_leave_blocks, claims_block,
     comparison_blocks, energies_block, figure_files, figures_svg, hits_block, limits_block,
     modes_block, parameters_block, placement_blocks, published_comparison_block,
-    published_roots_block, quantities_block, report_page, update_figures_svg,
+    published_roots_block, quantities_block, report_page, states_block, update_figures_svg,
 };
 use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, figures, read_text};
 
@@ -226,6 +226,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
         comparison.extend(placement_blocks(placed, result.table.as_ref()));
     }
     comparison.extend(limits_block(&result.limits));
+    comparison.extend(states_block(&result.tests, &result.theory));
     let mut published: Vec<Block> = Vec::new();
     published.extend(
         expected

@@ -10,7 +10,7 @@ use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     comparison_of_all_tests, comparison_page, energies_block, json, limits_block, modes_block,
     modes_page, parameters_block, placement_blocks, published_comparison_block,
-    published_roots_block, quantities_block, run_screen,
+    published_roots_block, quantities_block, run_screen, states_block,
 };
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
 
@@ -117,6 +117,7 @@ fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
     let more = json::ExtraResults {
         placements: &result.placements,
         limits: &result.limits,
+        states: Some(result),
         ..json::ExtraResults::default()
     };
     json::comparison_with(table, &more)
@@ -187,6 +188,7 @@ fn blocks(scene: &Scene, result: &SceneResult, columns: Columns) -> Vec<Block> {
     blocks.extend(expected.and_then(published_comparison_block));
     blocks.extend(expected.and_then(claims_block));
     blocks.extend(limits_block(&result.limits));
+    blocks.extend(states_block(&result.tests, &result.theory));
     blocks
 }
 

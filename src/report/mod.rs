@@ -28,6 +28,7 @@ mod response;
 mod screen;
 mod speed_accuracy;
 mod stabilization;
+mod states;
 mod sweep;
 mod table;
 mod terminal;
@@ -80,6 +81,7 @@ pub use screen::{
 };
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;
+pub use states::states_block;
 pub use sweep::sweep_blocks;
 pub use table::{Align, Cell, Column, Table};
 pub use terminal::Terminal;

@@ -241,6 +241,15 @@ pub(super) static TEXTS: Texts = Texts {
         further_quantities: "Further quantities of the theory of {}", "{} 的理论给出的其他量";
         quantity: "quantity", "量";
         meaning: "meaning", "含义";
+        states: "Supports and states of tests and model", "试验与模型的支承与状态";
+        support: "support", "支承";
+        highest_rigid_body_hz: "highest rigid-body mode (Hz)", "最高刚体模态 (Hz)";
+        preload_n: "preload (N)", "预紧力 (N)";
+        torque_nm: "torque (N m)", "扭矩 (N m)";
+        shaft_angle_deg: "shaft angle (°)", "轴转角 (°)";
+        temperature_c: "temperature (°C)", "温度 (°C)";
+        attached: "attached", "附加件";
+        date: "date", "日期";
         recommended_points: "Recommended excitation points and sensors: {}", "建议的激励点与测点：{}";
         step: "step", "步";
         sensor: "sensor", "测点";

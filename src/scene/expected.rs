@@ -13,7 +13,7 @@ use crate::correlate::published::{
     Claim, ClaimVerdict, Evidence, MatchOptions, ModelQuantities, PublishedComparison,
     PublishedRoot, RecomputedTable, RootMatch, audit, match_roots, recompute,
 };
-use crate::theory::ModelRoot;
+use crate::theory::{ModelRoot, Support};
 
 use super::SceneError;
 use super::error::value_error;
@@ -70,12 +70,13 @@ pub struct ExpectedResult {
 }
 
 impl Expected {
-    /// Compares the results with the roots of a model and the quantities of the models that claims
-    /// name; without a model they are only compared with one another.
+    /// Compares the results with the roots of a model, the quantities of the models that claims name
+    /// and the support of the model; without a model they are only compared with one another.
     pub fn compare(
         &self,
         model: Option<&[ModelRoot]>,
         quantities: Vec<ModelQuantities>,
+        support: Option<Support>,
     ) -> ExpectedResult {
         let table = self.comparison.clone().unwrap_or_default();
         let matched = (!self.roots.is_empty())
@@ -84,6 +85,7 @@ impl Expected {
         let evidence = Evidence {
             roots: matched.as_ref(),
             quantities: &quantities,
+            support,
         };
         let verdicts = audit(&table, &evidence, &self.claims);
         ExpectedResult {

@@ -49,6 +49,7 @@ fn claim_of(kind: &str) -> String {
         "test" => "test = \"t\"\n".to_owned(),
         "row" => format!("row = \"{row}\"\n"),
         "rows" => "rows = [\"f1\"]\n".to_owned(),
+        "support" => "support = \"suspended\"\n".to_owned(),
         "quantity" | "remark" => format!("{key} = \"q\"\n"),
         _ => "value = 1\n".to_owned(),
     });
@@ -185,7 +186,7 @@ fn a_scene_without_published_results_has_none() {
 fn without_a_model_the_print_is_still_recomputed() {
     let expected =
         load(&format!("{HEAD}{}", claim_of("error-hz"))).expect("a claim with all it needs");
-    let result = expected.compare(None, Vec::new());
+    let result = expected.compare(None, Vec::new(), None);
     assert!(result.roots.is_none());
     assert!(
         result.comparison.expect("a print").rows[0]

@@ -32,10 +32,12 @@ mod reduced;
 mod regression_check;
 mod result;
 mod run;
+mod supports;
 mod synth_spec;
 mod synth_truth;
 mod test_plan;
 mod test_result;
+mod test_state;
 mod toml_faults;
 mod toml_text;
 mod toml_value;
@@ -81,6 +83,7 @@ pub use run::{
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use test_plan::{FilePlan, TestPlan, TestSource};
 pub use test_result::TestResult;
+pub use test_state::TestState;
 pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{
     ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable, UpdateParameterTable,

@@ -13,10 +13,10 @@ use crate::linalg::{RealMatrix, SparseMatrix};
 use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel, ModeOptions,
-    ModelQuantity, ModelRoot, ParameterSpec, ResponseSpan, RootSensitivity, SCHEMA, Sweep,
-    SweepRange, TheoreticalModel, TheoryModes, TimeResponse, built_in, compare_details,
-    coordinate_sensors, damped_model, model_roots, model_sensitivities, modes, override_values,
-    sweep,
+    ModelQuantity, ModelRoot, ModelSupport, ParameterSpec, ReleasedMode, ResponseSpan,
+    RootSensitivity, SCHEMA, Sweep, SweepRange, TheoreticalModel, TheoryModes, TimeResponse,
+    built_in, compare_details, coordinate_sensors, damped_model, model_roots, model_sensitivities,
+    model_support, modes, override_values, released_modes, sweep,
 };
 
 use super::error::{SceneError, model_error, value_error};
@@ -53,6 +53,8 @@ pub struct Theory {
     /// Distinct roots of the whole model, whatever band or number of `modes` was asked for; the
     /// indices in them count all its modes. None for finished modes.
     pub roots: Vec<ModelRoot>,
+    /// How the model is held; nothing is known of finished modes.
+    pub support: ModelSupport,
     /// Whether part of a file of finished modes was bad and left out.
     pub partly_bad: bool,
 }
@@ -242,6 +244,7 @@ impl LoadedModel {
             geometry: sensor_nodes(sensors),
             parameters,
             assumptions: self.model.assumptions(),
+            support: model_support(self.model.as_ref(), &self.values)?,
             partly_bad: false,
         })
     }
@@ -299,6 +302,15 @@ impl LoadedModel {
         let solved = modes(model, &self.values, &[], &options)?;
         let roots = model_roots(model, &solved);
         Ok(model_sensitivities(model, &self.values, &solved, &roots)?)
+    }
+
+    /// The elastic modes with their frequencies without the stiffness to ground; `None` where that
+    /// stiffness is unknown.
+    ///
+    /// # Errors
+    /// The error of the model.
+    pub fn released_modes(&self) -> Result<Option<Vec<ReleasedMode>>, SceneError> {
+        Ok(released_modes(self.model.as_ref(), &self.values)?)
     }
 
     /// The model against simpler ones without the mass of its small bodies.

@@ -6,6 +6,7 @@ use crate::correlate::published::{
     Claim, Digits, ErrorClaim, ErrorUnit, PublishedComparison, PublishedRoot, QuantityClaim,
     Relation, RootSide, Statement,
 };
+use crate::theory::Support;
 
 use super::SceneError;
 use super::error::value_error;
@@ -20,6 +21,7 @@ pub(super) struct ClaimTable {
     row: Option<String>,
     rows: Option<Vec<String>>,
     quantity: Option<String>,
+    support: Option<Support>,
     value: Option<f64>,
     decimals: Option<usize>,
     significant: Option<usize>,
@@ -47,6 +49,7 @@ pub(super) const KINDS: &[(&str, &[&str])] = &[
     ("quantity-above", &["quantity", "value"]),
     ("quantity-below", &["quantity", "value"]),
     ("figure", &["quantity"]),
+    ("same-support", &["support"]),
     ("not-checkable", &["remark"]),
 ];
 
@@ -94,6 +97,7 @@ pub(super) fn claim(typed: &ClaimTable, path: &str) -> Result<Claim, SceneError>
         ("row", typed.row.is_some()),
         ("rows", typed.rows.is_some()),
         ("quantity", typed.quantity.is_some()),
+        ("support", typed.support.is_some()),
         ("value", typed.value.is_some()),
         // These two are free for those that do not need them.
         ("model", typed.model.is_some() && typed.quantity.is_none()),
@@ -177,6 +181,9 @@ fn statement(typed: &ClaimTable) -> Statement {
             relation,
         })
     };
+    if let Some(test) = typed.support {
+        return Statement::SameSupport { test };
+    }
     match kind {
         "largest-error-hz" => Statement::LargestError(error(ErrorUnit::Hz)),
         "largest-error-percent" => Statement::LargestError(error(ErrorUnit::Percent)),

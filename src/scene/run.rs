@@ -15,7 +15,7 @@ use crate::identify::{
 };
 use crate::io::{sha256_hex, sha256_of_bytes};
 use crate::modal::{InputFile, ModalModel, Mode};
-use crate::theory::{ModeOptions, ModelRoot};
+use crate::theory::{ModeOptions, ModelRoot, Support};
 
 use super::SceneError;
 use super::error::value_error;
@@ -31,6 +31,7 @@ use super::plan::Scene;
 use super::quantities::quantities;
 use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 use super::result::SceneResult;
+use super::supports::{add_support_findings, suspension_findings};
 use super::test_plan::{TestPlan, TestSource};
 use super::test_result::TestResult;
 
@@ -68,7 +69,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         band: theory_band(scene, &tests),
         ..ModeOptions::default()
     };
-    let theory = theory(table, &scene.folder, &scene.path, &scene.sensors, &options)?;
+    let mut theory = theory(table, &scene.folder, &scene.path, &scene.sensors, &options)?;
     let named: Vec<NamedTest> = tests
         .iter()
         .map(|test| NamedTest {
@@ -82,11 +83,18 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         true => None,
         false => Some(compare_tests(&theory.modes, &named, &scene.pair)?),
     };
-    let (table, comparison_findings, pairings) =
+    let (table, mut comparison_findings, pairings) =
         comparison.map_or((None, Vec::new(), Vec::new()), |comparison| {
             let table = comparison.table.labelled_from(scene.first_root);
             (Some(table), comparison.findings, comparison.pairings)
         });
+    add_support_findings(
+        scene,
+        &tests,
+        &mut theory,
+        table.as_ref(),
+        &mut comparison_findings,
+    )?;
     limits.extend(
         table
             .iter()
@@ -96,7 +104,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         placements: placed_tests(&scene.placement, &tests, &theory.modes),
         tests,
         limits,
-        expected: compare_published(scene, model_roots(&theory))?,
+        expected: compare_published(scene, model_roots(&theory), theory.support.support())?,
         theory,
         comparison_findings,
         pairings,
@@ -108,12 +116,13 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
 fn compare_published(
     scene: &Scene,
     roots: Option<&[ModelRoot]>,
+    support: Option<Support>,
 ) -> Result<Option<ExpectedResult>, SceneError> {
     let Some(expected) = &scene.expected else {
         return Ok(None);
     };
     let quantities = quantities(scene, &expected.claims)?;
-    Ok(Some(expected.compare(roots, quantities)))
+    Ok(Some(expected.compare(roots, quantities, support)))
 }
 
 /// Checks one test against `[[limits.mode]]`.
@@ -158,7 +167,7 @@ fn tests_only_result(
         tests,
         limits,
         placements: Vec::new(),
-        expected: compare_published(scene, None)?,
+        expected: compare_published(scene, None, None)?,
         theory: Theory::default(),
         table: None,
         comparison_findings: Vec::new(),
@@ -189,6 +198,8 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
         }
     };
     result.geometry.add(&scene.points);
+    let suspension = suspension_findings(&result.state, &result.modes);
+    result.modes.findings.extend(suspension);
     Ok(result)
 }
 
@@ -291,6 +302,7 @@ pub(super) fn load_finished_modes(test: &TestPlan, path: &Path) -> Result<TestRe
     modes.band = test.band.or(modes.band);
     Ok(TestResult {
         name: test.name.clone(),
+        state: test.state.clone(),
         modes,
         geometry,
         partly_bad,
@@ -344,6 +356,7 @@ fn identify_test(
     let partly_bad = data.partly_bad || modes.findings.iter().any(left_out);
     Ok(TestResult {
         name: test.name.clone(),
+        state: test.state.clone(),
         frfs,
         hits,
         before_you_leave: list,

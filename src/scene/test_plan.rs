@@ -11,6 +11,7 @@ use crate::signal::TriggerOptions;
 
 use super::columns;
 use super::error::{SceneError, value_error};
+use super::test_state::TestState;
 use super::typed::TestTable;
 
 /// One test, ready to run.
@@ -22,6 +23,8 @@ pub struct TestPlan {
     pub source: TestSource,
     /// Band of identification.
     pub band: Option<Band>,
+    /// Support, loads and date.
+    pub state: TestState,
     /// Whether the good part of a partly bad file is used.
     pub partial: bool,
     /// Numbers, from 1, of hits that are used regardless of their checks.
@@ -121,6 +124,7 @@ pub(super) fn test_plan(
         name: test.name.clone(),
         source,
         band,
+        state: test.state.clone().checked(&test.name, path)?,
         partial: test.partial,
         accept: test.accept.clone(),
         reject: test.reject.clone(),

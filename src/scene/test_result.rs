@@ -8,12 +8,15 @@ use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 
 use super::recording::SyntheticRecording;
+use super::test_state::TestState;
 
 /// Result of one test.
 #[derive(Clone, Debug, Default)]
 pub struct TestResult {
     /// Name.
     pub name: String,
+    /// Support, loads and date, as the scene states them.
+    pub state: TestState,
     /// Its FRFs, one set per axis; none for a test of modes from a file.
     pub frfs: Vec<FrfSet>,
     /// Its hits with their checks.

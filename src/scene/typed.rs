@@ -9,6 +9,7 @@ use crate::dof::Dof;
 use crate::geometry::{Sensor, Target};
 
 use super::limits::Limits;
+use super::test_state::TestState;
 
 /// The schema text of a scene.
 pub const SCENE_SCHEMA: &str = "modalign-scene/1";
@@ -98,6 +99,9 @@ pub struct TestTable {
     pub reject: BTreeSet<usize>,
     /// Band of identification, `[lo, hi]` in Hz.
     pub band_hz: Option<[f64; 2]>,
+    /// Support, loads and date of the test.
+    #[serde(default)]
+    pub state: TestState,
     /// Whether the good part of a partly bad file is used.
     #[serde(default)]
     pub partial: bool,

@@ -48,6 +48,7 @@ mod screen;
 mod seeds;
 mod structures;
 mod study_command;
+mod supports;
 mod targets;
 mod theory_command;
 mod torture;

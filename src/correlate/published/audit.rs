@@ -3,7 +3,7 @@
 //! A statement like "the largest relative error, 7.5 %, is at f2" is two claims: the error at f2 is
 //! 7.5 %, and no other is larger. They are audited separately.
 
-use crate::theory::{ModelQuantity, ModelRoot};
+use crate::theory::{ModelQuantity, ModelRoot, Support};
 
 use super::digits::Digits;
 use super::roots::{RootMatch, RootRow, frequency_hz};
@@ -62,6 +62,8 @@ pub struct Evidence<'a> {
     pub roots: Option<&'a RootMatch>,
     /// Quantities of every model that a claim names.
     pub quantities: &'a [ModelQuantities],
+    /// Support of the model.
+    pub support: Option<Support>,
 }
 
 /// Unit of an error.
@@ -153,6 +155,11 @@ pub enum Statement {
     },
     /// A number that a model's theory gives.
     Quantity(QuantityClaim),
+    /// The model is held like the structure in the test.
+    SameSupport {
+        /// Support in the test, as printed.
+        test: Support,
+    },
     /// No computed value can be compared with it; the remark gives the reason.
     NotCheckable,
 }
@@ -221,6 +228,10 @@ fn verdict(claim: &Claim, table: &RecomputedTable, evidence: &Evidence<'_>) -> C
         Statement::Quantity(stated) => {
             let found = computed.and_then(|quantity| quantity.value);
             (stated.relation.stated(), found.map(value_alone))
+        }
+        Statement::SameSupport { test } => {
+            let named = |support: Support| rows_alone(vec![support.name().to_owned()]);
+            (named(*test), evidence.support.map(named))
         }
         other => printed_and_recomputed(other, table, evidence.roots),
     };
@@ -315,9 +326,10 @@ fn printed_and_recomputed(
             let found = model_root(roots, row).map(|root| at(frequency_hz(root.omega_rad_s), row));
             (at(*hz, row), found)
         }
-        Statement::TheoryColumn | Statement::Quantity(_) | Statement::NotCheckable => {
-            (ClaimValue::default(), None)
-        }
+        Statement::TheoryColumn
+        | Statement::Quantity(_)
+        | Statement::SameSupport { .. }
+        | Statement::NotCheckable => (ClaimValue::default(), None),
     }
 }
 

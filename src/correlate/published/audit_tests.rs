@@ -1,6 +1,6 @@
 use super::*;
 use crate::correlate::ErrorReference;
-use crate::theory::{ModelQuantity, ModelRoot};
+use crate::theory::{ModelQuantity, ModelRoot, Support};
 
 fn row(label: &str, root: Option<&str>, theory_hz: f64, tests: &[(&str, f64)]) -> PublishedRow {
     let cell = |(name, hz): &(&str, f64)| ((*name).to_owned(), *hz);
@@ -51,6 +51,7 @@ fn evidence(roots: &RootMatch) -> Evidence<'_> {
     Evidence {
         roots: Some(roots),
         quantities: &[],
+        support: Some(Support::Fixed),
     }
 }
 
@@ -296,6 +297,7 @@ fn quantities_are_found_by_model_and_name_and_compared_with_value_or_bound() {
         let evidence = Evidence {
             roots: None,
             quantities: &all,
+            support: None,
         };
         audit(&PublishedComparison::default(), &evidence, &[claim]).remove(0)
     };
@@ -335,6 +337,24 @@ fn quantities_are_found_by_model_and_name_and_compared_with_value_or_bound() {
         (bound.relation, bound.remark.as_deref()),
         (">", Some("seen"))
     );
+}
+
+#[test]
+fn support_of_the_test_is_compared_with_that_of_the_model() {
+    let same = |test| confirmed(Statement::SameSupport { test }, 0);
+    assert_eq!(same(Support::Suspended), Some(false));
+    assert_eq!(same(Support::Fixed), Some(true));
+    let claim = Claim {
+        text: "hung".to_owned(),
+        statement: Statement::SameSupport {
+            test: Support::Suspended,
+        },
+        digits: Digits::Decimals(0),
+        remark: None,
+    };
+    let unknown = audit(&table(), &Evidence::default(), &[claim]).remove(0);
+    assert_eq!((unknown.confirmed, unknown.recomputed), (None, None));
+    assert_eq!(unknown.printed.rows, ["suspended"]);
 }
 
 #[test]

@@ -8,11 +8,12 @@ use crate::correlate::measures::{Measures, ReversedSensor};
 use crate::correlate::{
     Alignment, Basis, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
 };
-use crate::scene::{LimitCheck, PlacedTest};
+use crate::scene::{LimitCheck, PlacedTest, SceneResult};
 
 use super::measures::{measures_value, reversed_value};
 use super::placement::{limits_value, placements_value};
 use super::schema::json_text;
+use super::states::states_value;
 
 /// The schema text.
 pub const COMPARISON_SCHEMA: &str = "modalign-comparison/1";
@@ -67,6 +68,10 @@ pub struct ComparisonFile {
     /// Limits that a scene states: an object for each, with `met`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Value>,
+    /// Supports and states that a scene and its model state: `tests`, an object for each with what
+    /// is stated, and the `support` of the `model`, `stated` and `derived` from its matrices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub states: Option<Value>,
 }
 
 /// One row.
@@ -162,6 +167,8 @@ pub struct ExtraResults<'a> {
     pub placements: &'a [PlacedTest],
     /// Limits with the values compared.
     pub limits: &'a [LimitCheck],
+    /// The result of the scene, for the states of its tests and the support of its model.
+    pub states: Option<&'a SceneResult>,
 }
 
 /// The text of `comparison.json` with further results beside the rows; each kind of result has a
@@ -180,6 +187,7 @@ pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> Str
         alignment: alignment.and_then(Result::ok),
         placements: placements_value(extra.placements),
         limits: limits_value(extra.limits),
+        states: extra.states.and_then(states_value),
     };
     json_text(&file)
 }

@@ -10,6 +10,7 @@ mod placement;
 mod response;
 mod run;
 mod schema;
+mod states;
 mod study;
 mod sweep;
 mod theory;
