@@ -237,7 +237,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",
         "f10, large cylinder: from housing.1:+S to output.3:+Y its peak would stand 75.3 dB",
-        "Published statements: 32 reproduced, 11 not reproduced, 0 not checkable.",
+        "Published statements: 32 reproduced, 12 not reproduced, 0 not checkable.",
         "Measure next in virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
     ] {
         assert!(screen.contains(said), "{said} is missing in\n{screen}");
@@ -281,5 +281,29 @@ fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
         "6.93 mm",
     ] {
         assert!(printed.contains(line), "{line}");
+    }
+}
+
+#[test]
+fn hung_unit_and_fixed_model_are_a_finding_and_a_row_of_the_audit() {
+    let report = run().file("report.json");
+    let by_test = report["findings"].as_array().unwrap().iter();
+    let differs = |entry: &&Value| {
+        let mut all = entry[1].as_array().unwrap().iter();
+        all.any(|finding| finding["code"] == "support-differs")
+    };
+    let named = by_test
+        .filter(differs)
+        .map(|entry| entry[0].as_str().unwrap());
+    let named: Vec<&str> = named.collect();
+    assert_eq!(named, PAPER_TESTS.map(|(test, _)| test));
+    let audit = std::fs::read_to_string(run().folder.join("out/published-claims.csv")).unwrap();
+    let row = audit
+        .lines()
+        .find(|line| line.contains("the unit hangs"))
+        .unwrap_or_default();
+    let row = row.split_once("verifies").map_or(row, |(_, cells)| cells);
+    for part in ["suspended", "fixed", "NOT reproduced"] {
+        assert!(row.contains(part), "{part}: {audit}");
     }
 }
