@@ -150,8 +150,8 @@ impl Rows {
         })
     }
 
-    /// The row of a sensor at this place in the motions that all sensors see; `None` where it mostly
-    /// sees another one.
+    /// The row of a sensor at this place in the motions that all sensors see; `None` where it
+    /// mostly sees another one.
     pub fn seen_row(&self, placed: &PlacedSensor) -> Option<Vec<f64>> {
         let row = placed.row(&self.frame);
         let seen = self.projected(&row);
