@@ -129,7 +129,7 @@ codes! {
         "A factor of a thousand is the usual sign of mV for V, mm for m or a sensitivity in the wrong unit. The shape is then this sensor alone, and MAC says nothing. The value is the ratio to the next largest sensor, the limit what is reported. Check the calibration of the channel and state its unit or scale.";
     /// A stated unit that is not that of the file.
     UnitContradictsFile: "The stated unit contradicts the header of the file. The stated unit was used.",
-        "A unit in [[test.channel]] or --unit precedes the header, since some programs write a fixed code for every function. The detail has both. If the header is right, remove the stated unit.";
+        "A unit in [[test.channel]] precedes the header, since some programs write a fixed code for every function. The detail has both. If the header is right, remove the stated unit.";
     /// Coherence outside 0 to 1.
     CoherenceInvalid: "Coherence outside 0 to 1 was ignored. The FRF was kept.",
         "Coherence lies between 0 and 1. Some analysers write other values, mostly at 0 Hz. At these lines the coherence of the nearest valid lines was used for the variance. Where most lines are invalid, coherence was not used at all, and the noise is estimated from the fit residual. The value is the largest of the ignored values.";

@@ -82,7 +82,7 @@ pub struct IngestOptions<'a> {
     pub averages: Option<u32>,
     /// Window of FRFs that do not state it; precedes the scene's.
     pub window: Option<Window>,
-    /// Unit of FRFs; precedes the scene's, and the scene's that of a header.
+    /// Unit of FRFs that do not state theirs; the scene's precedes it, and that of a header.
     pub frf_unit: Option<FrfUnit>,
     /// Units of the records of a hit in their order, where no scene describes them.
     pub record_units: &'a [Unit],
@@ -123,7 +123,6 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
     // Described columns have the units of the scene.
     let of_scene = options.typed.filter(|_| hints.table.is_none());
     let of_scene = of_scene.and_then(|test| stated_frf_unit(&test.channel));
-    let frf_unit = options.frf_unit.or(of_scene);
     let mut source = open_path(&file.path, &hints, Some(format))?;
     check_stated_points(
         source.catalog(),
@@ -139,7 +138,8 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         source,
         response: file.response.clone(),
         reference: file.reference.clone(),
-        frf_unit,
+        frf_unit: of_scene,
+        missing_frf_unit: options.frf_unit,
         averages: options
             .averages
             .or(options.typed.and_then(|test| test.averages)),

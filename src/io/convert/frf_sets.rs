@@ -401,16 +401,21 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
     let (axis, uneven) = frequency_lines(file, index, &place)?;
     let of_header = frf_kind(&entry);
     let stated = file.frf_unit;
-    let kind = stated.map(|unit| unit.kind).or(of_header).ok_or_else(|| {
+    let missing = file.missing_frf_unit;
+    let missing = missing.filter(|unit| of_header.is_none_or(|kind| kind == unit.kind));
+    let kind = stated.map(|unit| unit.kind).or(of_header);
+    let kind = kind.or(missing.map(|unit| unit.kind)).ok_or_else(|| {
         not_stated(
             &format!("the kind (unit label {:?})", entry.unit_label),
             "an ordinate of displacement, velocity or acceleration over force",
         )
     })?;
-    let to_si = stated.map(|unit| unit.to_si).or(entry.to_si).ok_or_else(|| {
+    let to_si = stated.map(|unit| unit.to_si).or(entry.to_si);
+    let to_si = to_si.or(missing.map(|unit| unit.to_si)).ok_or_else(|| {
         not_stated(
             &format!("the unit (label {:?})", entry.unit_label),
-            "units of response and force in the header, or `unit` in [[test.channel]] such as (m/s2)/N",
+            "units of response and force in the header, or `unit` in [[test.channel]] such as \
+             (m/s2)/N",
         )
     })?;
     let mut block = Block::Complex(Vec::new());

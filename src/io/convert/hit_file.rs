@@ -79,6 +79,8 @@ pub struct HitFile {
     pub reference: Option<Dof>,
     /// The scene's word for the unit of FRFs; precedes that of a header.
     pub frf_unit: Option<FrfUnit>,
+    /// The unit of FRFs that do not state it.
+    pub missing_frf_unit: Option<FrfUnit>,
     /// The scene's word for the number of averages of FRFs that do not state it.
     pub averages: Option<u32>,
     /// The scene's word for the window of FRFs that do not state it.
@@ -95,6 +97,7 @@ impl HitFile {
             response: None,
             reference: None,
             frf_unit: None,
+            missing_frf_unit: None,
             averages: None,
             window: None,
             partial: false,
