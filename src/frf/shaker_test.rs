@@ -39,7 +39,8 @@ const BLOCKS: f64 = 16.0;
 /// Fewest samples of a block.
 const MIN_BLOCK_SAMPLES: usize = 32;
 /// Part of a record at each end that is compared with the whole. Smaller: a generator that was
-/// switched off before the recording makes a burst. Larger: a burst over most of its record is none.
+/// switched off before the recording makes a burst. Larger: a burst over most of its record is
+/// none.
 const END_PART: f64 = 0.05;
 /// Largest root mean square of a force at the end of its record over that of the whole where it is
 /// a burst. Larger: steady noise passes, by chance, at some of its ends. Smaller: the noise of a
@@ -434,11 +435,6 @@ fn power_of(spectra: &[&Vec<Complex64>], lines: usize) -> Arc<[f64]> {
     force_power(spectra.iter().map(|spectrum| spectrum.as_slice()), lines)
 }
 
-/// Half the length holds half the independent numbers.
-fn variance_of_half(whole: f64) -> f64 {
-    2.0 * whole
-}
-
 /// Bias of the peak of a mode of decay rate σ by Hann windows of length T: the expectation of H1 is
 /// the impulse response times the autocorrelation of the window,
 /// `R(u) = ((1 − u)(2 + cos 2πu) + 3 sin(2πu)/2π)/3`, u = t/T.
@@ -473,8 +469,8 @@ fn bias_of_change(change: f64) -> f64 {
     bias(long)
 }
 
-/// The largest bias of a peak by leakage, from its change by blocks of half the length beyond the
-/// noise of both.
+/// The largest bias of a peak by leakage, from its change by blocks of half the length beyond its
+/// noise.
 fn leakage_finding(set: &FrfSet, half: &FrfSet, block: usize) -> Option<Finding> {
     let lines = set.axis().lines(&set.valid_band?);
     let of_function = |i: usize| {
@@ -488,9 +484,8 @@ fn leakage_finding(set: &FrfSet, half: &FrfSet, block: usize) -> Option<Finding>
         let change = |line: usize| {
             let k = lines.start + line;
             let (whole, half) = (set.values(i)[k], half.values(i)[k]);
-            let variance = |set: &FrfSet| set.variance(i).map_or(0.0, |variance| variance[k]);
-            let noise = (variance(set) + variance_of_half(variance(set))).sqrt();
-            bias_of_change(((whole.norm() - half.norm()) - 4.0 * noise).max(0.0) / whole.norm())
+            let noise = set.variance(i).map_or(0.0, |variance| variance[k].sqrt());
+            bias_of_change((whole.norm() - half.norm() - 2.0 * noise).max(0.0) / whole.norm())
         };
         let peaks = clear_peaks(&power, &vec![floor; power.len()], 0.0);
         peaks

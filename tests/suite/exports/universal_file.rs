@@ -150,8 +150,8 @@ impl Function {
         lines.push(format!(
             "{:>5}{:>10}{:>5}{:>10} {} {}",
             self.function_type,
-            self.version,
             0,
+            self.version,
             self.load_case,
             end(&self.response),
             end(&self.reference)
