@@ -196,7 +196,7 @@ const CASES: &[Case] = &[
     (
         Scene,
         &[("unit = \"N\"", "unit = \"furlong\"")],
-        &["[[test.channel]] \"force\" unit: got \"furlong\", expected one of N mN"],
+        &["[[test.channel]] \"force\" unit: got \"furlong\", expected a unit of force (N"],
     ),
     (
         Scene,

@@ -247,8 +247,8 @@ fn functions_of_other_quantities_are_left_out() {
             "furlong",
         ),
         (
-            "         0    0    0    0 Response             m.s-2               ",
-            "m.s-2",
+            "         0    0    0    0 Response             fathom              ",
+            "fathom",
         ),
     ] {
         let text = frfs() + &function(&points(4), unit, FORCE);

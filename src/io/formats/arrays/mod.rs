@@ -2,7 +2,8 @@
 //!
 //! A store lists and reads the arrays of one file. The schema gives names and shapes to records,
 //! FRFs, geometry and modes. A source reads the arrays of a store by the schema, by a scene's
-//! description, by the names of a measurement system (`signalcalc`), or lists them without a meaning. Nothing here knows the bytes of a file.
+//! description, by the names of a measurement system (`signalcalc`), or lists them without a
+//! meaning. Nothing here knows the bytes of a file.
 
 pub mod schema;
 mod signalcalc;
