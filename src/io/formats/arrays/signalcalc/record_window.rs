@@ -12,10 +12,10 @@ use crate::io::{Block, Catalog, FunctionMetadata, Part};
 
 use super::named_columns::{AxisAndValues, columns_of, record_channel};
 
-/// Samples of at least this part of the peak are compared. Larger: the record of a force, 39 samples
-/// above 1 % of its peak in a measurement with 8192 samples, has too few. Smaller: samples near 0
-/// of a record in fixed point have few digits; one in single precision needs no limit, it meets
-/// [`MAX_LOG_RATIO_ERROR`] down to 1e-5.
+/// Samples of at least this part of the peak are compared. Larger: the record of a force, 39
+/// samples above 1 % of its peak in a measurement with 8192 samples, has too few. Smaller: samples
+/// near 0 of a record in fixed point have few digits; one in single precision needs no limit, it
+/// meets [`MAX_LOG_RATIO_ERROR`] down to 1e-5.
 const MIN_SAMPLE_OVER_PEAK: f64 = 1e-2;
 
 /// Maximum error of the logarithm of the ratio of both records. Larger: a slow window of another
