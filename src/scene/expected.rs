@@ -70,8 +70,8 @@ pub struct ExpectedResult {
 }
 
 impl Expected {
-    /// Compares the results with the roots of a model, the quantities of the models that claims name
-    /// and the support of the model; without a model they are only compared with one another.
+    /// Compares the results with the roots of a model, the quantities of the models that claims
+    /// name and the support of the model; without a model they are only compared with one another.
     pub fn compare(
         &self,
         model: Option<&[ModelRoot]>,

@@ -60,8 +60,8 @@ pub(super) fn suspension_findings(state: &TestState, modes: &ModalModel) -> Vec<
     findings
 }
 
-/// Adds the findings on the support of the model to those of the theory, and those on its difference
-/// from the support of each test to `findings`, by test.
+/// Adds the findings on the support of the model to those of the theory, and those on its
+/// difference from the support of each test to `findings`, by test.
 ///
 /// # Errors
 /// As [`table_model`], and those of the modes without the stiffness to ground.
