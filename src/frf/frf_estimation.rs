@@ -386,9 +386,29 @@ impl Estimation<'_> {
     }
 
     fn line_error(&self, error: LineError, records: &ResponseRecords, line: usize) -> FrfError {
-        let (response, reference) = (records.response.clone(), self.group.reference.clone());
+        let pair = (records.response.clone(), self.group.reference.clone());
         let step_s = self.group.hits[0].axis.step_s;
         let frequency_hz = line as f64 / (self.plan.len() as f64 * step_s);
+        let failed = FailedLine { line, frequency_hz };
+        failed.error(error, self.options.estimator, pair)
+    }
+}
+
+/// A line of an FRF that has no value.
+pub(super) struct FailedLine {
+    pub line: usize,
+    pub frequency_hz: f64,
+}
+
+impl FailedLine {
+    /// The error of the line, for the FRF of this response and reference.
+    pub fn error(
+        self,
+        error: LineError,
+        estimator: Estimator,
+        (response, reference): (Dof, Dof),
+    ) -> FrfError {
+        let Self { line, frequency_hz } = self;
         match error {
             LineError::NoForce => FrfError::NoForce {
                 response,
@@ -397,7 +417,7 @@ impl Estimation<'_> {
                 frequency_hz,
             },
             LineError::NotCorrelated => FrfError::NotCorrelated {
-                estimator: self.options.estimator.name(),
+                estimator: estimator.name(),
                 response,
                 reference,
                 line,

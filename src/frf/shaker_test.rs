@@ -22,11 +22,11 @@ use super::coherence::coherence;
 use super::consistency::check_set;
 use super::estimate::{Estimated, low_coherence_finding};
 use super::force::fast_transform_length;
-use super::frf_estimation::{advance, force_power};
+use super::frf_estimation::{FailedLine, advance, force_power};
 use super::hammer_test::HammerTestResult;
 use super::peaks::clear_peaks;
 use super::preconditions::{check, kind_of};
-use super::spectra_sums::{LineError, Sums};
+use super::spectra_sums::Sums;
 use super::usable_band::ForcePower;
 use super::variance::{Averaged, NoisePowers, independent_lines, variances};
 use super::{
@@ -380,22 +380,9 @@ impl Averaging<'_> {
         let values = sums.estimates(self.options.estimator, kappa);
         let values = values.map_err(|(line, error)| {
             let frequency_hz = line as f64 / (self.blocks.len as f64 * first.axis.step_s);
-            let (response, reference) = (response.clone(), reference.clone());
-            match error {
-                LineError::NoForce => FrfError::NoForce {
-                    response,
-                    reference,
-                    line,
-                    frequency_hz,
-                },
-                LineError::NotCorrelated => FrfError::NotCorrelated {
-                    estimator: self.options.estimator.name(),
-                    response,
-                    reference,
-                    line,
-                    frequency_hz,
-                },
-            }
+            let pair = (response.clone(), reference.clone());
+            let failed = FailedLine { line, frequency_hz };
+            failed.error(error, self.options.estimator, pair)
         })?;
         let averages = self.blocks.independent(used.len());
         let coherence = (averages > 1).then(|| sums.each(coherence));
