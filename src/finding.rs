@@ -123,7 +123,7 @@ codes! {
         "With the convention e^{+iωt} the impulse response of a structure is 0 before the hit. Some programs write the conjugate FRF; all damping values would be negative. The value is the number of functions that were turned, the limit that of all.";
     /// FRFs over unevenly spaced lines.
     LinesInterpolated: "The lines of the FRFs are not evenly spaced. They were interpolated onto even ones.",
-        "A stepped sine has close lines at resonances and wide ones between them. FRFs are identified on even lines as close as the closest of the file. Where lines are added, noise is counted several times, so that standard deviations of modes between the close lines are too small. The value is the spacing of the even lines.";
+        "A stepped sine has close lines at resonances and wide ones between them. FRFs are identified on even lines as close as the closest of the file. The variance of an even line is that of a measured one times the even lines per measured one, so that standard deviations of modes are those of the measured lines. Without a stated variance it is estimated from neighbouring lines. The value is the spacing of the even lines.";
     /// A sensor whose functions are far larger than all others.
     SensorScale: "All FRFs of this sensor are far larger than those of any other. Its unit or sensitivity may be wrong.",
         "A factor of a thousand is the usual sign of mV for V, mm for m or a sensitivity in the wrong unit. The shape is then this sensor alone, and MAC says nothing. The value is the ratio to the next largest sensor, the limit what is reported. Check the calibration of the channel and state its unit or scale.";

@@ -31,6 +31,7 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
     out.added_damping_rad_s = set.added_damping_rad_s;
     out.window = set.window;
     out.mixed_windows.clone_from(&set.mixed_windows);
+    out.is_interpolated = set.is_interpolated;
     out.record_duration_s = set.record_duration_s;
     out.valid_band = set.valid_band;
     out.excited_band = set.excited_band;

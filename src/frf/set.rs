@@ -114,6 +114,9 @@ pub struct FrfSet {
     pub window: Option<Window>,
     /// Windows that only some functions state, or in which they differ.
     pub mixed_windows: Vec<Window>,
+    /// Whether the lines were interpolated from unevenly measured ones. Each variance is then that
+    /// of a measured line times the lines per measured one: the lines are not independent.
+    pub is_interpolated: bool,
     /// Length of the records that the functions came from, s; `None` when the file does not say.
     pub record_duration_s: Option<f64>,
     /// Where the force excites and the anti-alias filter is open; `None` when it is unknown.
@@ -143,6 +146,7 @@ impl FrfSet {
             added_damping_rad_s: 0.0,
             window: None,
             mixed_windows: Vec::new(),
+            is_interpolated: false,
             record_duration_s: None,
             valid_band: None,
             excited_band: None,
@@ -239,6 +243,7 @@ impl FrfSet {
         part.added_damping_rad_s = self.added_damping_rad_s;
         part.window = self.window;
         part.mixed_windows.clone_from(&self.mixed_windows);
+        part.is_interpolated = self.is_interpolated;
         part.record_duration_s = self.record_duration_s;
         part.valid_band = self.valid_band;
         part.excited_band = self.excited_band;

@@ -83,7 +83,7 @@ impl Structure {
         product / Complex64::new(0.0, 2.0 * damped)
     }
 
-    fn value(&self, pair: &(Dof, Dof), s: Complex64, order: i32) -> Complex64 {
+    pub fn value(&self, pair: &(Dof, Dof), s: Complex64, order: i32) -> Complex64 {
         let term = |j: usize| {
             let lambda = Pole::from_frequency(self.modes[j].0, self.modes[j].1).lambda;
             let a = self.residue(j, pair);

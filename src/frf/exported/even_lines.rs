@@ -1,5 +1,9 @@
 //! Lines of a stepped sine are close together at resonances and far apart between them; here they
 //! are interpolated onto an even axis as fine as the closest of them.
+//!
+//! The variance of an even line is that of a measured one times the even lines per measured one, so
+//! that the lines of a gap together weigh as much in a fit as the measured line that they stand
+//! for. It includes the error of the interpolation.
 
 use num_complex::Complex64;
 
@@ -12,6 +16,17 @@ const MIN_LINES: usize = 8;
 const NODES: usize = 6;
 /// Measured lines that a value is interpolated from, once the pole is divided out.
 const CUBIC_NODES: usize = 4;
+/// Measured lines on either side whose noise is taken for that of a line. Fewer: the variance
+/// scatters by more than a third. More: noise that differs over the band is averaged.
+const NOISE_SIDE: usize = 12;
+/// Squared difference of two estimates over its mean by noise that is no error of interpolation.
+/// Larger: errors are taken for noise (`the_variance_includes_the_error_of_interpolation`).
+/// Smaller: noise is counted twice (`modes_of_a_stepped_sine_lie_within_their_intervals`).
+const MAX_NOISE_OVER_MEAN: f64 = 4.0;
+/// Median over the mean of a window's noise, of which its differences leave between one and two
+/// squared complex normal values (0.69 and 0.84), and less where the pole follows from noise; found
+/// with white noise (`noise_of_measured_lines_is_estimated_from_their_neighbours`).
+const MEDIAN_OVER_MEAN: f64 = 0.57;
 /// Largest number of even lines over that of the measured ones. Larger: two lines that nearly
 /// coincide make millions of lines. Smaller: a logarithmic sweep over four octaves loses its low
 /// lines (`lines_that_nearly_coincide_do_not_decide_the_spacing`).
@@ -54,70 +69,245 @@ impl EvenLines {
         Some(Self { measured, axis })
     }
 
-    /// The values of a function on the even lines; `values` has one for each measured line.
-    ///
-    /// Near one pole an FRF is `(a + b x + c x²)/(1 + d x)`, x from the wanted line: its product
-    /// with `1 + d x` has no third divided difference, which gives d by least squares over the
-    /// measured lines around, and the product at x = 0 by a cubic polynomial is the value.
-    pub fn interpolated(&self, values: &[Complex64]) -> Vec<Complex64> {
-        let mut above = 0;
+    /// The value of the nearest even line.
+    fn at(&self, values: &[f64], hz: f64) -> f64 {
+        let line = self.axis.nearest(hz).unwrap_or(self.axis.len - 1);
+        values[line]
+    }
+
+    /// Real values of measured lines, such as coherence, on the even lines: linearly between them.
+    pub fn linear(&self, values: &[f64]) -> Vec<f64> {
+        let mut above = 1;
         let line = |k: usize| {
             let hz = self.axis.hz(k);
-            while above < self.measured.len() && self.measured[above].0 < hz {
+            while above + 1 < self.measured.len() && self.measured[above].0 < hz {
                 above += 1;
             }
-            let last_start = self.measured.len() - NODES;
-            let start = above.saturating_sub(NODES / 2).min(last_start);
-            let nodes: [(f64, Complex64); NODES] = std::array::from_fn(|node| {
-                let (at_hz, place) = self.measured[start + node];
-                (at_hz - hz, values[place])
-            });
-            let first = (above - start).saturating_sub(CUBIC_NODES / 2);
-            value_at_zero(&nodes, first.min(NODES - CUBIC_NODES))
+            let [(low_hz, low), (high_hz, high)] = [self.measured[above - 1], self.measured[above]];
+            let part = (hz - low_hz) / (high_hz - low_hz);
+            (1.0 - part) * values[low] + part * values[high]
         };
         (0..self.axis.len).map(line).collect()
     }
-}
 
-/// The value at x = 0 from nodes and the first of those that the cubic polynomial goes through.
-fn value_at_zero(nodes: &[(f64, Complex64); NODES], first: usize) -> Complex64 {
-    let (mut product, mut square) = (Complex64::ZERO, 0.0);
-    for window in nodes.windows(CUBIC_NODES) {
-        let plain = third_divided_difference(window, |(_, value)| *value);
-        let times_x = third_divided_difference(window, |(x, value)| *value * *x);
-        product += times_x.conj() * plain;
-        square += times_x.norm_sqr();
+    /// A function on the even lines. `values` has one for each measured line; the variance of the
+    /// measured values, where it is stated, one for each even line, else it is estimated from
+    /// neighbouring measured lines.
+    pub fn interpolated(&self, values: &[Complex64], stated: Option<&[f64]>) -> EvenFunction {
+        let lines: Vec<Line> = self
+            .measured
+            .iter()
+            .map(|(hz, place)| Line {
+                hz: *hz,
+                value: values[*place],
+            })
+            .collect();
+        let noise = match stated {
+            Some(stated) => lines.iter().map(|line| self.at(stated, line.hz)).collect(),
+            None => noise_variances(&lines),
+        };
+        let mut even = EvenFunction::default();
+        let mut above = 0;
+        for k in 0..self.axis.len {
+            let hz = self.axis.hz(k);
+            while above + 1 < lines.len() && lines[above].hz < hz {
+                above += 1;
+            }
+            let gap = (above.max(1) - 1, above.max(1));
+            let place = |nodes: usize| above.saturating_sub(nodes / 2).min(lines.len() - nodes);
+            let first = place(CUBIC_NODES);
+            let estimate = |first: usize, window: usize| Estimate::new(&lines, hz, first, window);
+            let best = estimate(first, place(NODES));
+            // How far the value depends on the measured lines that it follows from.
+            let shifted = [first.checked_sub(1), Some(first + 1)]
+                .into_iter()
+                .flatten();
+            let shifted = shifted.filter(|first| first + CUBIC_NODES <= lines.len());
+            let errors = shifted.map(|first| {
+                let window = first.saturating_sub(1).min(lines.len() - NODES);
+                best.squared_error(&estimate(first, window), &noise)
+            });
+            let error = errors.fold(f64::INFINITY, f64::min);
+            let measured = 0.5 * (noise[gap.0] + noise[gap.1]);
+            let per_measured = (lines[gap.1].hz - lines[gap.0].hz) / self.axis.step_hz;
+            even.values.push(best.value);
+            even.variance
+                .push(per_measured.max(1.0) * (measured + error));
+        }
+        even
     }
-    let slope = match square > 0.0 {
-        true => -product / square,
-        false => Complex64::ZERO,
+}
+
+/// A function on the even lines.
+#[derive(Default)]
+pub(crate) struct EvenFunction {
+    pub values: Vec<Complex64>,
+    /// As the head of this file defines it.
+    pub variance: Vec<f64>,
+}
+
+/// A measured line.
+struct Line {
+    hz: f64,
+    value: Complex64,
+}
+
+/// A value between measured lines, a weighted sum of four of them.
+struct Estimate {
+    value: Complex64,
+    /// The first of the four.
+    first: usize,
+    weights: [Complex64; CUBIC_NODES],
+}
+
+impl Estimate {
+    /// Near one pole an FRF is `(a + b x + c x²)/(1 + d x)`, x from the wanted line: its product
+    /// with `1 + d x` has no third divided difference, which gives d by least squares over the
+    /// window of measured lines, and the product at x = 0 by a cubic polynomial is the value.
+    fn new(lines: &[Line], hz: f64, first: usize, window: usize) -> Self {
+        let slope = Differences::new(&lines[window..window + NODES], hz).slope();
+        let nodes = &lines[first..first + CUBIC_NODES];
+        let weights: [Complex64; CUBIC_NODES] = std::array::from_fn(|place| {
+            let x = nodes[place].hz - hz;
+            let lagrange: f64 = others(nodes, place)
+                .map(|other| (other - hz) / (other - nodes[place].hz))
+                .product();
+            (1.0 + slope * x) * lagrange
+        });
+        let terms = weights.iter().zip(nodes);
+        Self {
+            value: terms.map(|(weight, line)| weight * line.value).sum(),
+            first,
+            weights,
+        }
+    }
+
+    /// The squared difference from another estimate, without what noise contributes.
+    fn squared_error(&self, other: &Estimate, noise: &[f64]) -> f64 {
+        let weight = |estimate: &Estimate, line: usize| {
+            let place = line.checked_sub(estimate.first);
+            let weight = place.and_then(|place| estimate.weights.get(place));
+            weight.copied().unwrap_or_default()
+        };
+        let lines = self.first.min(other.first)..self.first.max(other.first) + CUBIC_NODES;
+        let of_noise: f64 = lines
+            .map(|line| (weight(self, line) - weight(other, line)).norm_sqr() * noise[line])
+            .sum();
+        ((self.value - other.value).norm_sqr() - MAX_NOISE_OVER_MEAN * of_noise).max(0.0)
+    }
+}
+
+/// Third divided differences of the values of a window, and of their products with x.
+struct Differences {
+    plain: [Complex64; NODES - CUBIC_NODES + 1],
+    times_x: [Complex64; NODES - CUBIC_NODES + 1],
+}
+
+impl Differences {
+    fn new(window: &[Line], hz: f64) -> Self {
+        let difference = |first: usize, power: i32| -> Complex64 {
+            let nodes = &window[first..first + CUBIC_NODES];
+            let terms = nodes.iter().zip(coefficients(nodes));
+            terms
+                .map(|(line, factor)| line.value * factor * (line.hz - hz).powi(power))
+                .sum()
+        };
+        Self {
+            plain: std::array::from_fn(|first| difference(first, 0)),
+            times_x: std::array::from_fn(|first| difference(first, 1)),
+        }
+    }
+
+    /// The d for which the differences of the product are least.
+    fn slope(&self) -> Complex64 {
+        let pairs = || self.times_x.iter().zip(&self.plain);
+        let square: f64 = self.times_x.iter().map(Complex64::norm_sqr).sum();
+        match square > 0.0 {
+            true => {
+                -pairs()
+                    .map(|(x, plain)| x.conj() * plain)
+                    .sum::<Complex64>()
+                    / square
+            }
+            false => Complex64::ZERO,
+        }
+    }
+}
+
+/// Variance of the noise of each measured line: the median over its neighbours of what their
+/// differences leave beside one pole.
+fn noise_variances(lines: &[Line]) -> Vec<f64> {
+    let windows: Vec<f64> = lines.windows(NODES).map(noise_variance).collect();
+    let around = |line: usize| {
+        let middle = line.saturating_sub(NODES / 2);
+        let end = (middle + NOISE_SIDE + 1).min(windows.len());
+        let start = middle.saturating_sub(NOISE_SIDE).min(end - 1);
+        let mut near = windows[start..end].to_vec();
+        near.sort_unstable_by(f64::total_cmp);
+        near[near.len() / 2] / MEDIAN_OVER_MEAN
     };
-    let cubic = &nodes[first..first + CUBIC_NODES];
-    let term = |(place, (x, value)): (usize, &(f64, Complex64))| {
-        let weight: f64 = others(cubic, place)
-            .map(|other| other / (other - x))
+    (0..lines.len()).map(around).collect()
+}
+
+/// The mean squared noise of a window with one pole.
+fn noise_variance(window: &[Line]) -> f64 {
+    const ROWS: usize = NODES - CUBIC_NODES + 1;
+    let hz = window[NODES / 2].hz;
+    let differences = Differences::new(window, hz);
+    let slope = differences.slope();
+    // Each row is the weighted sum of values that noise alone keeps from zero.
+    let rows: [[Complex64; NODES]; ROWS] = std::array::from_fn(|first| {
+        let mut row = [Complex64::ZERO; NODES];
+        let nodes = &window[first..first + CUBIC_NODES];
+        for (place, factor) in coefficients(nodes).into_iter().enumerate() {
+            row[first + place] = factor * (1.0 + slope * (nodes[place].hz - hz));
+        }
+        row
+    });
+    let product = |a: &[Complex64; NODES], b: &[Complex64; NODES]| -> Complex64 {
+        a.iter().zip(b).map(|(a, b)| a * b.conj()).sum()
+    };
+    let size = rows.each_ref().map(|row| product(row, row).re.sqrt());
+    let scaled = |row: usize, value: Complex64| value / size[row];
+    let left = |row: usize| {
+        scaled(
+            row,
+            differences.plain[row] + slope * differences.times_x[row],
+        )
+    };
+    let along: [Complex64; ROWS] = std::array::from_fn(|row| scaled(row, differences.times_x[row]));
+    let length: f64 = along.iter().map(Complex64::norm_sqr).sum();
+    let inner: Complex64 = (0..ROWS).map(|row| along[row].conj() * left(row)).sum();
+    let residual: f64 = (0..ROWS)
+        .map(|row| (left(row) - along[row] * inner / length).norm_sqr())
+        .sum();
+    let correlation = |a: usize, b: usize| product(&rows[a], &rows[b]) / (size[a] * size[b]);
+    let pairs = (0..ROWS).flat_map(|a| (0..ROWS).map(move |b| (a, b)));
+    let of_slope: Complex64 = pairs
+        .map(|(a, b)| along[a].conj() * correlation(a, b) * along[b])
+        .sum();
+    let freedom = ROWS as f64 - of_slope.re / length;
+    match freedom > 0.0 && residual.is_finite() {
+        true => residual / freedom,
+        false => 0.0,
+    }
+}
+
+/// Coefficients of the third divided difference.
+fn coefficients(nodes: &[Line]) -> [f64; CUBIC_NODES] {
+    std::array::from_fn(|place| {
+        let denominator: f64 = others(nodes, place)
+            .map(|other| nodes[place].hz - other)
             .product();
-        *value * (1.0 + slope * *x) * weight
-    };
-    cubic.iter().enumerate().map(term).sum()
+        denominator.recip()
+    })
 }
 
-fn third_divided_difference(
-    window: &[(f64, Complex64)],
-    value: impl Fn(&(f64, Complex64)) -> Complex64,
-) -> Complex64 {
-    let term = |(place, node): (usize, &(f64, Complex64))| {
-        let denominator: f64 = others(window, place).map(|other| node.0 - other).product();
-        value(node) / denominator
-    };
-    window.iter().enumerate().map(term).sum()
-}
-
-/// The places of all nodes but one.
-fn others(nodes: &[(f64, Complex64)], place: usize) -> impl Iterator<Item = f64> {
+/// The frequencies of all nodes but one.
+fn others(nodes: &[Line], place: usize) -> impl Iterator<Item = f64> {
     let all = nodes.iter().enumerate();
     all.filter(move |(other, _)| *other != place)
-        .map(|(_, (x, _))| *x)
+        .map(|(_, line)| line.hz)
 }
 
 #[cfg(test)]
@@ -144,7 +334,7 @@ mod tests {
         for frequencies in [stepped, sweep, down] {
             let lines = EvenLines::new(&frequencies).unwrap();
             let values: Vec<Complex64> = frequencies.iter().map(|hz| resonance(*hz)).collect();
-            for (k, value) in lines.interpolated(&values).iter().enumerate() {
+            for (k, value) in lines.interpolated(&values, None).values.iter().enumerate() {
                 let exact = resonance(lines.axis.hz(k));
                 assert!((value - exact).norm() < 1e-3 * 5.0, "{}", lines.axis.hz(k));
             }
@@ -157,7 +347,8 @@ mod tests {
         frequencies.push(70.0);
         let mut values: Vec<Complex64> = frequencies.iter().map(|hz| (*hz).into()).collect();
         values[100] += 0.5;
-        let even = EvenLines::new(&frequencies).unwrap().interpolated(&values);
+        let lines = EvenLines::new(&frequencies).unwrap();
+        let even = lines.interpolated(&values, None).values;
         assert_eq!(even.len(), 100);
         assert!((even[70].re - 70.5).abs() < 1e-9);
     }
@@ -168,7 +359,8 @@ mod tests {
         let frequencies: Vec<f64> = (0..400).map(|k| 10.0 * 1.006f64.powi(k)).collect();
         let mut part = || -> f64 { random.sample(StandardNormal) };
         let noise: Vec<Complex64> = (0..400).map(|_| Complex64::new(part(), part())).collect();
-        let even = EvenLines::new(&frequencies).unwrap().interpolated(&noise);
+        let lines = EvenLines::new(&frequencies).unwrap();
+        let even = lines.interpolated(&noise, None).values;
         let power = even.iter().map(Complex64::norm_sqr).sum::<f64>() / even.len() as f64;
         assert!(power < 2.2, "{power}");
     }
@@ -182,7 +374,7 @@ mod tests {
         assert_eq!(lines.axis.len, 15);
         assert!((lines.axis.step_hz - 0.25).abs() < 1e-12);
         let values: Vec<Complex64> = steps.iter().map(|k| Complex64::new(*k, 0.0)).collect();
-        let even = lines.interpolated(&values);
+        let even = lines.interpolated(&values, None).values;
         for (k, value) in even.iter().enumerate() {
             assert!((value - k as f64).norm() < 1e-9);
         }
@@ -196,6 +388,54 @@ mod tests {
         assert!(lines.axis.len <= 16 * 101 + 1);
         for bad in [vec![1.0; 20], vec![1.0, 2.0, 3.0], vec![f64::NAN; 20]] {
             assert!(EvenLines::new(&bad).is_none());
+        }
+    }
+
+    /// Lines of a logarithmic sweep with noise of this variance.
+    fn sweep(variance: f64, ratio: f64, seed: u64) -> (Vec<f64>, Vec<Complex64>) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let lines = std::iter::successors(Some(10.0), |hz| Some(hz * ratio));
+        let lines: Vec<f64> = lines.take_while(|hz| *hz < 40.0).collect();
+        let mut part = || (0.5 * variance).sqrt() * random.sample::<f64, _>(StandardNormal);
+        let noisy = |hz: &f64| resonance(*hz) + Complex64::new(part(), part());
+        let values = lines.iter().map(noisy).collect();
+        (lines, values)
+    }
+
+    #[test]
+    fn noise_of_measured_lines_is_estimated_from_their_neighbours() {
+        for (variance, ratio) in [(1e-6, 1.001), (1e-1, 1.001), (1e-5, 1.003), (1e-2, 1.003)] {
+            let draws = 20;
+            let median = |seed: u64| {
+                let (hz, values) = sweep(variance, ratio, seed);
+                let line = |(hz, value): (&f64, &Complex64)| Line {
+                    hz: *hz,
+                    value: *value,
+                };
+                let lines: Vec<Line> = hz.iter().zip(&values).map(line).collect();
+                let mut noise = noise_variances(&lines);
+                noise.sort_unstable_by(f64::total_cmp);
+                noise[noise.len() / 2] / variance
+            };
+            let mean = (0..draws).map(median).sum::<f64>() / draws as f64;
+            assert!((0.9..1.15).contains(&mean), "{variance} {ratio} {mean}");
+        }
+    }
+
+    #[test]
+    fn the_variance_includes_the_error_of_interpolation() {
+        for ratio in [1.002, 1.005, 1.01, 1.02] {
+            let (hz, values) = sweep(0.0, ratio, 1);
+            let lines = EvenLines::new(&hz).unwrap();
+            for stated in [None, Some(vec![1e-12; lines.axis.len])] {
+                let even = lines.interpolated(&values, stated.as_deref());
+                let over_variance = |k: usize| {
+                    let error = even.values[k] - resonance(lines.axis.hz(k));
+                    error.norm_sqr() / even.variance[k]
+                };
+                let worst = (0..lines.axis.len).map(over_variance).fold(0.0, f64::max);
+                assert!(worst < 1.0, "{ratio} {worst}");
+            }
         }
     }
 }

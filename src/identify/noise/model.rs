@@ -65,6 +65,8 @@ pub(in crate::identify) struct NoiseModel {
     min_variances: Vec<f64>,
     /// Whether a minimum is that of the misfit.
     is_raised_to_misfit: bool,
+    /// Whether the variances include the line correlation, as those of interpolated lines do.
+    includes_correlation: bool,
 }
 
 impl NoiseModel {
@@ -98,6 +100,7 @@ impl NoiseModel {
             variance_source: VarianceSource::SecondDifferences,
             min_variances: min_variances(frfs),
             is_raised_to_misfit: false,
+            includes_correlation: set.is_interpolated,
         };
         model.raise_to_dynamic_range(frfs);
         model
@@ -115,6 +118,7 @@ impl NoiseModel {
             variance_source: self.variance_source,
             min_variances: functions.iter().map(|f| self.min_variances[*f]).collect(),
             is_raised_to_misfit: self.is_raised_to_misfit,
+            includes_correlation: self.includes_correlation,
         }
     }
 
@@ -153,6 +157,9 @@ impl NoiseModel {
     /// that they do not contain.
     pub fn estimate_variance_and_correlation(&mut self, frfs: &BandFrfs, rest: &mut Residual) {
         self.estimate_variance(frfs, rest);
+        if self.includes_correlation {
+            return;
+        }
         if let Some(correlation) = LineCorrelation::from_residual(rest) {
             self.line_correlation = correlation;
         }

@@ -11,6 +11,7 @@ mod noise_free_hits;
 mod options;
 mod peak_columns;
 mod rank;
+mod stepped_sine;
 
 use std::ops::Range;
 

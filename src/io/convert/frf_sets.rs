@@ -24,6 +24,7 @@ struct ReadFrf {
     data: FunctionData,
     note: FunctionMetadata,
     averages_assumed: bool,
+    is_interpolated: bool,
     findings: Vec<Finding>,
 }
 
@@ -202,6 +203,7 @@ impl SetOfAxis {
         self.valid_bands.extend(band);
         self.averages_assumed |= read.averages_assumed;
         self.set.findings.extend(read.findings);
+        self.set.is_interpolated |= read.is_interpolated;
         // Window and record length are what is true of all functions.
         self.windows
             .add(&function.response, &function.reference, note.window);
@@ -351,16 +353,27 @@ fn read_auxiliary(
 /// The values of an entry on an even frequency axis.
 fn read_real_values(file: &mut HitFile, index: usize) -> Result<Option<OnAxis<Vec<f64>>>, IoError> {
     let entry = &file.source.catalog().entries[index];
-    let (axis, len) = (entry.axis, entry.len());
-    let EntryAxis::Frequency(axis) = axis else {
-        return Ok(None);
+    let len = entry.len();
+    let is_frequency = match entry.axis {
+        EntryAxis::Frequency(_) => true,
+        EntryAxis::Time(_) => false,
+        EntryAxis::General(axis) => axis.domain == Domain::Frequency,
     };
+    if !is_frequency {
+        return Ok(None);
+    }
+    let path = file.source.catalog().path.clone();
+    let (axis, uneven) = frequency_lines(file, index, &path)?;
     let mut block = Block::F64(Vec::new());
     file.source.read(index, 0..len, &mut block)?;
-    let values = match block {
+    let values: Vec<f64> = match block {
         Block::F32(values) => values.into_iter().map(f64::from).collect(),
         Block::F64(values) => values,
         Block::Complex(values) => values.into_iter().map(|value| value.re).collect(),
+    };
+    let values = match uneven {
+        Some(lines) => lines.linear(&values),
+        None => values,
     };
     Ok(Some((axis, values)))
 }
@@ -423,11 +436,14 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
     let Block::Complex(values) = block else {
         return Err(not_stated("the imaginary part", "complex values"));
     };
-    let values = match &uneven {
-        Some(lines) => lines.interpolated(&values),
-        None => values,
+    let mut measured: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
+    let mut even = uneven
+        .as_ref()
+        .map(|lines| lines.interpolated(&measured, None));
+    let values = match &mut even {
+        Some(even) => std::mem::take(&mut even.values),
+        None => std::mem::take(&mut measured),
     };
-    let values: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
     let mut note = entry.note.clone();
     note.window = note.window.or(file.window);
     let coherence = on_same_axis(beside.coherence, &axis);
@@ -437,11 +453,11 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         reference: Some(reference.clone()),
     };
     let contradiction = stated.and_then(|unit| contradiction(&entry, unit));
-    let interpolated = uneven.as_ref().map(|lines| {
+    let of_uneven = uneven.as_ref().map(|lines| {
         let finding = Finding::new(Severity::Warning, Code::LinesInterpolated, Location::Whole);
         finding.value(lines.axis.step_hz, "Hz")
     });
-    let findings = [finding, contradiction, interpolated].into_iter().flatten();
+    let findings = [finding, contradiction, of_uneven].into_iter().flatten();
     let findings = findings.map(|finding| Finding {
         location: location.clone(),
         ..finding
@@ -470,6 +486,10 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         let averages = averages.unwrap_or(ASSUMED_AVERAGES);
         variance_of_values(&values, coherence.as_deref(), averages)
     });
+    let variance = match (&uneven, variance) {
+        (Some(lines), Some(stated)) => Some(lines.interpolated(&measured, Some(&stated)).variance),
+        (_, stated) => stated.or(even.map(|even| even.variance)),
+    };
     let function = Function {
         response,
         reference,
@@ -492,6 +512,7 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         },
         note,
         averages_assumed,
+        is_interpolated: uneven.is_some(),
         findings,
     })
 }

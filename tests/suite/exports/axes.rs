@@ -3,8 +3,8 @@
 use num_complex::Complex64;
 
 use super::universal_file::{
-    Function, OneFile, RESIDUES, Values, accelerance_at, accelerances, even_lines, file_of,
-    finds_the_mode, noisy_accelerance, on_file,
+    AxisLabel, Function, OneFile, RESIDUES, Values, accelerance_at, accelerances, even_lines,
+    file_of, finds_the_mode, noisy_accelerance, on_file,
 };
 
 /// The accelerances with their values changed.
@@ -100,6 +100,34 @@ fn lines_of_a_stepped_sine_are_interpolated() {
         let ran = finds_the_mode(&file.path(), &[]);
         assert!(ran.findings().contains("lines-interpolated"), "{ran:?}");
     }
+}
+
+#[test]
+fn coherence_of_a_stepped_sine_gives_the_deviation() {
+    let lines: Vec<f64> = (0..400).map(|line| 5.0 * 1.005_f64.powi(line)).collect();
+    let mut deviations = Vec::new();
+    for coherence in [0.999, 0.9] {
+        let mut functions = accelerances();
+        for (function, (residue, seed)) in functions.iter_mut().zip(RESIDUES.iter().zip(1..)) {
+            function.values = Values::Complex(noisy_accelerance(&lines, *residue, seed));
+            function.uneven = Some(lines.clone());
+        }
+        let mut of_coherence = functions.clone();
+        for function in &mut of_coherence {
+            function.function_type = 6;
+            function.values = Values::Real(vec![coherence; lines.len()]);
+            function.ordinate = AxisLabel::new(0, "Coherence", "NONE");
+            function.denominator = AxisLabel::new(0, "NONE", "NONE");
+        }
+        functions.extend(of_coherence);
+        let file = OneFile::new("sine.uff", file_of(&functions));
+        let ran = finds_the_mode(&file.path(), &["--averages", "8"]);
+        let deviation = ran.json()["modes"][0]["frequency_std_hz"].as_f64().unwrap();
+        deviations.push(deviation);
+    }
+    // √((1 − γ²)/γ²) of 0.9 over that of 0.999.
+    let ratio = deviations[1] / deviations[0];
+    assert!((7.0..13.0).contains(&ratio), "{deviations:?}");
 }
 
 #[test]
