@@ -96,7 +96,7 @@ codes! {
         "The files name channels, not points. In a roving test every file has other points: without them the shapes mix the points. State the points of each file in `[[test.file]]` as `reference` or `response`, or in `modalign new` as `--reference DOF,DOF,...`. The value is the number of files.";
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
-        "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like, and functions over another abscissa than frequency, are left out. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+        "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like are left out unless a scene states their `unit` in [[test.channel]], such as Pa/N; so are functions over another abscissa than frequency. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
     /// A hammer that did not hit.
     IdleForce: "The force of this point records no hit beside that of another one. It was left out.",
         "With several hammers at a structure, one hits and the channels of the others record noise and cross-talk of cables. A force whose peak is at most 5 % of the largest of the same hit is idle.";

@@ -1,16 +1,17 @@
 //! Physical quantities, units to SI, and the kind of an FRF. No value here has a default.
 
+mod other;
 mod unit_text;
 
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+pub use other::OtherQuantity;
+use serde::{Serialize, Serializer};
 use unit_text::measure;
 
 /// What a channel measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// Force, N.
     Force,
@@ -20,6 +21,8 @@ pub enum Quantity {
     Velocity,
     /// Acceleration, m/s².
     Acceleration,
+    /// Any other, such as sound pressure, strain or a rotation.
+    Other(OtherQuantity),
 }
 
 impl Quantity {
@@ -30,7 +33,14 @@ impl Quantity {
             Quantity::Displacement => "m",
             Quantity::Velocity => "m/s",
             Quantity::Acceleration => "m/s2",
+            Quantity::Other(other) => other.si_unit(),
         }
+    }
+}
+
+impl Serialize for Quantity {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 
@@ -41,6 +51,7 @@ impl fmt::Display for Quantity {
             Quantity::Displacement => "displacement",
             Quantity::Velocity => "velocity",
             Quantity::Acceleration => "acceleration",
+            Quantity::Other(other) => other.name(),
         })
     }
 }
@@ -108,6 +119,28 @@ impl Unit {
             row.1 == self.quantity && row.2.to_bits() == self.to_si.to_bits()
         };
         WRITTEN_UNITS.iter().find(is_this).map(|row| row.0)
+    }
+
+    /// The unit of this text, of any quantity.
+    ///
+    /// ```
+    /// use modalign::quantity::Unit;
+    /// let unit = Unit::of_any_quantity("mPa").unwrap();
+    /// assert_eq!((unit.quantity.to_string().as_str(), unit.to_si), ("pressure", 1e-3));
+    /// ```
+    ///
+    /// # Errors
+    /// [`UnitError`] for a text that is not read.
+    pub fn of_any_quantity(text: &str) -> Result<Self, UnitError> {
+        text.parse().or_else(|error| {
+            let measure = measure(text);
+            let other = measure.and_then(|measure| OtherQuantity::new(measure.dimension));
+            let other = other.zip(measure).map(|(other, measure)| Self {
+                quantity: Quantity::Other(other),
+                to_si: measure.to_si,
+            });
+            other.ok_or(error)
+        })
     }
 }
 
@@ -179,9 +212,8 @@ pub(crate) fn names_other_quantity(text: &str) -> bool {
     is_other(text) || sides.is_some_and(|(above, below)| is_other(above) || is_other(below))
 }
 
-/// Response per force: receptance X/F, mobility V/F, accelerance A/F.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// Response per force: receptance X/F, mobility V/F, accelerance A/F, or another response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FrfKind {
     /// Displacement per force, m/N.
     Receptance,
@@ -189,6 +221,8 @@ pub enum FrfKind {
     Mobility,
     /// Acceleration per force, m/(N s²).
     Accelerance,
+    /// Another response per force, such as sound pressure, Pa/N.
+    Other(OtherQuantity),
 }
 
 impl FrfKind {
@@ -198,7 +232,13 @@ impl FrfKind {
             FrfKind::Receptance => 0,
             FrfKind::Mobility => 1,
             FrfKind::Accelerance => 2,
+            FrfKind::Other(other) => other.derivative_order(),
         }
+    }
+
+    /// Whether the response is a displacement, a velocity or an acceleration.
+    pub fn is_motion(self) -> bool {
+        !matches!(self, FrfKind::Other(_))
     }
 
     /// The quantity of the response.
@@ -207,6 +247,7 @@ impl FrfKind {
             FrfKind::Receptance => Quantity::Displacement,
             FrfKind::Mobility => Quantity::Velocity,
             FrfKind::Accelerance => Quantity::Acceleration,
+            FrfKind::Other(other) => Quantity::Other(other),
         }
     }
 
@@ -217,6 +258,7 @@ impl FrfKind {
             Quantity::Displacement => Some(FrfKind::Receptance),
             Quantity::Velocity => Some(FrfKind::Mobility),
             Quantity::Acceleration => Some(FrfKind::Accelerance),
+            Quantity::Other(other) => Some(FrfKind::Other(other)),
         }
     }
 
@@ -226,7 +268,14 @@ impl FrfKind {
             FrfKind::Receptance => "m/N",
             FrfKind::Mobility => "(m/s)/N",
             FrfKind::Accelerance => "(m/s2)/N",
+            FrfKind::Other(other) => other.si_unit_per_force(),
         }
+    }
+}
+
+impl Serialize for FrfKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 
@@ -245,6 +294,31 @@ pub struct FrfUnit {
     pub kind: FrfKind,
     /// SI value = factor × value in this unit.
     pub to_si: f64,
+}
+
+impl FrfUnit {
+    /// The unit of any response per force that this text is.
+    ///
+    /// ```
+    /// use modalign::quantity::FrfUnit;
+    /// let unit = FrfUnit::of_any_response("Pa/kN").unwrap();
+    /// assert_eq!((unit.kind.to_string().as_str(), unit.to_si), ("pressure over force", 1e-3));
+    /// ```
+    ///
+    /// # Errors
+    /// [`UnitError`] for a text that is not read, and a quantity without a name.
+    pub fn of_any_response(text: &str) -> Result<Self, UnitError> {
+        text.parse().or_else(|error| {
+            let of_force = measure(text).and_then(|measure| {
+                let other = OtherQuantity::per_force(measure.dimension)?;
+                Some(Self {
+                    kind: FrfKind::Other(other),
+                    to_si: measure.to_si,
+                })
+            });
+            of_force.ok_or(error)
+        })
+    }
 }
 
 impl FromStr for FrfUnit {
@@ -277,6 +351,7 @@ impl fmt::Display for FrfKind {
             FrfKind::Receptance => "receptance",
             FrfKind::Mobility => "mobility",
             FrfKind::Accelerance => "accelerance",
+            FrfKind::Other(other) => other.name_per_force(),
         })
     }
 }

@@ -15,6 +15,7 @@ use super::{FrfSet, FunctionData};
 /// pair and stays. Integration needs `s ≠ 0`: where a function is integrated and the first line is
 /// at 0 Hz without added damping, the value there is not in the data, and the new set begins at the
 /// first line above. The input is not changed.
+/// Functions of other quantities than motion stay as they are.
 ///
 /// ```
 /// use modalign::axis::FrequencyAxis;
@@ -24,7 +25,10 @@ use super::{FrfSet, FunctionData};
 /// assert_eq!(convert(&set, FrfKind::Receptance).axis().len, 100);
 /// ```
 pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
-    let difference = |from: FrfKind| kind.derivative_order() - from.derivative_order();
+    let difference = |from: FrfKind| match from.is_motion() {
+        true => kind.derivative_order() - from.derivative_order(),
+        false => 0,
+    };
     let integrates = set.functions().iter().any(|f| difference(f.kind) < 0);
     let first = usize::from(integrates && laplace(set, 0).norm() <= 0.0);
     let mut out = FrfSet::new(axis_from_line(set.axis(), first));
@@ -59,7 +63,9 @@ pub fn convert(set: &FrfSet, kind: FrfKind) -> FrfSet {
             variance,
         };
         let mut function = function.clone();
-        function.kind = kind;
+        if function.kind.is_motion() {
+            function.kind = kind;
+        }
         out.push(function, data)
             .expect("lengths and pairs are those of the set it came from");
     }

@@ -1,5 +1,6 @@
 //! The FRF set: functions on one frequency axis.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
@@ -257,6 +258,16 @@ impl FrfSet {
                 .expect("the functions of a set are of one length and differ");
         }
         part
+    }
+
+    /// The functions whose response is a motion.
+    pub(crate) fn motions(&self) -> Cow<'_, Self> {
+        let is_motion = |i: &usize| self.functions[*i].kind.is_motion();
+        let motions: Vec<usize> = (0..self.len()).filter(is_motion).collect();
+        match motions.len() == self.len() {
+            true => Cow::Borrowed(self),
+            false => Cow::Owned(self.part(&motions)),
+        }
     }
 
     /// The first lines of all functions, with the properties of the whole set.

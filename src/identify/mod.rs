@@ -314,7 +314,7 @@ pub fn identification(
 ) -> Result<Identification, IdentifyError> {
     let entry = options.validate()?;
     let prepared = data::prepare::chosen(set, options)?;
-    let (mut set, band) = (prepared.set, prepared.band);
+    let (mut set, band, scales) = (prepared.set, prepared.band, prepared.scales);
     let gain_errors = GainErrors::estimate(&set, band, options.estimator.false_alarm_probability)?;
     let mut findings = prepared.findings;
     if let Some(gain_errors) = gain_errors {
@@ -347,7 +347,7 @@ pub fn identification(
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);
     }
     Ok(Identification {
-        model: modes::modal_model::modal_model(set, band, method.name(), table)?,
+        model: modes::modal_model::modal_model(set, &scales, band, method.name(), table)?,
         stabilization,
     })
 }

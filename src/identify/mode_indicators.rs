@@ -84,7 +84,8 @@ pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators,
 /// # Panics
 /// When a line is not of the axis.
 pub fn cmif_at(set: &FrfSet, lines: &[usize]) -> Result<Vec<Vec<f64>>, IdentifyError> {
-    let matrix = Matrix::new(set);
+    let set = set.motions();
+    let matrix = Matrix::new(&set);
     let at = |k: &usize| {
         let omega = set.axis().rad_s(*k);
         let s = Complex64::new(set.added_damping_rad_s, omega);

@@ -32,8 +32,8 @@ pub use catalog::{
 };
 pub use columns::{ColumnName, ColumnRole, Delimiter, Dimension, TableColumn, TableSpec};
 pub use convert::{
-    ChannelOverride, FileRecording, HitFile, HitGrouping, HitSet, Need, check_damage,
-    check_stated_points, frf_sets, group_hits, modal_model_of,
+    ChannelOverride, FileRecording, HitFile, HitGrouping, HitSet, Need, StatedFrfUnit,
+    check_damage, check_stated_points, frf_sets, group_hits, modal_model_of,
 };
 pub use error::IoError;
 pub use format::{

@@ -55,10 +55,14 @@ pub struct Mode {
     pub group: Option<u32>,
     /// Shape at the sensors.
     pub shape: ModeShape,
+    /// Values of responses of other quantities, in the scale of the shape, by the unit that they
+    /// have for a shape in m: sound pressures in `Pa`, strains in `m/m`, rotations in `rad`.
+    pub other_shapes: BTreeMap<String, ModeShape>,
     /// Standard deviation of the real and of the imaginary part of each shape component, in the
     /// scale of the shape, but for an error of that scale, which all components have in common.
     pub shape_std: Option<BTreeMap<Dof, f64>>,
-    /// Receptance residues A of `A/(iω−λ) + conj.`, m/(N s), by (response, reference).
+    /// Receptance residues A of `A/(iω−λ) + conj.`, m/(N s), by (response, reference); those of
+    /// other quantities in their unit over N s.
     pub residues: BTreeMap<(Dof, Dof), Complex64>,
     /// Modal mass for the shape as scaled, kg.
     pub modal_mass_kg: Option<f64>,
@@ -118,6 +122,7 @@ impl Mode {
             frequency_damping_correlation: None,
             group: None,
             shape,
+            other_shapes: BTreeMap::new(),
             shape_std: None,
             residues: BTreeMap::new(),
             modal_mass_kg: None,

@@ -10,13 +10,13 @@
 /// Powers of the base dimensions: length, mass, time, angle, current, temperature, level.
 pub(super) type Dimension = [i8; 7];
 
-const NONE: Dimension = [0; 7];
+pub(super) const NONE: Dimension = [0; 7];
 const LENGTH: Dimension = [1, 0, 0, 0, 0, 0, 0];
 const MASS: Dimension = [0, 1, 0, 0, 0, 0, 0];
 pub(super) const TIME: Dimension = [0, 0, 1, 0, 0, 0, 0];
-const ANGLE: Dimension = [0, 0, 0, 1, 0, 0, 0];
-const CURRENT: Dimension = [0, 0, 0, 0, 1, 0, 0];
-const TEMPERATURE: Dimension = [0, 0, 0, 0, 0, 1, 0];
+pub(super) const ANGLE: Dimension = [0, 0, 0, 1, 0, 0, 0];
+pub(super) const CURRENT: Dimension = [0, 0, 0, 0, 1, 0, 0];
+pub(super) const TEMPERATURE: Dimension = [0, 0, 0, 0, 0, 1, 0];
 /// Decibels, which are no factor of any unit.
 const LEVEL: Dimension = [0, 0, 0, 0, 0, 0, 1];
 pub(super) const DISPLACEMENT: Dimension = LENGTH;
@@ -26,13 +26,13 @@ pub(super) const FORCE: Dimension = [1, 1, -2, 0, 0, 0, 0];
 pub(super) const RECEPTANCE: Dimension = [0, -1, 2, 0, 0, 0, 0];
 pub(super) const MOBILITY: Dimension = [0, -1, 1, 0, 0, 0, 0];
 pub(super) const ACCELERANCE: Dimension = [0, -1, 0, 0, 0, 0, 0];
-const ENERGY: Dimension = [2, 1, -2, 0, 0, 0, 0];
-const POWER: Dimension = [2, 1, -3, 0, 0, 0, 0];
-const PRESSURE: Dimension = [-1, 1, -2, 0, 0, 0, 0];
+pub(super) const ENERGY: Dimension = [2, 1, -2, 0, 0, 0, 0];
+pub(super) const POWER: Dimension = [2, 1, -3, 0, 0, 0, 0];
+pub(super) const PRESSURE: Dimension = [-1, 1, -2, 0, 0, 0, 0];
 pub(super) const FREQUENCY: Dimension = [0, 0, -1, 0, 0, 0, 0];
 pub(super) const ROTATION: Dimension = [0, 0, -1, 1, 0, 0, 0];
-const CHARGE: Dimension = [0, 0, 1, 0, 1, 0, 0];
-const VOLTAGE: Dimension = [2, 1, -3, 0, -1, 0, 0];
+pub(super) const CHARGE: Dimension = [0, 0, 1, 0, 1, 0, 0];
+pub(super) const VOLTAGE: Dimension = [2, 1, -3, 0, -1, 0, 0];
 const RESISTANCE: Dimension = [2, 1, -3, 0, -2, 0, 0];
 
 /// A unit as a factor to SI and a dimension.
@@ -337,7 +337,7 @@ fn plain(character: char) -> Option<char> {
 }
 
 impl Measure {
-    fn times(self, other: Self) -> Option<Self> {
+    pub fn times(self, other: Self) -> Option<Self> {
         let mut dimension = self.dimension;
         for (power, more) in dimension.iter_mut().zip(other.dimension) {
             *power = power.checked_add(more)?;

@@ -221,7 +221,7 @@ fn unit(
             format!("{expected}; there is no default"),
         )
     })?;
-    let unit: Unit = text.parse().map_err(|error: UnitError| {
+    let unit = Unit::of_any_quantity(text).map_err(|error: UnitError| {
         errors.at_key("unit", format!("{text:?}"), error.to_string())
     })?;
     if !fits(unit.quantity) {
@@ -243,8 +243,7 @@ fn frf_unit(channel: &ChannelTable, errors: &ChannelErrors) -> Result<FrfUnit, S
         .unit
         .as_deref()
         .ok_or_else(|| errors.at_key("unit", "nothing", expected))?;
-    let unit: FrfUnit = text
-        .parse()
+    let unit = FrfUnit::of_any_response(text)
         .map_err(|_| errors.at_key("unit", format!("{text:?}"), expected))?;
     match channel.quantity.as_deref() {
         Some(name) if name != unit.kind.to_string() => Err(errors.at_key(

@@ -9,8 +9,8 @@ use crate::frf::{FrfSet, Window, check_functions, usable_set};
 use crate::geometry::{Geometry, Node};
 use crate::io::{
     Catalog, ChannelOverride, Entry, FileRecording, FunctionType, Hints, HitFile, HitGrouping,
-    IoError, Merged, Need, check_damage, check_stated_points, format_of, frf_sets, group_hits,
-    open_bytes, open_path,
+    IoError, Merged, Need, StatedFrfUnit, check_damage, check_stated_points, format_of, frf_sets,
+    group_hits, open_bytes, open_path,
 };
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::{Recording, Role};
@@ -122,7 +122,7 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
     };
     // Described columns have the units of the scene.
     let of_scene = options.typed.filter(|_| hints.table.is_none());
-    let of_scene = of_scene.and_then(|test| stated_frf_unit(&test.channel));
+    let of_scene = of_scene.map(|test| stated_frf_units(&test.channel));
     let mut source = open_path(&file.path, &hints, Some(format))?;
     check_stated_points(
         source.catalog(),
@@ -138,7 +138,7 @@ fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError>
         source,
         response: file.response.clone(),
         reference: file.reference.clone(),
-        frf_unit: of_scene,
+        frf_units: of_scene.unwrap_or_default(),
         missing_frf_unit: options.frf_unit,
         averages: options
             .averages
@@ -199,18 +199,22 @@ fn describes_columns(test: &TestTable) -> bool {
 /// a role.
 fn states_frf_unit(test: &TestTable) -> bool {
     let has_role = test.channel.iter().any(|channel| channel.role.is_some());
-    !has_role && stated_frf_unit(&test.channel).is_some()
+    !has_role && !stated_frf_units(&test.channel).is_empty()
 }
 
-/// Unit of every FRF that does not state one: a unit such as (m/s2)/N, times its calibration.
-fn stated_frf_unit(channels: &[ChannelTable]) -> Option<FrfUnit> {
-    channels.iter().find_map(|channel| {
-        let unit: FrfUnit = channel.unit.as_deref()?.parse().ok()?;
-        Some(FrfUnit {
-            to_si: unit.to_si * channel.scale.unwrap_or(1.0),
-            ..unit
+/// Units of FRFs, such as (m/s2)/N or Pa/N, times their calibration.
+fn stated_frf_units(channels: &[ChannelTable]) -> Vec<StatedFrfUnit> {
+    let stated = channels.iter().filter_map(|channel| {
+        let unit = FrfUnit::of_any_response(channel.unit.as_deref()?).ok()?;
+        Some(StatedFrfUnit {
+            response: channel.dof.as_ref().map(Dof::positive),
+            unit: FrfUnit {
+                to_si: unit.to_si * channel.scale.unwrap_or(1.0),
+                ..unit
+            },
         })
-    })
+    });
+    stated.collect()
 }
 
 /// Reads bytes as if they were the one file of a test.
@@ -466,7 +470,7 @@ fn channel_override(channel: &ChannelTable, path: &str) -> Result<ChannelOverrid
     let unit: Option<Unit> = channel
         .unit
         .as_deref()
-        .map(str::parse)
+        .map(Unit::of_any_quantity)
         .transpose()
         .map_err(|error: crate::quantity::UnitError| {
             value_error(

@@ -12,6 +12,7 @@ use crate::geometry::{Geometry, Sensor, Target, unit};
 ///
 /// Nothing comes back where no points are placed, or no band has a mass line.
 pub fn mass_line_findings(set: &FrfSet, geometry: &Geometry, sensors: &[Sensor]) -> Vec<Finding> {
+    let set = &set.motions();
     let placed = placed(set, geometry, sensors);
     rigid_body(set, &placed, None).map_or_else(Vec::new, |body| findings(set, &body))
 }

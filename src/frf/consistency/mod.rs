@@ -15,9 +15,9 @@
 //! [`pair_figures`] and [`visits`] give the figures of such checks where they pass, too, and
 //! [`resonances`] coherence and standard deviation of functions at their resonances.
 //!
-//! Every check works on mobilities `Y = s^d H` at `s = iω + a`, turned to the positive axes. A
-//! check says nothing where the data cannot carry it. It fits single resonances to compare
-//! functions; it lists no modes.
+//! Every check works on functions of motion, as mobilities `Y = s^d H` at `s = iω + a`, turned to
+//! the positive axes. A check says nothing where the data cannot carry it. It fits single
+//! resonances to compare functions; it lists no modes.
 
 mod channel_delay;
 mod discrepancy;
@@ -59,6 +59,7 @@ pub(crate) fn check_functions(set: &FrfSet) -> Vec<Finding> {
         reference: Some(set.functions()[i].reference.clone()),
     };
     let live = set.part(&live);
+    let live = live.motions();
     let mut findings: Vec<Finding> = sensor_scale::findings(&live);
     if let Some(data) = Mobilities::new(&live) {
         let signs = driving_point::findings(&data).into_iter();
@@ -85,6 +86,7 @@ const MAX_WRONG_SIGN_FRACTION: f64 = 0.5;
 /// The set itself is not changed. Nothing comes back for a set of less than the lines that one
 /// resonance needs.
 pub fn check_set(set: &FrfSet) -> Vec<Finding> {
+    let set = &set.motions();
     let Some(data) = Mobilities::new(set) else {
         return Vec::new();
     };

@@ -15,6 +15,7 @@ pub(in crate::identify) mod frf_matrix;
 pub(in crate::identify) mod half_power;
 pub(in crate::identify) mod line_shape;
 pub(in crate::identify) mod model_pole;
+pub(in crate::identify) mod other_responses;
 pub(in crate::identify) mod out_of_band_basis;
 pub(in crate::identify) mod outlier_lines;
 pub(in crate::identify) mod peak_detection;

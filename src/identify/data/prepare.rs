@@ -10,6 +10,7 @@ use crate::frf::{FrfSet, Function};
 use crate::identify::data::band_frfs::{
     frfs_with_invalid_values, guarded_lines, no_band_error, whole_band,
 };
+use crate::identify::data::other_responses;
 use crate::identify::data::outlier_lines::{interpolate_missing_lines, replace_outlier_lines};
 use crate::identify::error::IdentifyError;
 use crate::identify::estimator::IdentifyOptions;
@@ -21,13 +22,16 @@ const MAX_OUTLIER_PASSES: usize = 3;
 pub(in crate::identify) struct Chosen<'a> {
     pub set: Cow<'a, FrfSet>,
     pub band: Band,
+    /// What each FRF was multiplied by.
+    pub scales: Vec<f64>,
     /// Findings on rejected FRFs and on replaced lines.
     pub findings: Vec<Finding>,
 }
 
 /// Selects the FRFs of the references that the options name, and the band: that of the options,
 /// else the set's valid band, else its axis; cut to the lines of the set. Missing lines and outlier
-/// lines are interpolated from their neighbours (`outlier_lines`).
+/// lines are interpolated from their neighbours (`outlier_lines`); responses of other quantities
+/// are scaled to the motion (`other_responses`).
 ///
 /// # Errors
 /// [`IdentifyError::UnknownReference`] for one that no FRF has; [`IdentifyError::TooFewLines`]
@@ -77,9 +81,18 @@ pub(in crate::identify) fn chosen<'a>(
         set = Cow::Owned(without);
         findings.extend(spikes);
     }
+    let scales = other_responses::scales(&set, band);
+    if !set
+        .functions()
+        .iter()
+        .all(|function| function.kind.is_motion())
+    {
+        set = Cow::Owned(set.scaled(|i| scales[i]));
+    }
     Ok(Chosen {
         set,
         band,
+        scales,
         findings,
     })
 }

@@ -186,7 +186,8 @@ impl GainErrors {
             }
             let driving_point = frfs.iter().find_map(|(input, f)| {
                 let function = &set.functions()[*f];
-                let sign = driving_point_sign(&function.response, &function.reference)?;
+                let sign = driving_point_sign(&function.response, &function.reference);
+                let sign = sign.filter(|_| function.kind.is_motion())?;
                 let index = output * frf_matrix.inputs + input;
                 // Residues of a driving point are φ²/(2iω m).
                 let sum: f64 = modes.iter().map(|mode| -sign * mode.value(index).im).sum();

@@ -11,7 +11,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::modal::{
-    ModalModel, Mode, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
+    ModalModel, Mode, ModeShape, Pole, mean_phase, mean_phase_deviation, modal_phase_collinearity,
 };
 
 use crate::identify::error::IdentifyError;
@@ -20,16 +20,18 @@ use crate::identify::modes::quality;
 use crate::identify::modes::rank_one_terms;
 use crate::identify::modes::shape::{self, Residues, ScaledShape};
 use crate::linalg::sort_ascending_by;
+use crate::quantity::FrfKind;
 
 /// Maximum relative residual of one shape for the residues of one mode at several references.
 const MAX_SHAPE_MISFIT: f64 = 0.25;
 
-/// The modal model of a table of candidates.
+/// The modal model of a table of candidates. `scales` has what each FRF was multiplied by.
 ///
 /// # Errors
 /// [`IdentifyError::Linalg`] when singular values do not converge.
 pub(in crate::identify) fn modal_model(
     set: &FrfSet,
+    scales: &[f64],
     band: Band,
     method: &'static str,
     table: PoleTable,
@@ -45,7 +47,7 @@ pub(in crate::identify) fn modal_model(
     let results: Vec<_> = table
         .candidates
         .par_iter()
-        .map(|candidate| modes_of_pole(set, method, candidate))
+        .map(|candidate| modes_of_pole(set, scales, method, candidate))
         .collect();
     for (candidate, result) in table.candidates.iter().zip(results) {
         let (mut modes, finding) = result?;
@@ -104,17 +106,26 @@ fn set_modal_overlap(modes_by_pole: &mut [Vec<Mode>]) {
 /// The modes of one pole, with their findings.
 fn modes_of_pole(
     set: &FrfSet,
+    scales: &[f64],
     method: &'static str,
     candidate: &Candidate,
 ) -> Result<(Vec<Mode>, Vec<Finding>), IdentifyError> {
     let pole = candidate
         .pole
         .without_added_damping(set.added_damping_rad_s);
-    let residues = by_response_reference(set, candidate.residues.as_deref().unwrap_or_default());
-    let residues: Residues = residues
-        .into_iter()
-        .map(|((response, reference), a)| ((response.clone(), reference.clone()), a))
-        .collect();
+    let ResiduesByQuantity {
+        of_shape: residues,
+        has_motion,
+        others,
+    } = ResiduesByQuantity::new(set, scales, candidate);
+    let stds = candidate.residue_stds.as_ref().map(|stds| {
+        let functions = set.functions().iter().zip(stds.iter().zip(scales));
+        functions
+            .map(|(function, (std, scale))| {
+                ((&function.response, &function.reference), std / scale)
+            })
+            .collect()
+    });
     let frequency_hz = pole.natural_frequency_hz();
     let warning = |code, value: f64, limit: f64| {
         Finding::new(Severity::Warning, code, Location::Mode(frequency_hz))
@@ -126,19 +137,39 @@ fn modes_of_pole(
         let terms =
             rank_one_terms::decompose_residues(&residues, candidate.multiplicity, pole.lambda.im)?;
         let shaped = terms.into_iter().map(|term| {
-            let scaled = match term.reciprocal {
+            let scaled = match term.reciprocal && has_motion {
                 true => shape::shape_of(&term.residues, pole.lambda.im),
                 false => shape::unit_max_shape_of(&term.residues),
             };
-            mode(set, method, candidate, pole, term.residues, scaled)
+            mode(&stds, method, candidate, pole, term.residues, scaled)
         });
         shaped.collect()
     } else {
-        let scaled = shape::shape_of(&residues, pole.lambda.im);
+        let scaled = match has_motion {
+            true => shape::shape_of(&residues, pole.lambda.im),
+            false => shape::unit_max_shape_of(&residues),
+        };
         if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MAX_SHAPE_MISFIT) {
             findings.push(warning(Code::CloseModes, misfit, MAX_SHAPE_MISFIT));
         }
-        vec![mode(set, method, candidate, pole, residues, scaled)]
+        let shape_of_group = |of_group: &Residues| {
+            let damped_rad_s = pole.lambda.im;
+            ModeShape::new(shape::other_components(
+                &residues,
+                &scaled,
+                of_group,
+                damped_rad_s,
+            ))
+        };
+        let other_shapes = others
+            .iter()
+            .map(|(group, of_group)| ((*group).to_owned(), shape_of_group(of_group)))
+            .filter(|(_, shape)| !shape.is_empty())
+            .collect();
+        let mut mode = mode(&stds, method, candidate, pole, residues, scaled);
+        mode.other_shapes = other_shapes;
+        mode.residues.extend(others.into_values().flatten());
+        vec![mode]
     };
     let damping = pole.damping_ratio();
     if damping <= 0.0 {
@@ -147,8 +178,46 @@ fn modes_of_pole(
     Ok((modes, findings))
 }
 
+/// Standard deviations of residues by (response, reference).
+type ResidueStds<'a> = Option<BTreeMap<(&'a Dof, &'a Dof), f64>>;
+
+/// Residues of the shape and of the responses of other quantities, by group.
+struct ResiduesByQuantity {
+    /// Those of the motion; without any, those of the group with the most responses.
+    of_shape: Residues,
+    has_motion: bool,
+    others: BTreeMap<&'static str, Residues>,
+}
+
+impl ResiduesByQuantity {
+    fn new(set: &FrfSet, scales: &[f64], candidate: &Candidate) -> Self {
+        let mut of_shape = Residues::new();
+        let mut others: BTreeMap<&'static str, Residues> = BTreeMap::new();
+        let residues = candidate.residues.as_deref().unwrap_or_default();
+        for ((function, scale), residue) in set.functions().iter().zip(scales).zip(residues) {
+            let group = match function.kind {
+                FrfKind::Other(other) => others.entry(other.group()).or_default(),
+                _ => &mut of_shape,
+            };
+            let pair = (function.response.clone(), function.reference.clone());
+            group.insert(pair, residue / scale);
+        }
+        let has_motion = !of_shape.is_empty();
+        let largest = others.iter().max_by_key(|(_, residues)| residues.len());
+        if let (false, Some((group, _))) = (has_motion, largest) {
+            let group = *group;
+            of_shape = others.remove(group).unwrap_or_default();
+        }
+        Self {
+            of_shape,
+            has_motion,
+            others,
+        }
+    }
+}
+
 fn mode(
-    set: &FrfSet,
+    residue_stds: &ResidueStds,
     method: &'static str,
     candidate: &Candidate,
     pole: Pole,
@@ -163,9 +232,8 @@ fn mode(
     } = scaled;
     let components: Vec<Complex64> = shape.iter().map(|(_, value)| value).collect();
     let damping = Some(pole.damping_ratio()).filter(|damping| *damping > 0.0);
-    let stds = candidate.residue_stds.as_deref();
-    let shape_std = stds
-        .and_then(|stds| shape::shape_stds(&by_response_reference(set, stds), &residues, &shape));
+    let stds = residue_stds.as_ref();
+    let shape_std = stds.and_then(|stds| shape::shape_stds(stds, &residues, &shape));
     Mode {
         shape_std,
         frequency_std_hz: candidate.frequency_std_hz,
@@ -182,14 +250,4 @@ fn mode(
         mean_phase_deviation_rad: mean_phase_deviation(&components),
         ..Mode::new(pole.natural_frequency_hz(), damping, shape, scaling)
     }
-}
-
-fn by_response_reference<'a, T: Copy>(
-    set: &'a FrfSet,
-    values: &[T],
-) -> BTreeMap<(&'a Dof, &'a Dof), T> {
-    let pairs = set.functions().iter().zip(values);
-    pairs
-        .map(|(f, a)| ((&f.response, &f.reference), *a))
-        .collect()
 }

@@ -60,6 +60,57 @@ pub(in crate::identify) fn shape_of(residues: &Residues, damped_rad_s: f64) -> S
     }
 }
 
+/// Values of responses of other quantities in the scale of a shape, from their residues and those
+/// of the motion; nothing for a shape over references without unit modal mass.
+///
+/// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the references k, `L_k` the factor from the shape
+/// to the column of k; for a shape over references `A_rk = φ_r φ_k/(2iω_d)`.
+pub(in crate::identify) fn other_components(
+    residues: &Residues,
+    shape: &ScaledShape,
+    others: &Residues,
+    damped_rad_s: f64,
+) -> BTreeMap<Dof, Complex64> {
+    let columns = Columns::new(residues);
+    let values = columns.rows.iter().map(|row| shape.shape.get(row));
+    let values: Column = values.collect();
+    let mut components = BTreeMap::new();
+    let by_response = others.iter().fold(
+        BTreeMap::<&Dof, Vec<(&Dof, Complex64)>>::new(),
+        |mut by_response, ((response, reference), residue)| {
+            let of_response = by_response.entry(response).or_default();
+            of_response.push((reference, *residue));
+            by_response
+        },
+    );
+    for (response, residues) in by_response {
+        let component = if columns.references_carry_shape {
+            let at = |row: &Dof| residues.iter().find(|(reference, _)| *reference == row);
+            let column = columns.rows.iter().map(|row| Some(at(row)?.1)).collect();
+            let factor = factor_of(&values, &column);
+            let has_unit_mass = shape.scaling == Scaling::UnitModalMass;
+            let factor = factor.filter(|_| has_unit_mass);
+            factor.map(|factor| Complex64::new(0.0, 2.0 * damped_rad_s) * factor)
+        } else {
+            let of_reference = |(reference, residue): &(&Dof, Complex64)| {
+                let mut of_motion = columns.by_other.iter();
+                let (_, column) = of_motion.find(|(other, _)| other == reference)?;
+                Some((factor_of(&values, column)?, *residue))
+            };
+            let pairs: Vec<(Complex64, Complex64)> =
+                residues.iter().filter_map(of_reference).collect();
+            let square: f64 = pairs.iter().map(|(factor, _)| factor.norm_sqr()).sum();
+            let terms = pairs
+                .iter()
+                .map(|(factor, residue)| factor.conj() * residue);
+            let sum: Complex64 = terms.sum();
+            (square > 0.0).then(|| sum / square)
+        };
+        components.extend(component.map(|component| (response.clone(), component)));
+    }
+    components
+}
+
 /// The shape of a mode from residues whose driving points do not determine its modal mass.
 pub(in crate::identify) fn unit_max_shape_of(residues: &Residues) -> ScaledShape {
     let (shape, misfit) = Columns::new(residues).merge();

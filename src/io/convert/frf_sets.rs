@@ -8,10 +8,11 @@ use crate::axis::{Band, FrequencyAxis};
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{EvenLines, FrfSet, Function, FunctionData, variance_from_coherence};
-use crate::quantity::{FrfKind, FrfUnit, Quantity, names_other_quantity};
+use crate::quantity::FrfUnit;
 
 use super::coherence::{ValidCoherence, valid_coherence};
 use super::common_window::StatedWindows;
+use super::entry_quantity::{frf_kind, is_other_quantity};
 use crate::io::{
     Block, Domain, Entry, EntryAxis, FunctionMetadata, FunctionType, HitFile, IoError, Source,
 };
@@ -180,20 +181,6 @@ impl SetsByAxis {
         }
         Ok(sets)
     }
-}
-
-/// Whether the header of an FRF states a quantity other than motion over force, or another abscissa
-/// than frequency. A unit label that cannot be read states nothing: the FRF may be needed.
-fn is_other_quantity(entry: &Entry) -> bool {
-    let is_rotation = |dof: &Option<Dof>| dof.as_ref().is_some_and(|dof| dof.axis().is_rotation());
-    let rotates = is_rotation(&entry.response) || is_rotation(&entry.reference);
-    let is_read = entry.to_si.is_some() || entry.quantity.is_some() && entry.denominator.is_some();
-    let is_ratio = frf_kind(entry).is_none() && is_read;
-    let other_abscissa = matches!(entry.axis.domain(), Domain::Other(code) if code != 0);
-    let is_motion_over_force = frf_kind(entry).is_some() && entry.to_si.is_some();
-    let has_other = entry.has_other_quantity
-        || !is_motion_over_force && names_other_quantity(&entry.unit_label);
-    is_ratio || has_other || (rotates && entry.to_si.is_none()) || other_abscissa
 }
 
 impl SetOfAxis {
@@ -389,15 +376,22 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         what: format!("{what} of function {}", index + 1),
         expected: expected.to_owned(),
     };
-    if is_other_quantity(&entry) {
+    let response = entry.response_point(file.response.as_ref());
+    let stated = response.as_ref().and_then(|response| {
+        let mut units = file.frf_units.iter();
+        units.find(|unit| unit.is_of(&entry, response))
+    });
+    let stated = stated.map(|stated| stated.unit);
+    if stated.is_none() && is_other_quantity(&entry) {
         return Err(IoError::Grouping {
             path: place,
             what: "reading FRFs",
             got: format!("function {} in {:?}", index + 1, entry.unit_label),
-            expected: "displacement, velocity or acceleration over force".to_owned(),
+            expected: "displacement, velocity or acceleration over force; state `unit`, such as \
+                       Pa/N, in [[test.channel]] to use it"
+                .to_owned(),
         });
     }
-    let response = entry.response_point(file.response.as_ref());
     let response = response.ok_or_else(|| {
         not_stated(
             "the response point",
@@ -413,7 +407,6 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
     })?;
     let (axis, uneven) = frequency_lines(file, index, &place)?;
     let of_header = frf_kind(&entry);
-    let stated = file.frf_unit;
     let missing = file.missing_frf_unit;
     let missing = missing.filter(|unit| of_header.is_none_or(|kind| kind == unit.kind));
     let kind = stated.map(|unit| unit.kind).or(of_header);
@@ -585,14 +578,6 @@ fn exact_step(printed_hz: f64, record_s: Option<f64>) -> f64 {
     exact
         .filter(|exact| (exact - printed_hz).abs() < 1e-6 * printed_hz)
         .unwrap_or(printed_hz)
-}
-
-fn frf_kind(entry: &Entry) -> Option<FrfKind> {
-    let over_force = entry.denominator == Some(Quantity::Force);
-    entry
-        .quantity
-        .filter(|_| over_force)
-        .and_then(FrfKind::from_response)
 }
 
 fn variance_of_values(

@@ -7,6 +7,7 @@ use crate::frf::Window;
 use crate::quantity::{FrfUnit, Unit};
 use crate::record::Role;
 
+use super::entry_quantity::is_other_quantity;
 use crate::io::{Catalog, Entry, IoError, Source};
 
 /// The rule that groups the records of a test into hits.
@@ -69,6 +70,29 @@ impl ChannelOverride {
     }
 }
 
+/// A unit that the scene states for FRFs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedFrfUnit {
+    /// The response that it is stated for, along the positive axis; `None` for every FRF of its
+    /// quantity.
+    pub response: Option<Dof>,
+    /// The unit.
+    pub unit: FrfUnit,
+}
+
+impl StatedFrfUnit {
+    /// Whether it is that of an entry with this response. A motion over force is not put on an
+    /// entry that states another quantity, and another quantity only on entries that state it.
+    pub(super) fn is_of(&self, entry: &Entry, response: &Dof) -> bool {
+        let of_header = || FrfUnit::of_any_response(&entry.unit_label).map(|unit| unit.kind);
+        match (&self.response, self.unit.kind.is_motion()) {
+            (Some(stated), _) => *stated == response.positive().with_repeat(1),
+            (None, true) => !is_other_quantity(entry),
+            (None, false) => of_header() == Ok(self.unit.kind),
+        }
+    }
+}
+
 /// One opened file with what the scene says of it.
 pub struct HitFile {
     /// The file.
@@ -77,8 +101,8 @@ pub struct HitFile {
     pub response: Option<Dof>,
     /// The scene's word for its excitation point.
     pub reference: Option<Dof>,
-    /// The scene's word for the unit of FRFs; precedes that of a header.
-    pub frf_unit: Option<FrfUnit>,
+    /// The scene's word for the units of FRFs; precedes that of a header.
+    pub frf_units: Vec<StatedFrfUnit>,
     /// The unit of FRFs that do not state it.
     pub missing_frf_unit: Option<FrfUnit>,
     /// The scene's word for the number of averages of FRFs that do not state it.
@@ -96,7 +120,7 @@ impl HitFile {
             source,
             response: None,
             reference: None,
-            frf_unit: None,
+            frf_units: Vec::new(),
             missing_frf_unit: None,
             averages: None,
             window: None,

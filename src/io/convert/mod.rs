@@ -9,6 +9,7 @@
 
 mod coherence;
 mod common_window;
+mod entry_quantity;
 mod frf_sets;
 mod hit_axis;
 mod hit_file;
@@ -24,7 +25,7 @@ mod frf_sets_tests;
 mod hits_tests;
 
 pub use frf_sets::frf_sets;
-pub use hit_file::{ChannelOverride, HitFile, HitGrouping, check_stated_points};
+pub use hit_file::{ChannelOverride, HitFile, HitGrouping, StatedFrfUnit, check_stated_points};
 pub use hits::{FileRecording, HitSet, group_hits};
 pub use modal_model::modal_model_of;
 pub use needed_parts::{Need, check_damage};

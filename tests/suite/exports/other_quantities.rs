@@ -1,8 +1,12 @@
 //! A function of another quantity leaves the others usable.
 
+use num_complex::Complex64;
+
 use super::universal_file::{
-    AxisLabel, Function, OneFile, Point, accelerances, file_of, finds_the_mode,
+    AxisLabel, Function, OneFile, Point, RESIDUES, accelerance_at, accelerances, even_lines,
+    file_of, finds_the_mode, on_file,
 };
+use crate::command::write;
 
 /// The accelerances and a function that differs from the second one.
 fn with(change: impl Fn(&mut Function)) -> OneFile {
@@ -79,5 +83,163 @@ fn time_records_without_a_force_are_left_out_beside_frfs() {
         // Before them as well.
         functions.rotate_right(records.len());
         finds_the_mode(&OneFile::new("mixed.uff", file_of(&functions)).path(), &[]);
+    }
+}
+
+/// A function of motions times a factor, by this power of the circular frequency.
+fn response(node: i64, unit: &'static str, factor: Complex64, power: i32) -> Function {
+    let value = |hz: &f64| {
+        let omega = Complex64::new(0.0, std::f64::consts::TAU * hz);
+        factor * accelerance_at(*hz, RESIDUES[0]) * omega.powi(power - 2)
+    };
+    let values = even_lines().iter().map(value).collect();
+    Function {
+        response: Point {
+            name: "Extra".to_owned(),
+            ..Point::new(node, 0)
+        },
+        ordinate: AxisLabel::new(0, "Other", unit),
+        ..Function::accelerance(node, values)
+    }
+}
+
+/// The modes of `run` with these tables of channels, and all output.
+fn run_with(functions: &[Function], channels: &str) -> (serde_json::Value, String) {
+    let file = OneFile::new("other.uff", file_of(functions));
+    let scene = format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"others\"\n[[test]]\nname = \"t\"\nfiles = \
+         [\"other.uff\"]\n{channels}"
+    );
+    write(file.folder(), &[("scene.toml", &scene)]);
+    let out = file.folder().join("out");
+    let ran = on_file(
+        "run",
+        file.folder(),
+        &["--full", "-o", out.to_str().unwrap()],
+    );
+    assert!(matches!(ran.code, Some(0 | 1)), "{ran:?}");
+    let modes = crate::command::json(&out.join("t.modes.json"));
+    (modes, ran.out + &ran.error)
+}
+
+#[test]
+fn responses_of_another_quantity_are_used_where_the_scene_says_so() {
+    let pressure = Complex64::new(3e4, -2e4);
+    let strain = Complex64::new(-0.7, 0.0);
+    let rotation = Complex64::new(1.5, 0.0);
+    let mut functions = accelerances();
+    functions.push(response(7, "mPa", 1e3 * pressure, 0));
+    functions.push(response(8, "um/m", 1e6 * strain, 0));
+    let mut turned = response(9, "rad/s^2", rotation, 2);
+    turned.response.direction = 5;
+    functions.push(turned);
+    functions.push(response(6, "V", Complex64::ONE, 0));
+    let channels = "[[test.channel]]\ncolumn = 1\nunit = \"mPa/N\"\n[[test.channel]]\ncolumn = \
+                    2\ndof = \"Extra.8:+S\"\nunit = \"(um/m)/N\"\n[[test.channel]]\ncolumn = 3\nunit = \
+                    \"(rad/s^2)/N\"\n";
+    let (modes, said) = run_with(&functions, channels);
+    assert!(
+        said.contains("function-left-out") && said.contains("Extra.6:+S"),
+        "{said}"
+    );
+    assert!(!said.contains("sensor-scale"), "{said}");
+    let modes = modes["modes"].as_array().unwrap();
+    assert_eq!(modes.len(), 1, "{modes:?}");
+    let value = |group: &serde_json::Value, dof: &str| {
+        let part = |i: usize| group[dof][i].as_f64().unwrap();
+        Complex64::new(part(0), part(1))
+    };
+    let shape = &modes[0]["shape"];
+    assert_eq!(shape.as_object().unwrap().len(), 3, "{shape}");
+    let others = &modes[0]["other_shapes"];
+    for (group, dof, expected) in [
+        ("Pa", "Extra.7:+S", pressure),
+        ("m/m", "Extra.8:+S", strain),
+        ("rad", "Extra.9:+RY", rotation),
+    ] {
+        let ratio = value(&others[group], dof) / value(shape, "1:+Z");
+        assert!(
+            (ratio / expected - 1.0).norm() < 5e-3,
+            "{group}: {ratio} {others}"
+        );
+    }
+    let frequency = modes[0]["frequency_hz"].as_f64().unwrap();
+    assert!((frequency - 20.0).abs() < 2e-3, "{frequency}");
+}
+
+#[test]
+fn pressures_of_hits_are_used_again_from_the_files_of_frfs() {
+    let mut functions = Vec::new();
+    for hit in 0..3 {
+        let mut force = vec![0.0; 512];
+        force[8 + hit] = 1.0;
+        let decay = |sample: usize, size: f64| {
+            let t = sample as f64 - 8.0 - hit as f64;
+            let (omega, rate) = (std::f64::consts::TAU * 20.0 / 256.0, 0.02);
+            if t < 0.0 {
+                0.0
+            } else {
+                size * (-rate * t).exp() * (omega * t).sin()
+            }
+        };
+        let record = |size: f64| (0..512).map(|sample| decay(sample, size)).collect();
+        let mut pressure = Function::record(9, false, record(2.5));
+        pressure.ordinate = AxisLabel::new(0, "Other", "Pa");
+        let response = Function::record(2, false, record(1.0));
+        for mut function in [Function::record(1, true, force), response, pressure] {
+            function.version = 1 + hit as i64;
+            functions.push(function);
+        }
+    }
+    let file = OneFile::new("other.uff", file_of(&functions));
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"others\"\n[[test]]\nname = \"t\"\nfiles = \
+                 [\"other.uff\"]\n[[test.channel]]\ncolumn = 3\nunit = \"Pa\"\n";
+    write(file.folder(), &[("scene.toml", scene)]);
+    for name in ["o.h5", "o.npz", "o.mat"] {
+        let out = file.folder().join(name);
+        let ran = on_file("frf", file.folder(), &["-o", out.to_str().unwrap()]);
+        assert!(matches!(ran.code, Some(0 | 1)), "{ran:?}");
+        let ran = on_file("identify", &out, &["--json"]);
+        let mode = &ran.json()["modes"][0];
+        let parts = |value: &serde_json::Value| {
+            let part = |i: usize| value[i].as_f64().unwrap();
+            Complex64::new(part(0), part(1))
+        };
+        let residue = |response: &str| parts(&mode["residues"][format!("{response}|1:+Z")]);
+        // A pressure of the form of the acceleration: the residue of the receptance times λ², but
+        // for the aliases of the sampled decays.
+        let ratio = residue("9:+Z") / residue("2:+Z");
+        let omega = std::f64::consts::TAU * mode["frequency_hz"].as_f64().unwrap();
+        assert!(
+            (ratio.norm() / (2.5 * omega * omega) - 1.0).abs() < 0.15,
+            "{name}: {ran:?}"
+        );
+    }
+}
+
+#[test]
+fn a_microphone_gives_the_shape_of_a_roving_hammer() {
+    let functions: Vec<Function> = (1..=3)
+        .zip(RESIDUES)
+        .map(|(node, residue)| {
+            let factor = Complex64::new(residue / RESIDUES[0], 0.0);
+            let mut function = response(9, "Pa", 2e3 * factor, 0);
+            function.reference = Point::new(node, 3);
+            function
+        })
+        .collect();
+    let (modes, said) = run_with(
+        &functions,
+        "[[test.channel]]\ncolumn = 1\nunit = \"Pa/N\"\n",
+    );
+    let shape = modes["modes"][0]["shape"].as_object().unwrap();
+    assert_eq!(shape.len(), 3, "{said}");
+    for (node, residue) in (1..=3).zip(RESIDUES) {
+        let value = |dof: &str| shape[dof][0].as_f64().unwrap();
+        let ratio = value(&format!("{node}:+Z")) / value("1:+Z");
+        assert!(
+            (ratio - residue / RESIDUES[0]).abs() < 5e-3,
+            "{node}: {ratio}"
+        );
     }
 }

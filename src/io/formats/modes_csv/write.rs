@@ -91,6 +91,10 @@ pub(super) fn dropped_content(catalog: &Catalog) -> Vec<Finding> {
     let count = |has: fn(&Mode) -> bool| catalog.modes.iter().filter(|m| has(&m.mode)).count();
     lost.add("residues", count(|mode| !mode.residues.is_empty()));
     lost.add(
+        "shapes of other quantities",
+        count(|mode| !mode.other_shapes.is_empty()),
+    );
+    lost.add(
         "deviations of shapes",
         count(|mode| mode.shape_std.is_some()),
     );

@@ -57,6 +57,9 @@ struct ModeJson {
     group: Option<u32>,
     #[serde(default)]
     shape: BTreeMap<Dof, [f64; 2]>,
+    /// Of identified modes alone.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    other_shapes: BTreeMap<String, BTreeMap<Dof, [f64; 2]>>,
     shape_std: Option<BTreeMap<Dof, f64>>,
     #[serde(default)]
     residues: BTreeMap<PairKey, [f64; 2]>,
@@ -155,10 +158,11 @@ fn mode_json(mode: &Mode) -> ModeJson {
         damping_std: mode.damping_std,
         frequency_damping_correlation: mode.frequency_damping_correlation,
         group: mode.group,
-        shape: mode
-            .shape
+        shape: shape_parts(&mode.shape),
+        other_shapes: mode
+            .other_shapes
             .iter()
-            .map(|(dof, value)| (dof.clone(), parts(value)))
+            .map(|(unit, shape)| (unit.clone(), shape_parts(shape)))
             .collect(),
         shape_std: mode.shape_std.clone(),
         residues: mode
@@ -179,6 +183,18 @@ fn mode_json(mode: &Mode) -> ModeJson {
         damping_bias: mode.damping_bias,
         quality: mode.quality.as_ref().map(quality_json),
     }
+}
+
+fn shape_parts(shape: &ModeShape) -> BTreeMap<Dof, [f64; 2]> {
+    let components = shape.iter();
+    components
+        .map(|(dof, value)| (dof.clone(), parts(value)))
+        .collect()
+}
+
+fn shape_of_parts(shape: BTreeMap<Dof, [f64; 2]>) -> ModeShape {
+    let components = shape.into_iter();
+    ModeShape::new(components.map(|(dof, value)| (dof, complex(value))))
 }
 
 fn quality_json(quality: &Quality) -> QualityJson {
@@ -281,11 +297,12 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
         damping_std: mode.damping_std,
         frequency_damping_correlation: mode.frequency_damping_correlation,
         group: mode.group,
-        shape: ModeShape::new(
-            mode.shape
-                .into_iter()
-                .map(|(dof, value)| (dof, complex(value))),
-        ),
+        shape: shape_of_parts(mode.shape),
+        other_shapes: mode
+            .other_shapes
+            .into_iter()
+            .map(|(unit, shape)| (unit, shape_of_parts(shape)))
+            .collect(),
         shape_std: mode.shape_std,
         residues: mode
             .residues
@@ -338,6 +355,7 @@ mod tests {
             let shape = ModeShape::new([(dof("12:+Z"), Complex64::new(re, im)), (dof("2:-X"), Complex64::new(im, re))]);
             let mut mode = Mode::new(f, Some(zeta), shape, Scaling::UnitMax);
             mode.residues.insert((dof("2:-X"), dof("1:+Z")), Complex64::new(im, re));
+            mode.other_shapes.insert("Pa".to_owned(), mode.shape.scaled(re.into()));
             mode.frequency_std_hz = Some(re.abs());
             mode.mean_phase_rad = Some(zeta);
             mode.mean_phase_deviation_rad = Some(re.abs());

@@ -23,13 +23,14 @@ pub(super) struct Units {
 }
 
 impl Units {
-    /// SI value = this factor × file value.
-    pub fn to_si(self, quantity: Quantity) -> f64 {
+    /// SI value = this factor × file value, of forces and motions.
+    pub fn to_si(self, quantity: Quantity) -> Option<f64> {
         match quantity {
-            Quantity::Force => 1.0 / self.force,
+            Quantity::Force => Some(1.0 / self.force),
             Quantity::Displacement | Quantity::Velocity | Quantity::Acceleration => {
-                1.0 / self.length
+                Some(1.0 / self.length)
             }
+            Quantity::Other(_) => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::arrays::whole;
 use crate::dof::Dof;
 use crate::frf::Estimator;
 use crate::io::{Domain, Entry, EntryAxis, SampleFormat, Window};
-use crate::quantity::Quantity;
+use crate::quantity::{OtherQuantity, Quantity};
 use crate::record::Role;
 
 /// A text of each function; `set` is false for a text that is not one of its values.
@@ -163,8 +163,10 @@ fn quantity(text: &str) -> Option<Quantity> {
         Quantity::Velocity,
         Quantity::Acceleration,
     ];
-    all.into_iter()
-        .find(|quantity| quantity.to_string() == text)
+    let known = all
+        .into_iter()
+        .find(|quantity| quantity.to_string() == text);
+    known.or_else(|| OtherQuantity::from_name(text).map(Quantity::Other))
 }
 
 fn role_name(role: Role) -> &'static str {

@@ -216,7 +216,7 @@ impl Side {
                 quantity: Some(quantity),
                 to_si: units
                     .filter(|_| field.unit.is_empty())
-                    .map(|units| units.to_si(quantity)),
+                    .and_then(|units| units.to_si(quantity)),
             },
             // 0 and 1 are unknown and general.
             (None, Some(unit)) if matches!(field.code, 0 | 1) => Self {

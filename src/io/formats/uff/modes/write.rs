@@ -288,6 +288,7 @@ fn count_lost(entry: &ModeEntry, root: Option<&Root>, lost: &mut DroppedContent)
         usize::from(bias.is_some()),
     );
     lost.add("residues of modes", mode.residues.len());
+    lost.add("shapes of other quantities", mode.other_shapes.len());
     lost.add(
         "phase collinearity of modes",
         usize::from(mode.mpc.is_some()),
