@@ -30,6 +30,7 @@ use crate::dof::Dof;
 
 use super::FrfSet;
 pub use inertia::Inertia;
+use mass_line::MassLines;
 pub use repair::Repair;
 pub use rows::PlacedSensor;
 use rows::Rows;
@@ -62,8 +63,10 @@ pub fn rigid_body(
     placed: &BTreeMap<Dof, PlacedSensor>,
     band: Option<Band>,
 ) -> Option<RigidBody> {
-    let band = band.or_else(|| mass_line::find_band(set))?;
-    let lines = mass_line::mass_lines(set, band)?;
+    let MassLines { band, lines } = match band {
+        Some(band) => mass_line::stated_mass_lines(set, band),
+        None => mass_line::find_mass_lines(set),
+    }?;
     let rows = Rows::new(set, placed, &lines)?;
     let fault = sensor_faults::find(&rows);
     let repaired = fault

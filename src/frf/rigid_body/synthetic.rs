@@ -16,8 +16,40 @@ use crate::frf::{FrfSet, Function, FunctionData};
 use crate::linalg::{ComplexMatrix, complex_matrix, solve_square};
 use crate::quantity::FrfKind;
 
-/// Noise of a line over the root mean square of the mass lines.
-const NOISE: f64 = 0.01;
+/// Noise and damping of the tests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Family {
+    /// Noise of a line over the root mean square of the mass lines.
+    pub noise: f64,
+    /// Loss factor of the suspension.
+    pub suspension_loss: f64,
+    /// Damping ratio of the elastic modes.
+    pub elastic_damping: f64,
+}
+
+impl Family {
+    /// One percent of noise, and damping as of slings and of steel with joints.
+    pub const CUSTOMARY: Self = Self {
+        noise: 0.01,
+        suspension_loss: 0.05,
+        elastic_damping: 0.01,
+    };
+
+    /// Noise from 0.3 to 3 %, loss factors from 0.02 to 0.15, damping ratios from 0.2 to 2 %.
+    pub fn drawn(seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut between = |lowest: f64, highest: f64| {
+            let exponent: f64 = random.random();
+            lowest * (highest / lowest).powf(exponent)
+        };
+        Self {
+            noise: between(0.003, 0.03),
+            suspension_loss: between(0.02, 0.15),
+            elastic_damping: between(0.002, 0.02),
+        }
+    }
+}
+
 const UNSCALED: Frame = Frame {
     origin_m: [0.0; 3],
     length_m: 1.0,
@@ -36,11 +68,15 @@ pub(super) enum Fault {
 /// A drawn test.
 pub(super) struct SuspendedTest {
     pub set: FrfSet,
+    /// The same FRFs and variances without noise.
+    pub noise_free: FrfSet,
     /// Mass lines without noise, by response and reference.
     pub exact: BTreeMap<(Dof, Dof), f64>,
     /// As the test's description has them.
     pub placed: BTreeMap<Dof, PlacedSensor>,
     pub mass_kg: f64,
+    /// Centre of mass.
+    pub centre_m: [f64; 3],
     /// What mends it.
     pub repair: Option<Repair>,
 }
@@ -114,6 +150,12 @@ impl Body {
         }
     }
 
+    /// First moments over the mass; the moment about z drives along y by x, and so on.
+    fn centre_m(&self) -> [f64; 3] {
+        let moment = |force: usize, about: usize| self.inertia[force][3 + about] / self.mass_kg;
+        [moment(1, 2), moment(2, 0), moment(0, 1)]
+    }
+
     /// A random point of the surface, along a random axis.
     fn sensor(&self, random: &mut ChaCha8Rng) -> PlacedSensor {
         let mut at_m: [f64; 3] =
@@ -139,9 +181,9 @@ impl Body {
     }
 
     /// The motion of the body by a hit, divided by -ω²: receptances.
-    fn receptances(&self, omega: f64, hits: &[PlacedSensor]) -> ComplexMatrix {
+    fn receptances(&self, omega: f64, loss: f64, hits: &[PlacedSensor]) -> ComplexMatrix {
         let dynamic = complex_matrix(6, 6, |a, b| {
-            Complex64::new(1.0, 0.05) * self.stiffness[a][b] - omega * omega * self.inertia[a][b]
+            Complex64::new(1.0, loss) * self.stiffness[a][b] - omega * omega * self.inertia[a][b]
         });
         let force = complex_matrix(6, hits.len(), |a, hit| hits[hit].row(&UNSCALED)[a].into());
         solve_square(&dynamic, &force).expect("a body on springs")
@@ -156,8 +198,8 @@ fn add_square(matrix: &mut [[f64; 6]; 6], row: &[f64; 6], factor: f64) {
     }
 }
 
-/// A test with 8 to 40 sensors and this fault.
-pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
+/// A test of this family with 8 to 40 sensors and this fault.
+pub(super) fn suspended_test(seed: u64, fault: Fault, family: &Family) -> SuspendedTest {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let body = Body::new(&mut random);
     let count = random.random_range(8..=40);
@@ -216,7 +258,7 @@ pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
     let mut values = vec![Vec::with_capacity(axis.len); count * hits.len()];
     for k in 0..axis.len {
         let omega = axis.rad_s(k);
-        let motions = body.receptances(omega, &hits);
+        let motions = body.receptances(omega, family.suspension_loss, &hits);
         for (sensor, placed) in actual.iter().enumerate() {
             let row = placed.row(&UNSCALED);
             for (hit, at) in hits.iter().enumerate() {
@@ -224,7 +266,7 @@ pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
                 let modes = body.elastic.iter().map(|(natural, shape)| {
                     let product = body.component(shape, placed) * body.component(shape, at);
                     let stiff = natural * natural - omega * omega;
-                    product / Complex64::new(stiff, 0.02 * natural * omega)
+                    product / Complex64::new(stiff, 2.0 * family.elastic_damping * natural * omega)
                 });
                 let receptance = rigid + modes.sum::<Complex64>();
                 let value = -omega * omega * factor[sensor] * receptance;
@@ -238,7 +280,7 @@ pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
         stiffness: [[0.0; 6]; 6],
         ..Body::new(&mut ChaCha8Rng::seed_from_u64(seed))
     };
-    let rigid = free.receptances(1.0, &hits);
+    let rigid = free.receptances(1.0, 0.0, &hits);
     for (hit, at) in hits.iter().enumerate() {
         placed.insert(dof(1 + hit), *at);
         for (sensor, actual) in actual.iter().enumerate() {
@@ -254,12 +296,12 @@ pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
             .map(|(sensor, at)| (sensor_dof(sensor), *at)),
     );
     let rms = (exact.values().map(|v| v * v).sum::<f64>() / exact.len() as f64).sqrt();
-    let mut set = FrfSet::new(axis);
+    let (mut set, mut noise_free) = (FrfSet::new(axis), FrfSet::new(axis));
     for sensor in 0..count {
         for hit in 0..hits.len() {
             let clean = &values[sensor * hits.len() + hit];
             let noise = clean.iter().map(|value| {
-                let mut part = || NOISE * rms * random.sample::<f64, _>(StandardNormal);
+                let mut part = || family.noise * rms * random.sample::<f64, _>(StandardNormal);
                 value + Complex64::new(part(), part())
             });
             let function = Function {
@@ -270,19 +312,24 @@ pub(super) fn suspended_test(seed: u64, fault: Fault) -> SuspendedTest {
                 estimator: None,
                 variance_dof: None,
             };
-            let data = FunctionData {
-                values: noise.collect(),
+            let data = |values: Vec<Complex64>| FunctionData {
+                values,
                 coherence: None,
-                variance: Some(vec![2.0 * (NOISE * rms).powi(2); axis.len]),
+                variance: Some(vec![2.0 * (family.noise * rms).powi(2); axis.len]),
             };
-            set.push(function, data).expect("each pair once");
+            let noisy = data(noise.collect());
+            set.push(function.clone(), noisy).expect("each pair once");
+            let clean = data(clean.clone());
+            noise_free.push(function, clean).expect("each pair once");
         }
     }
     SuspendedTest {
         set,
+        noise_free,
         exact,
         placed,
         mass_kg: body.mass_kg,
+        centre_m: body.centre_m(),
         repair,
     }
 }
