@@ -177,58 +177,31 @@ impl Rows {
 
     /// The motion that fits the sensors of each hit.
     pub fn fit(&self, rows: &[Vec<f64>], left_out: &[usize]) -> Option<Vec<Motion>> {
-        (0..self.hits.len())
-            .map(|hit| self.fit_hit(rows, left_out, hit))
-            .collect()
+        let equations = self.normal_equations(rows, left_out);
+        equations.iter().map(NormalEquations::motion).collect()
     }
 
-    fn fit_hit(&self, rows: &[Vec<f64>], left_out: &[usize], hit: usize) -> Option<Motion> {
-        let rank = self.motions.ncols();
-        let mut normal = vec![0.0; rank * rank];
-        let mut right = vec![0.0; rank];
-        let mut square = 0.0;
-        let mut count = 0;
-        for (sensor, row) in rows.iter().enumerate() {
-            let measured = self.entries[sensor][hit].zip(self.variance(sensor, hit));
-            let Some((line, variance)) = measured.filter(|_| !left_out.contains(&sensor)) else {
-                continue;
-            };
-            count += 1;
-            square += line.value * line.value / variance;
-            for a in 0..rank {
-                right[a] += row[a] * line.value / variance;
-                for b in 0..rank {
-                    normal[a * rank + b] += row[a] * row[b] / variance;
+    /// The normal equations of the motion of each hit.
+    pub fn normal_equations(&self, rows: &[Vec<f64>], left_out: &[usize]) -> Vec<NormalEquations> {
+        let of_hit = |hit: usize| {
+            let mut equations = NormalEquations::new(self.motions.ncols());
+            for (sensor, row) in rows.iter().enumerate() {
+                if !left_out.contains(&sensor)
+                    && let Some(line) = self.reading(sensor, hit)
+                {
+                    equations.add(row, &line, 1.0);
                 }
             }
-        }
-        if count < rank {
-            // Too few sensors of this hit say nothing of each other.
-            return Some(Motion {
-                values: vec![0.0; rank],
-                covariance: real_matrix(rank, rank, |a, b| if a == b { f64::MAX } else { 0.0 }),
-                misfit: 0.0,
-                freedom: 0.0,
-            });
-        }
-        let matrix = real_matrix(rank, rank, |a, b| normal[a * rank + b]);
-        let columns = real_matrix(rank, rank + 1, |a, column| match column {
-            0 => right[a],
-            column => f64::from(u8::from(column == a + 1)),
-        });
-        let solved = solve_definite(&matrix, &columns).ok()?;
-        let values: Vec<f64> = (0..rank).map(|a| solved[(a, 0)]).collect();
-        let explained: f64 = values
-            .iter()
-            .zip(&right)
-            .map(|(value, right)| value * right)
-            .sum();
-        Some(Motion {
-            covariance: real_matrix(rank, rank, |a, b| solved[(a, b + 1)]),
-            values,
-            misfit: (square - explained).max(0.0),
-            freedom: count as f64 - rank as f64,
-        })
+            equations
+        };
+        (0..self.hits.len()).map(of_hit).collect()
+    }
+
+    /// An entry with its variance with errors of calibration.
+    pub fn reading(&self, sensor: usize, hit: usize) -> Entry {
+        let line = self.entries[sensor][hit]?;
+        let variance = self.variance(sensor, hit)?;
+        Some(MassLine { variance, ..line })
     }
 
     /// Sum of squares of what does not fit over its degrees of freedom.
@@ -277,6 +250,70 @@ impl Rows {
             }
         }
         rows
+    }
+}
+
+/// Normal equations of the motion of one hit, by least squares with the variances of the readings.
+#[derive(Clone, Debug)]
+pub(super) struct NormalEquations {
+    normal: Vec<f64>,
+    right: Vec<f64>,
+    /// Sum of squares of the readings, over the variances.
+    square: f64,
+    count: f64,
+}
+
+impl NormalEquations {
+    fn new(rank: usize) -> Self {
+        Self {
+            normal: vec![0.0; rank * rank],
+            right: vec![0.0; rank],
+            square: 0.0,
+            count: 0.0,
+        }
+    }
+
+    /// Adds a reading `count` times; -1 takes it away.
+    pub fn add(&mut self, row: &[f64], line: &MassLine, count: f64) {
+        let weight = count / line.variance;
+        self.count += count;
+        self.square += weight * line.value * line.value;
+        for (a, of_a) in row.iter().enumerate() {
+            self.right[a] += weight * of_a * line.value;
+            for (b, of_b) in row.iter().enumerate() {
+                self.normal[a * row.len() + b] += weight * of_a * of_b;
+            }
+        }
+    }
+
+    /// The motion that fits; `None` where the equations are singular.
+    pub fn motion(&self) -> Option<Motion> {
+        let rank = self.right.len();
+        let freedom = self.count - rank as f64;
+        if freedom < 0.0 {
+            // Too few sensors of this hit say nothing of each other.
+            return Some(Motion {
+                values: vec![0.0; rank],
+                covariance: real_matrix(rank, rank, |a, b| if a == b { f64::MAX } else { 0.0 }),
+                misfit: 0.0,
+                freedom: 0.0,
+            });
+        }
+        let matrix = real_matrix(rank, rank, |a, b| self.normal[a * rank + b]);
+        let columns = real_matrix(rank, rank + 1, |a, column| match column {
+            0 => self.right[a],
+            column => f64::from(u8::from(column == a + 1)),
+        });
+        let solved = solve_definite(&matrix, &columns).ok()?;
+        let values: Vec<f64> = (0..rank).map(|a| solved[(a, 0)]).collect();
+        let products = values.iter().zip(&self.right);
+        let explained: f64 = products.map(|(value, right)| value * right).sum();
+        Some(Motion {
+            covariance: real_matrix(rank, rank, |a, b| solved[(a, b + 1)]),
+            values,
+            misfit: (self.square - explained).max(0.0),
+            freedom,
+        })
     }
 }
 

@@ -35,51 +35,78 @@ pub struct SensorFault {
     pub fall: f64,
 }
 
+/// A change of the test's description with the sum of squares that it leaves.
+struct Hypothesis {
+    repair: Repair,
+    sum_of_squares: f64,
+}
+
+/// The motions that fit all sensors but one.
+struct FitWithout {
+    sensor: usize,
+    motions: Vec<Motion>,
+}
+
+impl FitWithout {
+    fn sum_of_squares(&self) -> f64 {
+        sum_of_squares(&self.motions)
+    }
+}
+
+/// What a sensor reads of one hit, with the variance of errors of calibration.
+struct Reading {
+    hit: usize,
+    line: MassLine,
+}
+
 /// The one fault that explains what does not fit; `None` where all sensors fit, or no single fault
 /// explains it.
 pub(super) fn find(rows: &Rows) -> Option<SensorFault> {
     let seen = rows.seen_rows();
     let all = rows.fit(&seen, &[])?;
-    let total = sum(&all);
+    let total = sum_of_squares(&all);
     let freedom: f64 = all.iter().map(|motion| motion.freedom).sum();
+    let without = |sensor: usize| {
+        let motions = rows.fit(&seen, &[sensor])?;
+        Some(FitWithout { sensor, motions })
+    };
     // No repair of a sensor takes away more than leaving it out does.
-    let fits: Vec<(usize, Vec<Motion>)> = (0..rows.sensors.len())
-        .filter_map(|sensor| Some((sensor, rows.fit(&seen, &[sensor])?)))
-        .filter(|(_, without)| total - sum(without) >= MIN_FALL_OF_ONE)
+    let fits: Vec<FitWithout> = (0..rows.sensors.len())
+        .filter_map(without)
+        .filter(|fit| total - fit.sum_of_squares() >= MIN_FALL_OF_ONE)
         .collect();
-    let suspects: Vec<usize> = fits.iter().map(|(sensor, _)| *sensor).collect();
-    let of_fit =
-        |(sensor, without): &(usize, Vec<Motion>)| of_sensor(rows, &seen, *sensor, without);
-    let mut hypotheses: Vec<(f64, Repair)> = fits.iter().flat_map(of_fit).collect();
+    let of_sensors = fits.iter().flat_map(|fit| of_sensor(rows, &seen, fit));
+    let mut hypotheses: Vec<Hypothesis> = of_sensors.collect();
+    let suspects: Vec<usize> = fits.iter().map(|fit| fit.sensor).collect();
     hypotheses.extend(exchanges(rows, &seen, &suspects));
-    hypotheses.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (left, repair) = hypotheses.first()?;
-    let fall = total - left;
+    hypotheses.sort_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares));
+    let best = hypotheses.first()?;
+    let fall = total - best.sum_of_squares;
     let explained = fall >= MIN_FALL && fall >= MIN_FALL_PART * (total - freedom);
-    let dof = repair_dof(repair);
-    let is_rival = |(_, other): &&(f64, Repair)| !is_same(repair, other);
-    let rival = hypotheses.iter().skip(1).find(is_rival);
     if !explained {
         return None;
     }
-    let lead = rival.map_or(f64::INFINITY, |(other, _)| other - left);
+    let dof = repair_dof(&best.repair);
+    let is_rival = |other: &&Hypothesis| !is_same(&best.repair, &other.repair);
+    let rival = hypotheses.iter().skip(1).find(is_rival);
+    let lead = rival.map_or(f64::INFINITY, |other| {
+        other.sum_of_squares - best.sum_of_squares
+    });
     if lead >= MIN_LEAD {
-        let repair = repair.clone();
+        let repair = best.repair.clone();
         return Some(SensorFault { dof, repair, fall });
     }
-    let repair = ambiguous(&hypotheses, *left)?;
-    let is_it = |(sensor, _): &&(usize, Vec<Motion>)| rows.sensors[*sensor].0 == dof;
-    let fall = fits
-        .iter()
-        .find(is_it)
-        .map(|(_, without)| total - sum(without))?;
+    let repair = ambiguous(&hypotheses, best)?;
+    let without = fits.iter().find(|fit| rows.sensors[fit.sensor].0 == dof)?;
+    let fall = total - without.sum_of_squares();
     Some(SensorFault { dof, repair, fall })
 }
 
-/// Of hypotheses that are too near to tell: the sensor, where all are about it.
-fn ambiguous(hypotheses: &[(f64, Repair)], best: f64) -> Option<Repair> {
-    let near = hypotheses.iter().filter(|(left, _)| left - best < MIN_LEAD);
-    let mut dofs = near.map(|(_, repair)| repair_dof(repair));
+/// Of hypotheses that are too near to separate: the sensor, where all are about it.
+fn ambiguous(hypotheses: &[Hypothesis], best: &Hypothesis) -> Option<Repair> {
+    let is_near = |other: &&Hypothesis| other.sum_of_squares - best.sum_of_squares < MIN_LEAD;
+    let near = hypotheses.iter().filter(is_near);
+    let mut dofs = near.map(|hypothesis| repair_dof(&hypothesis.repair));
     let first = dofs.next()?;
     dofs.all(|dof| dof == first)
         .then_some(Repair::LeftOut(first))
@@ -101,7 +128,7 @@ fn is_same(one: &Repair, other: &Repair) -> bool {
     }
 }
 
-fn sum(motions: &[Motion]) -> f64 {
+fn sum_of_squares(motions: &[Motion]) -> f64 {
     motions.iter().map(|motion| motion.misfit).sum()
 }
 
@@ -110,42 +137,42 @@ fn distance(measured: &MassLine, predicted: &MassLine) -> f64 {
     (measured.value - predicted.value).powi(2) / (measured.variance + predicted.variance)
 }
 
-/// The hypotheses about one sensor with the sums of squares that they leave; `motions` fit the
-/// others.
-fn of_sensor(
-    rows: &Rows,
-    seen: &[Vec<f64>],
-    sensor: usize,
-    motions: &[Motion],
-) -> Vec<(f64, Repair)> {
-    let others = sum(motions);
+/// The hypotheses about one sensor; the motions fit the others.
+fn of_sensor(rows: &Rows, seen: &[Vec<f64>], fit: &FitWithout) -> Vec<Hypothesis> {
+    let (sensor, motions) = (fit.sensor, fit.motions.as_slice());
+    let others = fit.sum_of_squares();
     let (dof, placed) = &rows.sensors[sensor];
-    let measured: Vec<(usize, MassLine)> = (0..rows.hits.len())
+    let readings: Vec<Reading> = (0..rows.hits.len())
         .filter_map(|hit| {
-            let line = rows.entries[sensor][hit]?;
-            let variance = rows.variance(sensor, hit)?;
-            Some((hit, MassLine { variance, ..line }))
+            let line = rows.reading(sensor, hit)?;
+            Some(Reading { hit, line })
         })
         .collect();
     let left = |row: &[f64], factor: f64| {
-        let of_hit = |(hit, line): &(usize, MassLine)| {
+        let of_hit = |reading: &Reading| {
             let scaled = MassLine {
-                value: factor * line.value,
-                variance: factor * factor * line.variance,
+                value: factor * reading.line.value,
+                variance: factor * factor * reading.line.variance,
             };
-            distance(&scaled, &motions[*hit].reading(row))
+            distance(&scaled, &motions[reading.hit].reading(row))
         };
-        others + measured.iter().map(of_hit).sum::<f64>()
+        others + readings.iter().map(of_hit).sum::<f64>()
     };
     let row_of_sensor = &seen[sensor];
     let sign = left(row_of_sensor, -1.0);
-    let mut hypotheses = vec![(sign, Repair::Sign(dof.clone()))];
-    if let Some((gain, std)) = gain(&measured, motions, row_of_sensor) {
+    let mut hypotheses = vec![Hypothesis {
+        repair: Repair::Sign(dof.clone()),
+        sum_of_squares: sign,
+    }];
+    if let Some(FittedGain { gain, std }) = fit_gain(&readings, motions, row_of_sensor) {
         let left = left(row_of_sensor, gain.recip());
         let is_sign = gain < 0.0 && sign - left < MIN_FALL_OF_GAIN;
         if !is_sign {
             let dof = dof.clone();
-            hypotheses.push((left, Repair::Gain { dof, gain, std }));
+            hypotheses.push(Hypothesis {
+                repair: Repair::Gain { dof, gain, std },
+                sum_of_squares: left,
+            });
         }
     }
     for axis in 0..3 {
@@ -165,18 +192,27 @@ fn of_sensor(
             if let Some(row) = row {
                 let dof = dof.clone();
                 let repair = Repair::Direction { dof, direction };
-                hypotheses.push((left(&row, 1.0), repair));
+                hypotheses.push(Hypothesis {
+                    repair,
+                    sum_of_squares: left(&row, 1.0),
+                });
             }
         }
     }
     hypotheses
 }
 
-/// What a sensor reads over what it should, by least squares with the variances of its readings,
-/// and its standard deviation.
-fn gain(measured: &[(usize, MassLine)], motions: &[Motion], row: &[f64]) -> Option<(f64, f64)> {
+/// What a sensor reads over what it should, with its standard deviation.
+struct FittedGain {
+    gain: f64,
+    std: f64,
+}
+
+/// A gain by least squares with the variances of the readings; `None` where the prediction is too
+/// uncertain.
+fn fit_gain(readings: &[Reading], motions: &[Motion], row: &[f64]) -> Option<FittedGain> {
     let (mut product, mut square, mut signal) = (0.0, 0.0, 0.0);
-    for (hit, line) in measured {
+    for Reading { hit, line } in readings {
         let predicted = motions[*hit].reading(row);
         product += line.value * predicted.value / line.variance;
         square += predicted.value * predicted.value / line.variance;
@@ -187,24 +223,36 @@ fn gain(measured: &[(usize, MassLine)], motions: &[Motion], row: &[f64]) -> Opti
     let is_known = signal > MIN_FALL && gain.is_finite() && gain.abs() > 1e-6;
     // The readings are uncertain, and what they are compared with.
     let std = (square.recip() + gain * gain / signal).sqrt();
-    is_known.then_some((gain, std))
+    is_known.then_some(FittedGain { gain, std })
 }
 
-/// Every two suspects in each other's place.
-fn exchanges(rows: &Rows, seen: &[Vec<f64>], suspects: &[usize]) -> Vec<(f64, Repair)> {
+/// Every two suspects in each other's place. An exchange changes two rows of the normal equations,
+/// so that each pair costs the same with any number of sensors.
+fn exchanges(rows: &Rows, seen: &[Vec<f64>], suspects: &[usize]) -> Vec<Hypothesis> {
+    let equations = rows.normal_equations(seen, &[]);
     let mut hypotheses = Vec::new();
     for (place, &one) in suspects.iter().enumerate() {
         for &other in &suspects[place + 1..] {
-            let mut exchanged = seen.to_vec();
-            exchanged.swap(one, other);
-            let is_same_row = seen[one]
-                .iter()
-                .zip(&seen[other])
-                .all(|(a, b)| (a - b).abs() < 1e-9);
-            let motions = (!is_same_row).then(|| rows.fit(&exchanged, &[])).flatten();
+            let mut components = seen[one].iter().zip(&seen[other]);
+            let is_same_row = components.all(|(a, b)| (a - b).abs() < 1e-9);
+            let exchanged = |hit: usize| {
+                let mut equations = equations[hit].clone();
+                for (sensor, partner) in [(one, other), (other, one)] {
+                    if let Some(line) = rows.reading(sensor, hit) {
+                        equations.add(&seen[sensor], &line, -1.0);
+                        equations.add(&seen[partner], &line, 1.0);
+                    }
+                }
+                equations.motion()
+            };
+            let motions = || (0..rows.hits.len()).map(exchanged).collect();
+            let motions: Option<Vec<Motion>> = if is_same_row { None } else { motions() };
             if let Some(motions) = motions {
                 let [a, b] = [one, other].map(|sensor| rows.sensors[sensor].0.clone());
-                hypotheses.push((sum(&motions), Repair::Exchanged(a, b)));
+                hypotheses.push(Hypothesis {
+                    repair: Repair::Exchanged(a, b),
+                    sum_of_squares: sum_of_squares(&motions),
+                });
             }
         }
     }
