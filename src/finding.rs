@@ -110,11 +110,14 @@ codes! {
     BlockLeakage: "The blocks are short for the resonances: leakage lowers the peaks of the FRFs.",
         "Steady random excitation is averaged in blocks with Hann windows. At a resonance that decays for longer than a block, the response of one block comes from the force of the one before, and the peak is too low. The value is the bias of the peak, computed from its change by blocks of half the length. Identification corrects poles by the line shape of the stated window; FRFs, coherence and residues at the peaks remain too low. Use longer blocks (--block-length, `block_length_s` in [frf]), longer records, or burst random.";
     /// A sensor that does not move with the rigid body.
-    SensorNotRigid: "This sensor or hit does not move with the rigid body between the suspension's modes and the first elastic one.",
-        "Between the modes of a soft suspension and the first elastic mode a structure moves as a rigid body, so that six numbers say what every sensor reads. The detail says what would make this one fit: its sign, axis, gain, or the place of another sensor. Its position may be wrong as well. The value is by how much the sum of squares of what does not fit falls. Check cable, sensitivity, direction and position.";
+    SensorNotRigid: "This sensor or hit does not move with its rigid body.",
+        "Between the modes of a soft suspension and the first elastic mode a structure moves as a rigid body, so that six numbers say what every sensor reads. A body of a machine does so in the modes below its first one; the detail then names the body of the model and the modes. The detail says what would make this one fit: its sign, axis, gain, or the place of another sensor. Its position may be wrong as well. The value is by how much the sum of squares of what does not fit falls. Check cable, sensitivity, direction and position.";
     /// The mass from the mass line.
     MassOfMassLine: "The FRFs between the suspension's modes and the first elastic one give a mass.",
         "A rigid body has ten inertia parameters; hits at several points and the positions of sensors and hits determine them (Okubo and Furusawa 1986; Almeida, Urgueira and Maia 2007). A weighed mass that differs shows a wrong calibration of hammer or accelerometers. The value is the mass.";
+    /// A stated mass that differs from that of the mass line.
+    MassDiffers: "The mass of the mass line differs from the stated mass.",
+        "Between the suspension's modes and the first elastic one an accelerance is that of a rigid body, whose level is one over its mass. A wrong calibration of the hammer, or of all accelerometers, changes all FRFs by one factor, and the modal masses by its inverse; frequencies and damping stay. The value is the difference over the stated mass, the limit 1.96 deviations of the mass line and of a calibration of 2 %. Check sensitivities and units, the mass that is added to the hammer tip, and `mass_kg` of [test.state] with all attached parts.";
     /// FRFs with both halves of the transform.
     TwoSided: "The FRFs are two-sided: their upper half is the mirror image of the lower. It was left out.",
         "The transform of a real record repeats its lower half, mirrored and conjugate, above half the sampling rate. Modes that are found there are images of those below. The value is half the sampling rate.";

@@ -7,13 +7,14 @@ use crate::axis::Band;
 use crate::error::Error;
 use crate::frf::{
     BeforeYouLeave, EstimateOptions, Estimator, Excitation, FrfSet, HammerOptions,
-    HammerTestResult, HitReport, ResponseWindow, before_you_leave, evaluate_test,
+    HammerTestResult, HitReport, ResponseWindow, evaluate_test,
 };
+use crate::geometry::Geometry;
 use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{before_you_leave_blocks, frf_block, hits_block, hits_screen, json};
 use crate::scene::{
-    FilePlan, IngestOptions, Ingested, Scene, TestSource, force_window, ingest_files,
-    mass_line_findings, offset,
+    FilePlan, IngestOptions, Ingested, Scene, TestSource, TestState, force_window, ingest_files,
+    leaving_list, mass_line_findings, offset,
 };
 
 use crate::signal::{Offset, TriggerOptions};
@@ -43,7 +44,18 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     let options = options(args, scene.as_ref())?;
     let mut recording = data.recording.ok_or_else(no_records)?;
     let result = evaluate_test(recording.as_mut(), &options)?;
-    let list = before_you_leave(&result);
+    let sensors = scene
+        .as_ref()
+        .map_or(&[][..], |scene| scene.sensors.as_slice());
+    let test = scene.as_ref().and_then(|scene| scene.tests.first());
+    let state = test.map_or_else(TestState::default, |test| test.state.clone());
+    let mut geometry = data.geometry.clone();
+    geometry.add(
+        &scene
+            .as_ref()
+            .map_or_else(Geometry::default, |scene| scene.points.clone()),
+    );
+    let list = leaving_list(&result, &geometry, sensors, &state);
     let HammerTestResult {
         estimated,
         hits,
@@ -79,10 +91,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.add_json(|| set_json(&set, usable, &hits, &list));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);
-    let sensors = scene
-        .as_ref()
-        .map_or(&[][..], |scene| scene.sensors.as_slice());
-    output.add_findings(&mass_line_findings(&set, &data.geometry, sensors));
+    output.add_findings(&mass_line_findings(&set, &geometry, sensors, &state));
     Ok(Outcome::missed_if(data.partly_bad))
 }
 

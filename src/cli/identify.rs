@@ -12,8 +12,8 @@ use crate::report::{
     stabilization_block,
 };
 use crate::scene::{
-    FilePlan, IngestOptions, SceneError, add_file_dofs, identify_sets, indicators_of_sets,
-    ingest_files, mass_line_findings,
+    FilePlan, IngestOptions, SceneError, TestState, add_file_dofs, identify_sets,
+    indicators_of_sets, ingest_files, mass_line_findings,
 };
 
 use super::args::IdentifyArgs;
@@ -75,8 +75,9 @@ pub fn identify(
     let inputs = args.inputs.iter().map(|path| input(path));
     modes.inputs = add_file_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
-    let mass_lines = data.frfs.iter();
-    let mass_lines = mass_lines.flat_map(|set| mass_line_findings(set, &data.geometry, &[]));
+    let (mass_lines, no_state) = (data.frfs.iter(), TestState::default());
+    let mass_lines =
+        mass_lines.flat_map(|set| mass_line_findings(set, &data.geometry, &[], &no_state));
     modes.findings.extend(mass_lines);
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {

@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::error::Error;
-use crate::frf::{
-    BeforeYouLeave, HammerOptions, HammerTestResult, before_you_leave, evaluate_test,
-};
+use crate::frf::{BeforeYouLeave, HammerOptions, evaluate_test};
 use crate::io::HitGrouping;
 use crate::report::{Block, before_you_leave_blocks, before_you_leave_screen, json};
+use crate::scene::{TestState, leaving_list};
 use crate::study::counted;
 
 use super::args::FrfArgs;
@@ -93,6 +92,12 @@ fn list(folder: &Path) -> Result<Listing, Error> {
     Ok(entries.flatten().filter_map(file).collect())
 }
 
+/// The number of hits of a test, and what to repeat.
+struct Evaluated {
+    hits: usize,
+    list: BeforeYouLeave,
+}
+
 /// How the files of a test are read and evaluated.
 struct WatchedTest<'a> {
     args: &'a FrfArgs,
@@ -102,11 +107,15 @@ struct WatchedTest<'a> {
 }
 
 impl WatchedTest<'_> {
-    fn evaluate(&self, paths: &BTreeSet<PathBuf>) -> Result<HammerTestResult, Error> {
+    fn evaluate(&self, paths: &BTreeSet<PathBuf>) -> Result<Evaluated, Error> {
         let paths: Vec<PathBuf> = paths.iter().cloned().collect();
         let data = ingest_recordings(self.args, &paths, self.grouping, self.format)?;
         let mut recording = data.recording.ok_or_else(no_records)?;
-        Ok(evaluate_test(recording.as_mut(), &self.options)?)
+        let result = evaluate_test(recording.as_mut(), &self.options)?;
+        Ok(Evaluated {
+            hits: result.hits.len(),
+            list: leaving_list(&result, &data.geometry, &[], &TestState::default()),
+        })
     }
 }
 
@@ -169,8 +178,8 @@ impl Watched {
         }
         let result = test.evaluate(&all)?;
         self.used = all;
-        self.hits = result.hits.len();
-        self.list = Some(before_you_leave(&result));
+        self.hits = result.hits;
+        self.list = Some(result.list);
         Ok(())
     }
 

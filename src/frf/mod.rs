@@ -66,6 +66,7 @@ pub use before_you_leave::hit_again::{
     Cause, HitAgain, MIN_GOOD_HITS, PointCheck, Reason, ResonanceDeviation,
 };
 pub use before_you_leave::linearity::Linearity;
+pub use before_you_leave::mass_line::{MassLineCheck, SupportCheck};
 pub use before_you_leave::{BeforeYouLeave, CheckItem, before_you_leave};
 pub(crate) use coherence::variance_from_coherence;
 pub(crate) use consistency::check_functions;

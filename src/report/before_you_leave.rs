@@ -1,11 +1,13 @@
 //! The section *Before you leave* lists what to repeat or to add while the structure is there:
-//! points to hit again with their reasons, linearity, reciprocity, driving points and drift.
+//! points to hit again with their reasons, linearity, reciprocity, driving points, drift, mass line
+//! and support.
 
 use crate::dof::Dof;
 use crate::finding::Location;
+use crate::frf::rigid_body::MassComparison;
 use crate::frf::{
     BeforeYouLeave, Cause, CheckItem, Drift, DrivingPoints, HitAgain, Linearity, MIN_GOOD_HITS,
-    PairFigures, PointCheck, Reason, ResonanceDrift,
+    MassLineCheck, PairFigures, PointCheck, Reason, ResonanceDrift, SupportCheck,
 };
 use crate::signal::Rule;
 use crate::study::counted;
@@ -275,14 +277,89 @@ fn points_table(points: &HitAgain) -> Block {
 
 /// A line for each item but the points.
 fn item_lines(list: &BeforeYouLeave) -> Vec<String> {
-    let line = |item: &CheckItem| match item {
-        CheckItem::HitAgain(_) => None,
-        CheckItem::Linearity(linearity) => Some(linearity_line(linearity)),
-        CheckItem::Reciprocity(figures) => Some(reciprocity_line(figures.as_ref())),
-        CheckItem::DrivingPoints(points) => Some(driving_point_line(points.as_ref())),
-        CheckItem::Drift(drift) => Some(drift_sentence(drift.as_ref())),
+    let lines = |item: &CheckItem| match item {
+        CheckItem::HitAgain(_) => Vec::new(),
+        CheckItem::Linearity(linearity) => vec![linearity_line(linearity)],
+        CheckItem::Reciprocity(figures) => vec![reciprocity_line(figures.as_ref())],
+        CheckItem::DrivingPoints(points) => vec![driving_point_line(points.as_ref())],
+        CheckItem::Drift(drift) => vec![drift_sentence(drift.as_ref())],
+        CheckItem::MassLine(check) => mass_line_lines(check.as_deref()),
+        CheckItem::Support(check) => vec![support_line(check)],
     };
-    list.items.iter().filter_map(line).collect()
+    list.items.iter().flat_map(lines).collect()
+}
+
+/// The mass, the stated mass, and the sensors of a mass line.
+fn mass_line_lines(check: Option<&MassLineCheck>) -> Vec<String> {
+    let Some(MassLineCheck { body, mass }) = check else {
+        return vec!["Mass line: not tested; it needs positions ([[point]], [[sensor]]) of more than six sensors and a soft suspension.".to_owned()];
+    };
+    let (lo, hi) = (
+        significant(body.band.lo_hz, 3),
+        significant(body.band.hi_hz, 3),
+    );
+    let mut lines = vec![match &body.inertia {
+        Some(inertia) => format!(
+            "Mass line: {} ± {} kg from {lo} to {hi} Hz.",
+            significant(inertia.mass_kg, 4),
+            significant(inertia.mass_std_kg, 2)
+        ),
+        None => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined; hit three points or more in different directions."
+        ),
+    }];
+    lines.extend(mass.as_ref().map(stated_mass_line));
+    lines.push(match &body.fault {
+        None => format!("Mass line: {} move as a rigid body.", counted(body.sensors, "sensor")),
+        Some(fault) => format!(
+            "Mass line: {} does not move with the rigid body; {}: check cable, sensitivity, direction and position.",
+            fault.dof, fault.repair
+        ),
+    });
+    lines
+}
+
+fn stated_mass_line(mass: &MassComparison) -> String {
+    let stated = significant(mass.stated_kg, 4);
+    let difference = signed_percent(mass.difference());
+    let limit = percent(mass.limit);
+    match mass.differs() {
+        false => {
+            format!("Mass line: stated mass {stated} kg, difference {difference} % ({limit} %).")
+        }
+        true => format!(
+            "Mass line: stated mass {stated} kg, difference {difference} % ({limit} %): all FRFs are {} times what they should be; check the calibration of hammer and accelerometers.",
+            significant(mass.gain(), 3)
+        ),
+    }
+}
+
+fn support_line(check: &SupportCheck) -> String {
+    let support = check.support;
+    let (Some(rigid_body_hz), Some(elastic_hz)) = (check.rigid_body_hz, check.elastic_hz) else {
+        return match check.is_tested() {
+            true => format!("Support: {support}."),
+            false => format!(
+                "Support: {support}, not tested; state highest_rigid_body_hz in [test.state]."
+            ),
+        };
+    };
+    let (rigid, elastic) = (significant(rigid_body_hz, 3), significant(elastic_hz, 4));
+    let ratio = significant(rigid_body_hz / elastic_hz, 2);
+    let Some(limit) = check.limit else {
+        return format!(
+            "Support: {support}; highest rigid-body mode {rigid} Hz, first elastic mode {elastic} Hz."
+        );
+    };
+    let limit = significant(limit, 2);
+    match check.is_stiff() {
+        false => format!(
+            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first elastic mode at {elastic} Hz ({limit})."
+        ),
+        true => format!(
+            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first elastic mode at {elastic} Hz ({limit}): it raises that mode; hang the structure more softly."
+        ),
+    }
 }
 
 fn linearity_line(linearity: &Linearity) -> String {
@@ -453,6 +530,11 @@ fn item_state(item: &CheckItem) -> State {
             let worst = drift.as_ref().and_then(worst_drift);
             state(worst.is_some(), worst.is_some_and(is_drift))
         }
+        CheckItem::MassLine(check) => state(
+            check.is_some(),
+            check.as_ref().is_some_and(|check| !check.is_right()),
+        ),
+        CheckItem::Support(check) => state(check.is_tested(), check.is_stiff()),
     }
 }
 
@@ -463,5 +545,51 @@ fn item_name(item: &CheckItem) -> Option<&'static str> {
         CheckItem::Reciprocity(_) => Some("reciprocity"),
         CheckItem::DrivingPoints(_) => Some("driving points"),
         CheckItem::Drift(_) => Some("drift"),
+        CheckItem::MassLine(_) => Some("mass line"),
+        CheckItem::Support(_) => Some("support"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suspension_has_its_ratio_and_limit() {
+        let mut check = SupportCheck {
+            support: "suspended",
+            rigid_body_hz: Some(3.5),
+            elastic_hz: Some(100.0),
+            limit: Some(0.1),
+        };
+        let right = support_line(&check);
+        assert!(
+            right.contains("3.5 Hz, 0.035 of") && right.ends_with("(0.1)."),
+            "{right}"
+        );
+        assert!(item_state(&CheckItem::Support(check.clone())) == State::Right);
+        check.rigid_body_hz = Some(20.0);
+        assert!(support_line(&check).contains("more softly"));
+        assert!(item_state(&CheckItem::Support(check.clone())) == State::Wrong);
+        check.rigid_body_hz = None;
+        assert!(support_line(&check).contains("highest_rigid_body_hz"));
+        assert!(item_state(&CheckItem::Support(check)) == State::NotTested);
+    }
+
+    #[test]
+    fn stated_mass_has_its_difference_and_limit() {
+        let mut mass = MassComparison {
+            stated_kg: 20.0,
+            found_kg: 20.2,
+            std_kg: 0.05,
+            limit: 0.04,
+        };
+        assert!(stated_mass_line(&mass).ends_with("difference +1 % (4 %)."));
+        mass.found_kg = 18.0;
+        let line = stated_mass_line(&mass);
+        assert!(
+            line.contains("-10 %") && line.contains("1.11 times"),
+            "{line}"
+        );
     }
 }

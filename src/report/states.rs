@@ -20,7 +20,7 @@ fn text(value: Option<&str>) -> Cell {
     value.map_or(Cell::Missing, Cell::text)
 }
 
-const COLUMNS: [StateColumn; 8] = [
+const COLUMNS: [StateColumn; 9] = [
     StateColumn {
         head: "support",
         is_number: false,
@@ -30,6 +30,11 @@ const COLUMNS: [StateColumn; 8] = [
         head: "highest rigid-body mode (Hz)",
         is_number: true,
         cell: |state| number(state.highest_rigid_body_hz),
+    },
+    StateColumn {
+        head: "mass (kg)",
+        is_number: true,
+        cell: |state| number(state.mass_kg),
     },
     StateColumn {
         head: "preload (N)",

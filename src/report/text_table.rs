@@ -244,6 +244,7 @@ pub(super) static TEXTS: Texts = Texts {
         states: "Supports and states of tests and model", "试验与模型的支承与状态";
         support: "support", "支承";
         highest_rigid_body_hz: "highest rigid-body mode (Hz)", "最高刚体模态 (Hz)";
+        mass_kg: "mass (kg)", "质量 (kg)";
         preload_n: "preload (N)", "预紧力 (N)";
         torque_nm: "torque (N m)", "扭矩 (N m)";
         shaft_angle_deg: "shaft angle (°)", "轴转角 (°)";
@@ -344,6 +345,18 @@ pub(super) static TEXTS: Texts = Texts {
         drift_without_resonance: "Drift: not tested; no isolated resonance in the hits that were repeated.", "漂移：未检验；重复的锤击中没有孤立的共振。";
         no_drift: "Drift: none at {} from {} to {}; {}.", "漂移：{} 处无，从 {} 至 {}；{}。";
         drifted: "Drift: at {} from {} to {} {}: check supports, temperature and sensors, then repeat.", "漂移：{} 处，从 {} 至 {}，{}：请检查支承、温度与传感器，然后重复。";
+        no_mass_line: "Mass line: not tested; it needs positions ([[point]], [[sensor]]) of more than six sensors and a soft suspension.", "质量线：未检验；需要六个以上传感器的位置 ([[point]]、[[sensor]]) 与软悬挂。";
+        mass_of_mass_line: "Mass line: {} ± {} kg from {} to {} Hz.", "质量线：{} ± {} kg，频带 {} 至 {} Hz。";
+        mass_not_determined: "Mass line: from {} to {} Hz, mass not determined; hit three points or more in different directions.", "质量线：频带 {} 至 {} Hz，质量未确定；请在三个或更多点沿不同方向锤击。";
+        stated_mass_agrees: "Mass line: stated mass {} kg, difference {} % ({} %).", "质量线：给定质量 {} kg，相差 {} % ({} %)。";
+        stated_mass_differs: "Mass line: stated mass {} kg, difference {} % ({} %): all FRFs are {} times what they should be; check the calibration of hammer and accelerometers.", "质量线：给定质量 {} kg，相差 {} % ({} %)：全部频响函数为应有值的 {} 倍；请检查力锤与加速度计的标定。";
+        sensors_are_rigid: "Mass line: {} move as a rigid body.", "质量线：{} 随刚体运动。";
+        sensor_not_rigid: "Mass line: {} does not move with the rigid body; {}: check cable, sensitivity, direction and position.", "质量线：{} 不随刚体运动；{}：请检查电缆、灵敏度、方向与位置。";
+        support_stated: "Support: {}.", "支承：{}。";
+        support_not_tested: "Support: {}, not tested; state highest_rigid_body_hz in [test.state].", "支承：{}，未检验；请在 [test.state] 中给出 highest_rigid_body_hz。";
+        support_modes: "Support: {}; highest rigid-body mode {} Hz, first elastic mode {} Hz.", "支承：{}；最高刚体模态 {} Hz，首阶弹性模态 {} Hz。";
+        suspension_soft: "Support: {}; highest rigid-body mode {} Hz, {} of the first elastic mode at {} Hz ({}).", "支承：{}；最高刚体模态 {} Hz，为首阶弹性模态之 {} 倍 (位于 {} Hz，限值 {})。";
+        suspension_is_stiff: "Support: {}; highest rigid-body mode {} Hz, {} of the first elastic mode at {} Hz ({}): it raises that mode; hang the structure more softly.", "支承：{}；最高刚体模态 {} Hz，为首阶弹性模态之 {} 倍 (位于 {} Hz，限值 {})：该模态因此升高；请采用更软的悬挂。";
         watching: "Watching {} until Ctrl-C.", "正在监视 {}，按 Ctrl-C 结束。";
         not_used: "Not used: {}: {}.", "未采用：{}：{}。";
         rows_met: "{} of {} met, {} in all.", "{} / {} 满足，共 {}。";

@@ -8,7 +8,7 @@ use crate::correlate::{
     ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
 };
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfError, FrfSet, before_you_leave, evaluate_test};
+use crate::frf::{FrfError, FrfSet, evaluate_test};
 use crate::identify::{
     Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, assess, identification,
     indicators,
@@ -22,7 +22,7 @@ use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, check_comparison, check_modes};
-use super::mass_line::mass_line_findings;
+use super::mass_line::{body_findings, leaving_list, mass_line_findings};
 use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
@@ -200,6 +200,8 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
     result.geometry.add(&scene.points);
     let suspension = suspension_findings(&result.state, &result.modes);
     result.modes.findings.extend(suspension);
+    let not_rigid = body_findings(&result.modes, &scene.sensors);
+    result.modes.findings.extend(not_rigid);
     Ok(result)
 }
 
@@ -322,12 +324,20 @@ fn identify_test(
     };
     let mut findings = data.findings;
     let (mut hits, mut list) = (Vec::new(), None);
+    let mut geometry = data.geometry.clone();
+    geometry.add(&scene.points);
     let (frfs, band) = match data.recording {
         None => (data.frfs, test.band),
         Some(mut recording) => {
             let options = test.hammer_options(&scene.hammer);
             let hammer_result = evaluate_test(recording.as_mut(), &options).map_err(of_test)?;
-            list = Some(before_you_leave(&hammer_result));
+            let sensors = scene.sensors.as_slice();
+            list = Some(leaving_list(
+                &hammer_result,
+                &geometry,
+                sensors,
+                &test.state,
+            ));
             let set = hammer_result.estimated.set;
             let band = search_band(&set, hammer_result.usable, test.band, &mut findings)
                 .map_err(of_test)?;
@@ -336,9 +346,8 @@ fn identify_test(
         }
     };
     if let [set] = frfs.as_slice() {
-        let mut geometry = data.geometry.clone();
-        geometry.add(&scene.points);
-        findings.extend(mass_line_findings(set, &geometry, &scene.sensors));
+        let of_set = mass_line_findings(set, &geometry, &scene.sensors, &test.state);
+        findings.extend(of_set);
     }
     let mut options = IdentifyOptions {
         band,

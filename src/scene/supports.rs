@@ -18,7 +18,7 @@ use super::test_state::TestState;
 /// soft slings that change a frequency by 0.1 % are reported. Ewins (2000), chapter 3, allows 0.1
 /// to 0.2. Tests `stiff_suspension_is_reported_with_its_bias` and, in `tests/suite/supports.rs`,
 /// `bias_of_a_stiff_suspension_is_that_of_the_model_with_its_springs`.
-const MAX_RIGID_BODY_OVER_ELASTIC: f64 = 0.1;
+pub(super) const MAX_RIGID_BODY_OVER_ELASTIC: f64 = 0.1;
 
 /// Frequency of a test mode over the stated highest rigid-body mode up to which it is that mode.
 /// Larger, at 2: an elastic mode near a stiff suspension is taken for its rigid-body mode. Smaller,

@@ -20,6 +20,9 @@ pub struct TestState {
     /// Highest rigid-body mode on the suspension or the mounts, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub highest_rigid_body_hz: Option<f64>,
+    /// Mass of the structure as weighed, kg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_kg: Option<f64>,
     /// Preload of its joints or bearings, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preload_n: Option<f64>,
@@ -61,6 +64,12 @@ impl TestState {
                 self.highest_rigid_body_hz,
                 f64::MIN_POSITIVE,
                 "a frequency above 0 Hz",
+            ),
+            (
+                "mass_kg",
+                self.mass_kg,
+                f64::MIN_POSITIVE,
+                "a mass above 0 kg",
             ),
             ("preload_n", self.preload_n, 0.0, "a force of 0 N or more"),
             ("torque_nm", self.torque_nm, f64::MIN, "a finite torque"),
@@ -137,7 +146,7 @@ mod tests {
     #[test]
     fn whole_state_is_read() {
         let state = checked(
-            "support = \"suspended\"\nhighest_rigid_body_hz = 3.5\npreload_n = 200\n\
+            "support = \"suspended\"\nhighest_rigid_body_hz = 3.5\nmass_kg = 20.5\npreload_n = 200\n\
              torque_nm = -5.0\nshaft_angle_deg = 90\ntemperature_c = 21.5\n\
              attached = [\"motor\"]\ndate = \"2024-02-29\"",
         );
@@ -161,6 +170,7 @@ mod tests {
                 "support = \"fixed\"\nhighest_rigid_body_hz = 2.0",
                 "support: got fixed",
             ),
+            ("mass_kg = 0.0", "mass_kg: got 0"),
             ("preload_n = -1.0", "preload_n: got -1"),
             ("torque_nm = nan", "torque_nm: got NaN"),
             ("shaft_angle_deg = inf", "shaft_angle_deg: got inf"),

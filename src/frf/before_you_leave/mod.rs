@@ -5,9 +5,11 @@
 //! |---|---|
 //! | `hit_again` | excitation points whose hits do not suffice, with the reasons |
 //! | `linearity` | whether poles depend on the force |
+//! | `mass_line` | mass line of a suspended test, and its suspension |
 
 pub(super) mod hit_again;
 pub(super) mod linearity;
+pub(super) mod mass_line;
 
 use super::consistency::pair_figures::{
     DrivingPoints, PairFigures, driving_point_figures, reciprocity_figures,
@@ -16,6 +18,7 @@ use super::consistency::visits::Drift;
 use super::hammer_test::HammerTestResult;
 use hit_again::{HitAgain, hit_again};
 use linearity::{Linearity, linearity};
+use mass_line::{MassLineCheck, SupportCheck};
 
 /// An item of the list. Where its data are missing, the item says what to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +33,11 @@ pub enum CheckItem {
     DrivingPoints(Option<DrivingPoints>),
     /// A point that was hit again after others; `None` where there is none; absent without hits.
     Drift(Option<Drift>),
+    /// The mass line; `None` where a suspended structure or a stated mass should have one; absent
+    /// where nothing of both is stated and no mass line is there.
+    MassLine(Option<Box<MassLineCheck>>),
+    /// The support; absent where none is stated.
+    Support(SupportCheck),
 }
 
 /// The items of a test in the order of the list.

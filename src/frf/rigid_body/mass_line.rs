@@ -116,8 +116,27 @@ fn find_band(set: &FrfSet) -> Option<MassLineBand> {
     None
 }
 
+/// Modes of a suspended structure on both sides of its mass line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SuspensionModes {
+    /// Highest mode of the suspension, Hz: the stated one, else the highest clear peak below the
+    /// band of the mass line.
+    pub rigid_body_hz: Option<f64>,
+    /// First elastic mode, Hz: the lowest clear peak above.
+    pub elastic_hz: Option<f64>,
+}
+
+/// The modes on both sides of the band.
+pub(super) fn find_suspension_modes(set: &FrfSet) -> SuspensionModes {
+    let band = find_band(set);
+    SuspensionModes {
+        rigid_body_hz: band.and_then(|band| band.suspension_hz),
+        elastic_hz: band.and_then(|band| band.elastic_hz),
+    }
+}
+
 /// Frequencies of the clear peaks of the mean accelerance.
-fn peaks_hz(set: &FrfSet) -> Option<Vec<f64>> {
+pub(super) fn peaks_hz(set: &FrfSet) -> Option<Vec<f64>> {
     let axis = set.axis();
     let first = (0..axis.len).find(|k| axis.hz(*k) > 0.0)?;
     let power: Vec<f64> = (first..axis.len)

@@ -7,6 +7,8 @@
 //! | `rows` | sensors as rows of a rigid-body motion, and the motion that fits them |
 //! | `sensor_faults`, `repair` | the sensor that does not fit, and what would make it fit |
 //! | `inertia` | mass, centre of mass and inertia tensor from hits at several points |
+//! | `moving_bodies` | the sensors of one body of several, in the lowest modes |
+//! | `stated_mass` | a stated mass against that of the mass line |
 //!
 //! # Reference
 //! Okubo and Furusawa (1986), Measurement of rigid body properties for dynamic analysis, IMAC 4;
@@ -15,11 +17,15 @@
 
 mod inertia;
 mod mass_line;
+mod moving_bodies;
 mod repair;
 mod rows;
 mod sensor_faults;
+mod stated_mass;
 #[cfg(test)]
 mod synthetic;
+#[cfg(test)]
+mod synthetic_bodies;
 #[cfg(test)]
 mod tests;
 
@@ -31,16 +37,21 @@ use crate::dof::Dof;
 use super::FrfSet;
 pub use inertia::Inertia;
 use mass_line::MassLines;
+pub use mass_line::SuspensionModes;
+pub use moving_bodies::{MovingBody, rigid_in_modes};
 pub use repair::Repair;
 pub use rows::PlacedSensor;
 use rows::Rows;
 pub use sensor_faults::SensorFault;
+pub use stated_mass::MassComparison;
 
 /// The rigid-body behaviour of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidBody {
     /// Lines of the mass line.
     pub band: Band,
+    /// Number of sensors whose motions are compared.
+    pub sensors: usize,
     /// The sensor that does not fit, if one alone explains all that does not fit.
     pub fault: Option<SensorFault>,
     /// Sum of squares of what does not fit, over its degrees of freedom, without the fault. Errors
@@ -75,8 +86,30 @@ pub fn rigid_body(
     let misfit = repaired.misfit()?;
     Some(RigidBody {
         band,
+        sensors: rows.sensors.len(),
         misfit,
         inertia: inertia::fit(&repaired).filter(|_| misfit <= MAX_MISFIT),
         fault,
     })
+}
+
+/// Frequency of a peak over a stated highest rigid-body mode up to which it is that mode. Larger,
+/// at 2: an elastic mode near a stiff suspension is taken for its rigid-body mode. Smaller, at 1:
+/// the rigid-body mode, stated with two digits, is taken for elastic
+/// (`peaks_beside_the_mass_line_are_the_modes_of_the_suspension_and_the_first_elastic_one`).
+const MAX_OVER_STATED: f64 = 1.1;
+
+/// The modes on both sides of the mass line, from the clear peaks of the mean accelerance.
+pub fn suspension_modes(set: &FrfSet, stated_hz: Option<f64>) -> SuspensionModes {
+    match stated_hz {
+        Some(stated_hz) => {
+            let peaks = mass_line::peaks_hz(set).unwrap_or_default();
+            let is_elastic = |hz: &f64| *hz > MAX_OVER_STATED * stated_hz;
+            SuspensionModes {
+                rigid_body_hz: stated_hz.into(),
+                elastic_hz: peaks.into_iter().find(is_elastic),
+            }
+        }
+        None => mass_line::find_suspension_modes(set),
+    }
 }

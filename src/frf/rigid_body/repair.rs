@@ -56,8 +56,8 @@ impl fmt::Display for Repair {
                 direction: [x, y, z],
                 ..
             } => write!(f, "it fits along ({x}, {y}, {z})"),
-            Repair::Exchanged(_, other) => {
-                write!(f, "it fits in the place of {other}, and that in its place")
+            Repair::Exchanged(one, other) => {
+                write!(f, "{one} and {other} fit in each other's place")
             }
             Repair::LeftOut(_) => f.write_str("nothing that the other sensors determine fits it"),
         }

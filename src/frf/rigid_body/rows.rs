@@ -61,9 +61,12 @@ pub(super) type Entry = Option<MassLine>;
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     pub sensors: Vec<(Dof, PlacedSensor)>,
+    /// The hits of the columns; none where these are of modes.
     pub hits: Vec<(Dof, PlacedSensor)>,
+    /// Number of motions that are measured: of hits, or real and imaginary parts of modes.
+    pub columns: usize,
     pub frame: Frame,
-    /// By sensor, then by hit.
+    /// By sensor, then by column.
     pub entries: Vec<Vec<Entry>>,
     /// Motions that the sensors see: six × rank.
     pub motions: RealMatrix,
@@ -122,7 +125,7 @@ impl Rows {
         Self::of_entries(sensors, hits, entries)
     }
 
-    /// From values by sensor and hit.
+    /// From values by sensor and column; without hits where the columns are of modes.
     pub fn of_entries(
         sensors: Vec<(Dof, PlacedSensor)>,
         hits: Vec<(Dof, PlacedSensor)>,
@@ -139,10 +142,12 @@ impl Rows {
             let power: f64 = of_hit.iter().map(|line| line.value * line.value).sum();
             CALIBRATION_ERROR * CALIBRATION_ERROR * power / of_hit.len().max(1) as f64
         };
-        let calibration = (0..hits.len()).map(calibration).collect();
+        let columns = entries.first().map_or(0, Vec::len);
+        let calibration = (0..columns).map(calibration).collect();
         (sensors.len() > motions.ncols()).then_some(Self {
             sensors,
             hits,
+            columns,
             frame,
             entries,
             motions,
@@ -194,14 +199,14 @@ impl Rows {
             }
             equations
         };
-        (0..self.hits.len()).map(of_hit).collect()
+        (0..self.columns).map(of_hit).collect()
     }
 
     /// An entry with its variance with errors of calibration.
     pub fn reading(&self, sensor: usize, hit: usize) -> Entry {
         let line = self.entries[sensor][hit]?;
         let variance = self.variance(sensor, hit)?;
-        Some(MassLine { variance, ..line })
+        (variance > 0.0).then_some(MassLine { variance, ..line })
     }
 
     /// Sum of squares of what does not fit over its degrees of freedom.

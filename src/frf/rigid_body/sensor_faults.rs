@@ -142,7 +142,7 @@ fn of_sensor(rows: &Rows, seen: &[Vec<f64>], fit: &FitWithout) -> Vec<Hypothesis
     let (sensor, motions) = (fit.sensor, fit.motions.as_slice());
     let others = fit.sum_of_squares();
     let (dof, placed) = &rows.sensors[sensor];
-    let readings: Vec<Reading> = (0..rows.hits.len())
+    let readings: Vec<Reading> = (0..rows.columns)
         .filter_map(|hit| {
             let line = rows.reading(sensor, hit)?;
             Some(Reading { hit, line })
@@ -245,7 +245,7 @@ fn exchanges(rows: &Rows, seen: &[Vec<f64>], suspects: &[usize]) -> Vec<Hypothes
                 }
                 equations.motion()
             };
-            let motions = || (0..rows.hits.len()).map(exchanged).collect();
+            let motions = || (0..rows.columns).map(exchanged).collect();
             let motions: Option<Vec<Motion>> = if is_same_row { None } else { motions() };
             if let Some(motions) = motions {
                 let [a, b] = [one, other].map(|sensor| rows.sensors[sensor].0.clone());

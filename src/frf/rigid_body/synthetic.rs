@@ -50,7 +50,7 @@ impl Family {
     }
 }
 
-const UNSCALED: Frame = Frame {
+pub(super) const UNSCALED: Frame = Frame {
     origin_m: [0.0; 3],
     length_m: 1.0,
 };
@@ -82,18 +82,18 @@ pub(super) struct SuspendedTest {
 }
 
 /// Everything that is drawn of a body.
-struct Body {
+pub(super) struct Body {
     mass_kg: f64,
-    size_m: [f64; 3],
+    pub size_m: [f64; 3],
     /// Inertia about the origin, kg, kg m and kg m².
-    inertia: [[f64; 6]; 6],
+    pub inertia: [[f64; 6]; 6],
     stiffness: [[f64; 6]; 6],
     /// Natural frequency in rad/s and coefficients of the shape.
     elastic: Vec<(f64, [f64; 12])>,
 }
 
 impl Body {
-    fn new(random: &mut ChaCha8Rng) -> Self {
+    pub fn new(random: &mut ChaCha8Rng) -> Self {
         let mass_kg = random.random_range(5.0..100.0);
         let size_m: [f64; 3] = std::array::from_fn(|_| random.random_range(0.3..0.9));
         let centre: [f64; 3] =
@@ -157,7 +157,7 @@ impl Body {
     }
 
     /// A random point of the surface, along a random axis.
-    fn sensor(&self, random: &mut ChaCha8Rng) -> PlacedSensor {
+    pub fn sensor(&self, random: &mut ChaCha8Rng) -> PlacedSensor {
         let mut at_m: [f64; 3] =
             std::array::from_fn(|axis| self.size_m[axis] * random.random_range(-0.5..0.5));
         let face = random.random_range(0..3);

@@ -3,8 +3,10 @@ use std::collections::BTreeMap;
 use super::mass_line::{MassLine, find_mass_lines};
 use super::rows::Rows;
 use super::synthetic::{Family, Fault, SuspendedTest, suspended_test};
+use super::synthetic_bodies::spring_mounted_bodies;
 use super::*;
 use crate::frf::FunctionData;
+use crate::modal::Mode;
 
 /// The fault that the sensors' geometry shows without noise, with the variances of the noise.
 fn fault_without_noise(test: &SuspendedTest) -> Option<SensorFault> {
@@ -196,4 +198,94 @@ fn without_positions_or_a_mass_line_there_is_no_body() {
     assert_eq!(rigid_body(&test.set, &BTreeMap::new(), None), None);
     let above = Band::new(100.0, 101.0).expect("a band");
     assert_eq!(rigid_body(&test.set, &test.placed, Some(above)), None);
+}
+
+#[test]
+fn peaks_beside_the_mass_line_are_the_modes_of_the_suspension_and_the_first_elastic_one() {
+    let set = suspended_test(1, Fault::None, &Family::CUSTOMARY).set;
+    let found = suspension_modes(&set, None);
+    let (rigid_body_hz, elastic_hz) = (found.rigid_body_hz.unwrap(), found.elastic_hz.unwrap());
+    assert!(rigid_body_hz < 6.0 && elastic_hz > 85.0, "{found:?}");
+    // Stated with two digits, rounded down.
+    let stated = suspension_modes(&set, Some(0.95 * rigid_body_hz));
+    assert_eq!(stated.elastic_hz, Some(elastic_hz));
+    // A stiff suspension near the first elastic mode.
+    let stiff = suspension_modes(&set, Some(elastic_hz / 1.5));
+    assert_eq!(stiff.elastic_hz, Some(elastic_hz));
+}
+
+#[test]
+fn sound_sensors_of_bodies_are_not_named() {
+    let is_sound = |seed: &u64| {
+        let machine = spring_mounted_bodies(*seed, Fault::None, None);
+        let mut bodies = machine.placed.iter();
+        bodies.all(|placed| {
+            let found = rigid_in_modes(&machine.modes, placed);
+            found.is_none_or(|body| body.fault.is_none())
+        })
+    };
+    let sound = draws(4000).filter(is_sound).count();
+    assert!(is_at_least(sound, draws(4000).count(), 0.99), "{sound}");
+}
+
+#[test]
+fn a_wrong_sensor_of_a_body_is_named_and_repaired() {
+    for fault in [Fault::Sign, Fault::Gain, Fault::Axis, Fault::Exchange] {
+        let (mut shown, mut right, mut named_rightly) = (0, 0, 0);
+        for seed in draws(5000) {
+            let machine = spring_mounted_bodies(seed, fault, None);
+            let truth = machine.repair.as_ref().expect("a fault");
+            let found =
+                |modes: &[Mode], body: usize| rigid_in_modes(modes, &machine.placed[body])?.fault;
+            let without_noise = found(&machine.noise_free, machine.wrong_body);
+            let without_noise = without_noise.filter(|fault| fault.fall >= 45.0);
+            let is_shown = without_noise.is_some_and(|fault| is_right(&fault.repair, truth));
+            let named: Vec<Repair> = (0..machine.placed.len())
+                .filter_map(|body| found(&machine.modes, body))
+                .map(|fault| fault.repair)
+                .collect();
+            let is_right = |repair: &Repair| is_right(repair, truth);
+            shown += usize::from(is_shown);
+            right += usize::from(is_shown && named.iter().any(is_right));
+            named_rightly += usize::from(named.iter().all(is_right));
+        }
+        let all = draws(5000).count();
+        let text = format!("{fault:?}: {right} of {shown} right, {named_rightly} of {all}");
+        println!("bodies {text}");
+        assert!(4 * shown >= all, "{text}");
+        assert!(is_at_least(right, shown, 0.95), "{text}");
+        assert!(is_at_least(named_rightly, all, 0.98), "{text}");
+    }
+}
+
+#[test]
+fn a_body_that_bends_has_no_sensor_named() {
+    let named = |bending_from: usize| {
+        let is_named = |seed: &u64| {
+            let machine = spring_mounted_bodies(*seed, Fault::None, Some(bending_from));
+            let found = rigid_in_modes(&machine.modes, &machine.placed[0]);
+            found.is_some_and(|body| body.fault.is_some())
+        };
+        (6000..6200).filter(is_named).count()
+    };
+    // Near its first mode, and where no mode is below it.
+    let (near, above) = (named(3), named(0) + named(1));
+    assert!(near <= 2 && near + above <= 10, "{near} {above}");
+}
+
+#[test]
+fn modes_of_rigid_bodies_are_all_used() {
+    let (mut all, mut used) = (0, 0);
+    for seed in draws(4000) {
+        let machine = spring_mounted_bodies(seed, Fault::None, None);
+        for placed in &machine.placed {
+            let Some(found) = rigid_in_modes(&machine.modes, placed) else {
+                continue;
+            };
+            all += 1;
+            used += usize::from(found.modes == machine.modes.len());
+        }
+    }
+    println!("modes {used} of {all}");
+    assert!(is_at_least(used, all, 0.98), "{used} of {all}");
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::frf::{
     BeforeYouLeave, Cause, Change, CheckItem, Drift, DrivingPoints, HitAgain, Linearity,
-    PairFigures, PointCheck, Reason, ResonanceDrift,
+    MassLineCheck, PairFigures, PointCheck, Reason, ResonanceDrift, SupportCheck,
 };
 
 /// One object per item, with its name in `item`; an item without data has `tested` false.
@@ -19,6 +19,8 @@ fn item(item: &CheckItem) -> Value {
         CheckItem::Reciprocity(figures) => reciprocity(figures.as_ref()),
         CheckItem::DrivingPoints(points) => driving_points(points.as_ref()),
         CheckItem::Drift(found) => drift(found.as_ref()),
+        CheckItem::MassLine(check) => mass_line(check.as_deref()),
+        CheckItem::Support(check) => support(check),
     }
 }
 
@@ -90,4 +92,30 @@ fn drift(found: Option<&Drift>) -> Value {
     let resonances: Vec<Value> = drift.resonances.iter().map(resonance).collect();
     json!({ "item": "drift", "tested": !resonances.is_empty(), "reference": drift.reference,
         "first_hits": drift.first_hits, "last_hits": drift.last_hits, "resonances": resonances })
+}
+
+fn mass_line(check: Option<&MassLineCheck>) -> Value {
+    let Some(MassLineCheck { body, mass }) = check else {
+        return json!({ "item": "mass-line", "tested": false });
+    };
+    let inertia = body.inertia.as_ref();
+    let fault = body
+        .fault
+        .as_ref()
+        .map(|fault| json!({ "sensor": fault.dof, "repair": fault.repair.to_string() }));
+    let stated = mass.as_ref().map(|mass| {
+        json!({ "mass_kg": mass.stated_kg, "difference": mass.difference(), "limit": mass.limit,
+            "differs": mass.differs(), "gain": mass.gain() })
+    });
+    json!({ "item": "mass-line", "tested": true, "band_hz": [body.band.lo_hz, body.band.hi_hz],
+        "sensors": body.sensors, "mass_kg": inertia.map(|inertia| inertia.mass_kg),
+        "mass_std_kg": inertia.map(|inertia| inertia.mass_std_kg),
+        "centre_of_mass_m": inertia.map(|inertia| inertia.centre_m),
+        "not_rigid": fault, "stated": stated })
+}
+
+fn support(check: &SupportCheck) -> Value {
+    json!({ "item": "support", "tested": check.is_tested(), "support": check.support,
+        "highest_rigid_body_hz": check.rigid_body_hz, "elastic_hz": check.elastic_hz,
+        "ratio": check.ratio(), "limit": check.limit })
 }
