@@ -20,12 +20,14 @@ mod machines;
 mod matrix_zoo;
 mod mutants;
 mod mutation;
+mod packing;
 mod pairing;
 mod pipeline;
 #[path = "../support/population/mod.rs"]
 mod population;
 mod recording;
 mod seeds;
+mod structure;
 mod systems;
 mod twins;
 mod updating;

@@ -1,11 +1,21 @@
 //! Seeded changes of bytes damage files; a reader must meet its guarantees on every damaged file.
 //!
-//! A reader may refuse a damaged file or read its intact part. It must not panic, and it must not
-//! ask for more memory than a small multiple of the file: a few bytes can say that a terabyte
-//! follows.
+//! A reader may refuse a damaged file or read its intact part. It must not panic, it must not ask
+//! for more memory than a small multiple of the file (a few bytes can say that a terabyte follows),
+//! and it must not read the same bytes without end.
+//!
+//! Half of the changes are of bytes and half of the structure: numbers that may be lengths, counts,
+//! offsets or links get hostile values. Compressed and check-summed files are changed before they
+//! are packed, so that the changes reach the reader behind the check sum.
+//!
+//! The number of a file is the seed of its changes. `MUTATED_FILES` states how many files each
+//! reader is tried on, `MUTATED_FIRST` the number of the first.
 
-use std::io::{Cursor, Read};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use modalign::io::{
     Block, ColumnName, ColumnRole, FORMATS, Format, Hints, Source, TableColumn, TableSpec,
@@ -14,13 +24,26 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use crate::packing::Packing;
 use crate::seeds;
+use crate::structure::change_structure;
 
 /// Largest memory of a reader over the size of the file ...
 const MAX_MEMORY_OVER_FILE_SIZE: u64 = 64;
 
 /// ... in addition to this number of bytes.
 const MAX_ADDITIONAL_BYTES: u64 = 4 << 20;
+
+/// Largest number of bytes that are read over the size of the file: a reader may look up every
+/// array in the whole file, but not without end ...
+const MAX_READ_OVER_FILE_SIZE: u64 = 512;
+
+/// ... in addition to this number of bytes.
+const MAX_ADDITIONAL_READ_BYTES: u64 = 16 << 20;
+
+/// A file that takes longer is reported, and the process ends, because a loop without end cannot be
+/// left: ten thousand times the time of a file.
+const MAX_TIME: Duration = Duration::from_secs(60);
 
 /// Samples in a block that is read at once.
 const BLOCK: usize = 4096;
@@ -29,33 +52,51 @@ const BLOCK: usize = 4096;
 pub struct Reader {
     /// Name of the format.
     pub name: &'static str,
-    /// Whole files of it.
+    /// Whole files of it, before they are packed.
     pub seeds: fn() -> Vec<Vec<u8>>,
+    /// How the changed bytes become a file.
+    pub packing: Packing,
     /// What a scene says of them.
     pub spec: fn() -> TableSpec,
+}
+
+/// The number that an environment variable states, else `default`.
+pub fn stated(variable: &str, default: usize) -> usize {
+    std::env::var(variable).map_or(default, |number| number.parse().unwrap())
 }
 
 /// Every reader, a line each; a table and an array are read as a scene describes them too.
 #[rustfmt::skip]
 pub const READERS: &[Reader] = &[
-    Reader { name: "uff", seeds: seeds::uff, spec: TableSpec::default },
-    Reader { name: "hdf5", seeds: seeds::hdf5, spec: TableSpec::default },
-    Reader { name: "hdf5", seeds: seeds::hdf5_of_h5py, spec: chunks },
-    Reader { name: "hdf5", seeds: seeds::hdf5_of_matlab, spec: matlab_arrays },
-    Reader { name: "hdf5", seeds: seeds::hdf5_of_links, spec: linked },
-    Reader { name: "modes", seeds: seeds::modes, spec: TableSpec::default },
-    Reader { name: "modes-csv", seeds: seeds::modes_csv, spec: TableSpec::default },
-    Reader { name: "npy", seeds: seeds::npy, spec: first_column },
-    Reader { name: "npy", seeds: seeds::structured_npy, spec: field },
-    Reader { name: "npz", seeds: seeds::npz, spec: TableSpec::default },
-    Reader { name: "matlab4", seeds: seeds::matlab4, spec: second_column },
-    Reader { name: "matlab5", seeds: seeds::matlab5, spec: TableSpec::default },
-    Reader { name: "matlab5", seeds: seeds::matlab_array, spec: second_column },
-    Reader { name: "pulse", seeds: seeds::pulse, spec: TableSpec::default },
-    Reader { name: "signalcalc", seeds: seeds::signalcalc, spec: TableSpec::default },
-    Reader { name: "table", seeds: seeds::table, spec: TableSpec::default },
-    Reader { name: "table", seeds: seeds::plain_table, spec: acceleration },
-    Reader { name: "table", seeds: seeds::complex_table, spec: complex_column },
+    Reader { name: "uff", seeds: seeds::uff, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "uff", seeds: seeds::joined_uff, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "uff", seeds: seeds::text_uff, packing: Packing::Utf16LittleEndian, spec: TableSpec::default },
+    Reader { name: "uff", seeds: seeds::text_uff, packing: Packing::Utf16BigEndian, spec: TableSpec::default },
+    Reader { name: "hdf5", seeds: seeds::hdf5, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "hdf5", seeds: seeds::hdf5, packing: Packing::Hdf5CheckSums, spec: TableSpec::default },
+    Reader { name: "hdf5", seeds: seeds::hdf5_of_h5py, packing: Packing::Plain, spec: chunks },
+    Reader { name: "hdf5", seeds: seeds::hdf5_of_matlab, packing: Packing::Plain, spec: matlab_arrays },
+    Reader { name: "hdf5", seeds: seeds::hdf5_of_links, packing: Packing::Hdf5CheckSums, spec: linked },
+    Reader { name: "hdf5", seeds: seeds::hdf5_of_links, packing: Packing::Hdf5CheckSums, spec: TableSpec::default },
+    Reader { name: "modes", seeds: seeds::modes, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "modes-csv", seeds: seeds::modes_csv, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "npy", seeds: seeds::npy, packing: Packing::Plain, spec: first_column },
+    Reader { name: "npy", seeds: seeds::structured_npy, packing: Packing::Plain, spec: field },
+    Reader { name: "npz", seeds: seeds::npz, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "npz", seeds: seeds::npz_members, packing: Packing::Npz, spec: member },
+    Reader { name: "matlab4", seeds: seeds::matlab4, packing: Packing::Plain, spec: second_column },
+    Reader { name: "matlab4", seeds: seeds::matlab4_signalcalc, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "matlab5", seeds: seeds::matlab5, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "matlab5", seeds: seeds::matlab_array, packing: Packing::Matlab5Deflated, spec: second_column },
+    Reader { name: "matlab5", seeds: seeds::matlab_signalcalc, packing: Packing::Matlab5, spec: TableSpec::default },
+    Reader { name: "matlab5", seeds: seeds::matlab_signalcalc, packing: Packing::Matlab5Deflated, spec: TableSpec::default },
+    Reader { name: "matlab5", seeds: seeds::matlab_struct, packing: Packing::Matlab5Deflated, spec: struct_field },
+    Reader { name: "pulse", seeds: seeds::pulse, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "signalcalc", seeds: seeds::signalcalc, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "table", seeds: seeds::table, packing: Packing::Plain, spec: TableSpec::default },
+    Reader { name: "table", seeds: seeds::plain_table, packing: Packing::Plain, spec: acceleration },
+    Reader { name: "table", seeds: seeds::complex_table, packing: Packing::Plain, spec: complex_column },
+    Reader { name: "table", seeds: seeds::complex_table, packing: Packing::Utf16LittleEndian, spec: complex_column },
 ];
 
 fn response(column: ColumnName) -> TableColumn {
@@ -126,6 +167,16 @@ fn field() -> TableSpec {
     columns(&["damaged/s/y:2"])
 }
 
+/// A nested field of an archive's member.
+fn member() -> TableSpec {
+    columns(&["run/s/y:2"])
+}
+
+/// A field of `seeds::matlab_struct`.
+fn struct_field() -> TableSpec {
+    columns(&["s(2)/b/c:1"])
+}
+
 /// The second column of `seeds::matlab_array` and `seeds::matlab4`.
 fn second_column() -> TableSpec {
     columns(&["a:2"])
@@ -147,42 +198,135 @@ pub struct Outcome {
     pub files: usize,
     /// Those that opened.
     pub opened: usize,
+    /// Most memory at once.
+    pub most_bytes: u64,
+    /// Largest memory at once over the size of the file.
+    pub most_over_size: u64,
+    /// Most bytes that were read.
+    pub most_read: u64,
+    /// Longest time of a file.
+    pub longest: Duration,
 }
 
-/// Tries a reader on `files` damaged files; the number of a file is all that makes it.
-pub fn survives(reader: &Reader, files: usize) -> Outcome {
+impl Outcome {
+    fn and(self, other: Self) -> Self {
+        Self {
+            files: self.files + other.files,
+            opened: self.opened + other.opened,
+            most_bytes: self.most_bytes.max(other.most_bytes),
+            most_over_size: self.most_over_size.max(other.most_over_size),
+            most_read: self.most_read.max(other.most_read),
+            longest: self.longest.max(other.longest),
+        }
+    }
+}
+
+/// Tries a reader on `files` damaged files from number `first` on; the number of a file is all that
+/// makes it.
+pub fn survives(reader: &Reader, first: usize, files: usize) -> Outcome {
     let seeds = (reader.seeds)();
     let spec = (reader.spec)();
-    assert!(!seeds.is_empty(), "{}", reader.name);
+    let name = format!("{} {:?}", reader.name, reader.packing);
+    assert!(!seeds.is_empty(), "{name}");
     let format = FORMATS
         .iter()
         .copied()
         .find(|format| format.name() == reader.name);
     let format = format.unwrap_or_else(|| panic!("no format {}", reader.name));
+    let sealed = seeds.iter().map(|seed| reader.packing.check_sums(seed));
+    let sealed: Vec<_> = sealed.collect();
+    let pack = |number: usize, bytes: Vec<u8>| {
+        let seed = number % seeds.len();
+        reader.packing.pack(bytes, seeds[seed].len(), &sealed[seed])
+    };
     for (number, seed) in seeds.iter().enumerate() {
-        let whole = attempt(format, &spec, seed.clone());
-        assert!(whole.opened, "{}: seed {number} opens", reader.name);
+        let whole = attempt(format, &spec, pack(number, seed.clone()));
+        assert!(whole.opened, "{name}: seed {number} opens");
     }
-    let opened = (0..files).into_par_iter().filter(|&number| {
-        let bytes = damaged(&seeds[number % seeds.len()], number);
-        let most = MAX_MEMORY_OVER_FILE_SIZE * bytes.len() as u64 + MAX_ADDITIONAL_BYTES;
+    let begun = Begun::new(&name);
+    let tried = (first..first + files).into_par_iter().map(|number| {
+        let bytes = pack(number, damaged(&seeds[number % seeds.len()], number));
+        let size = bytes.len() as u64;
+        let most = MAX_MEMORY_OVER_FILE_SIZE * size + MAX_ADDITIONAL_BYTES;
+        let most_read = MAX_READ_OVER_FILE_SIZE * size + MAX_ADDITIONAL_READ_BYTES;
+        begun.begin(number);
+        let start = Instant::now();
         let end = attempt(format, &spec, bytes);
+        let longest = start.elapsed();
+        begun.end();
         assert!(
             !end.panicked,
-            "{}: file {number} makes the reader panic",
-            reader.name
+            "{name}: file {number} makes the reader panic"
         );
         assert!(
             end.peak <= most,
-            "{}: file {number} takes {} bytes, expected at most {most}",
-            reader.name,
+            "{name}: file {number} takes {} bytes, expected at most {most}",
             end.peak
         );
-        end.opened
+        assert!(
+            end.read <= most_read,
+            "{name}: of file {number} {} bytes are read, expected at most {most_read}",
+            end.read
+        );
+        Outcome {
+            files: 1,
+            opened: usize::from(end.opened),
+            most_bytes: end.peak,
+            most_over_size: end.peak / size.max(1),
+            most_read: end.read,
+            longest,
+        }
     });
-    Outcome {
-        files,
-        opened: opened.count(),
+    let outcome = tried.reduce(Outcome::default, Outcome::and);
+    println!("{name}, seeds from {first}: {outcome:?}");
+    outcome
+}
+
+/// The files that are being read, each by its thread; ends the process at one that takes too long.
+struct Begun {
+    /// Number of the file plus 1, 0 for none, and the time of its begin in ms.
+    files: Arc<Vec<[AtomicU64; 2]>>,
+    start: Instant,
+}
+
+impl Begun {
+    fn new(name: &str) -> Self {
+        let threads = (0..=rayon::current_num_threads()).map(|_| Default::default());
+        let begun = Self {
+            files: Arc::new(threads.collect()),
+            start: Instant::now(),
+        };
+        let (files, start) = (Arc::downgrade(&begun.files), begun.start);
+        let name = name.to_owned();
+        std::thread::spawn(move || {
+            while let Some(files) = files.upgrade() {
+                for [number, time] in files.iter() {
+                    let number = number.load(Ordering::SeqCst);
+                    let begin = Duration::from_millis(time.load(Ordering::SeqCst));
+                    if number > 0 && start.elapsed().saturating_sub(begin) > MAX_TIME {
+                        eprintln!("{name}: file {} takes over {MAX_TIME:?}", number - 1);
+                        std::process::abort();
+                    }
+                }
+                drop(files);
+                std::thread::sleep(Duration::from_millis(500));
+            }
+        });
+        begun
+    }
+
+    fn place(&self) -> &[AtomicU64; 2] {
+        &self.files[rayon::current_thread_index().unwrap_or(self.files.len() - 1)]
+    }
+
+    fn begin(&self, number: usize) {
+        let [file, time] = self.place();
+        time.store(self.start.elapsed().as_millis() as u64, Ordering::SeqCst);
+        file.store(number as u64 + 1, Ordering::SeqCst);
+    }
+
+    fn end(&self) {
+        self.place()[0].store(0, Ordering::SeqCst);
     }
 }
 
@@ -190,6 +334,27 @@ struct End {
     opened: bool,
     panicked: bool,
     peak: u64,
+    read: u64,
+}
+
+/// A file in memory that counts the bytes that are read.
+struct Counting {
+    file: Cursor<Vec<u8>>,
+    read: Arc<AtomicU64>,
+}
+
+impl Read for Counting {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(out)?;
+        self.read.fetch_add(count as u64, Ordering::Relaxed);
+        Ok(count)
+    }
+}
+
+impl Seek for Counting {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.file.seek(to)
+    }
 }
 
 fn attempt(format: &dyn Format, spec: &TableSpec, bytes: Vec<u8>) -> End {
@@ -201,10 +366,16 @@ fn attempt(format: &dyn Format, spec: &TableSpec, bytes: Vec<u8>) -> End {
         opened: false,
         panicked: false,
         peak: 0,
+        read: 0,
+    };
+    let read = Arc::new(AtomicU64::new(0));
+    let file = Counting {
+        file: Cursor::new(bytes),
+        read: Arc::clone(&read),
     };
     let info = allocation_counter::measure(|| {
         let read = AssertUnwindSafe(|| {
-            let source = format.open(Box::new(Cursor::new(bytes)), &hints);
+            let source = format.open(Box::new(file), &hints);
             source.map(|mut source| read_all(source.as_mut())).is_ok()
         });
         match catch_unwind(read) {
@@ -213,6 +384,7 @@ fn attempt(format: &dyn Format, spec: &TableSpec, bytes: Vec<u8>) -> End {
         }
     });
     end.peak = info.bytes_max;
+    end.read = read.load(Ordering::Relaxed);
     end
 }
 
@@ -241,7 +413,10 @@ fn damaged(seed: &[u8], number: usize) -> Vec<u8> {
         if bytes.is_empty() {
             bytes.push(rng.random());
         }
-        change(&mut bytes, &mut rng);
+        match rng.random() {
+            true => change(&mut bytes, &mut rng),
+            false => change_structure(&mut bytes, &mut rng),
+        }
     }
     bytes
 }

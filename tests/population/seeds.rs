@@ -1,7 +1,7 @@
 //! Small intact files of every format are the seeds of damaged ones, written by the library or made
 //! of text here.
 
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 
 use modalign::Dof;
 use modalign::axis::{FrequencyAxis, TimeAxis};
@@ -94,20 +94,38 @@ fn written(format: &str, encoding: Encoding) -> Option<Vec<u8>> {
     write.ok().map(|_| out.into_inner())
 }
 
-/// Universal files: what the library writes, and datasets that it reads alone.
-pub fn uff() -> Vec<Vec<u8>> {
-    let dataset = |text: &str| format!("    -1\n{text}    -1\n");
-    let head = |number: &str, data_type: u8, points: u8| {
-        let none = "NONE\n".repeat(4);
-        format!(
-            "{number}\ntitle\n{none}    1         0    3         7 NONE              12  -3 NONE               4   1\n\
-             {data_type:>10}{points:>10}         1  0.00000E+00  1.95313E-05  0.00000E+00\n\
-             \x20       17    0    0    0 Time                 s                   \n\
-             \x20       12    0    0    0 Acceleration         g                   \n\
-             \x20        0    0    0    0 NONE                 NONE                \n\
-             \x20        0    0    0    0 NONE                 NONE                \n"
-        )
-    };
+/// A dataset of a universal file.
+fn dataset(text: &str) -> String {
+    format!("    -1\n{text}    -1\n")
+}
+
+/// The header of a record in a dataset 58.
+fn header_58(number: &str, data_type: u8, points: u8) -> String {
+    let none = "NONE\n".repeat(4);
+    format!(
+        "{number}\ntitle\n{none}    1         0    3         7 NONE              12  -3 NONE               4   1\n\
+         {data_type:>10}{points:>10}         1  0.00000E+00  1.95313E-05  0.00000E+00\n\
+         \x20       17    0    0    0 Time                 s                   \n\
+         \x20       12    0    0    0 Acceleration         g                   \n\
+         \x20        0    0    0    0 NONE                 NONE                \n\
+         \x20        0    0    0    0 NONE                 NONE                \n"
+    )
+}
+
+/// A dataset 58b of 200 samples.
+fn binary_58() -> Vec<u8> {
+    let block = (0..200_u8).flat_map(|i| f32::from(i).to_le_bytes());
+    let first = "    58b     1     2          11         800     0     0           0           0";
+    [
+        format!("    -1\n{}", header_58(first, 2, 200)).into_bytes(),
+        block.collect(),
+        b"\n    -1\n".to_vec(),
+    ]
+    .concat()
+}
+
+/// Universal files in text.
+pub fn text_uff() -> Vec<Vec<u8>> {
     let numbers = " 1.0000E+00-2.5000E+00 3.0000E+00 4.0000E+00 5.0000E+00 6.0000E+00\n".repeat(4);
     let text = [
         dataset("   151\nMachine\nNONE\n"),
@@ -128,19 +146,43 @@ pub fn uff() -> Vec<Vec<u8>> {
             "    55\n{}         1         3         3         8         5         3\n         2         6         1         1\n  -1.5E+00   6.3E+01   1.0E+00   0.0E+00   1.0E+00   0.0E+00\n         7\n  1.00000E+00  0.0E+00 -2.00000E+00  1.0E-01  3.00000E+00  0.0E+00\n",
             "NONE\n".repeat(5)
         )),
-        dataset(&format!("{}{numbers}", head("    58", 2, 24))),
+        dataset(&format!(
+            "  2414\n         1\nmodes\n         1\n{}         1         3         2         8         5         3\n         0         0         0         0         0         1         0         0\n         0         0\n  0.0E+00  0.0E+00  1.0E+02  1.0E+00  1.2E+00  1.0E-01\n  1.0E+00  1.0E+01  0.0E+00  0.0E+00  0.0E+00  0.0E+00\n         7\n  0.0E+00  0.0E+00  0.0E+00  0.0E+00  5.0E+00  6.0E+00\n",
+            "NONE\n".repeat(5)
+        )),
+        dataset(&format!("{}{numbers}", header_58("    58", 2, 24))),
     ];
-    let block: Vec<u8> = (0..200_u8)
-        .flat_map(|i| f32::from(i).to_le_bytes())
-        .collect();
-    let first = "    58b     1     2          11         800     0     0           0           0";
-    let binary = [
-        format!("    -1\n{}", head(first, 2, 200)).into_bytes(),
-        block,
-        b"\n    -1\n".to_vec(),
-    ];
+    vec![text.concat().into_bytes()]
+}
+
+/// Files joined as programs join them: ends of lines by carriage returns, the mark of the end of
+/// DOS, marks of a byte order between the files, and no numbers.
+pub fn joined_uff() -> Vec<Vec<u8>> {
+    let text = text_uff().concat();
+    let missing = "-1.#IND0E+00 nan(ind)  1.#QNAN  1.#INF   NaN\n1.0 2.0 3.0\n";
+    let missing = dataset(&format!("{}{missing}", header_58("    58", 2, 8)));
+    let old = text.iter().map(|byte| match byte {
+        b'\n' => b'\r',
+        byte => *byte,
+    });
+    let old: Vec<u8> = old.collect();
+    vec![
+        [&old[..], b"\x1a", &binary_58(), missing.as_bytes()].concat(),
+        [
+            &b"\xef\xbb\xbf"[..],
+            missing.as_bytes(),
+            b"\xef\xbb\xbf",
+            &old,
+        ]
+        .concat(),
+        [&binary_58()[..], b"\x1a\0\0", &text, missing.as_bytes()].concat(),
+    ]
+}
+
+/// Universal files: what the library writes, and datasets that it reads alone.
+pub fn uff() -> Vec<Vec<u8>> {
     let written_files = [Encoding::Binary, Encoding::Text].map(|encoding| written("uff", encoding));
-    let text = text.concat();
+    let text = String::from_utf8_lossy(&text_uff().concat()).into_owned();
     let utf_16: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let seeds = [
         text.replace('\n', "\r").into_bytes(),
@@ -148,7 +190,7 @@ pub fn uff() -> Vec<Vec<u8>> {
             .into_bytes(),
         text.into_bytes(),
         utf_16,
-        binary.concat(),
+        binary_58(),
     ];
     let written_files = written_files.into_iter().flatten();
     seeds.into_iter().chain(written_files).collect()
@@ -197,6 +239,21 @@ pub fn structured_npy() -> Vec<Vec<u8>> {
 /// Everything as a NumPy archive.
 pub fn npz() -> Vec<Vec<u8>> {
     written("npz", Encoding::Binary).into_iter().collect()
+}
+
+/// A structured array, an FRF with its frequency and a coherence, one after the other.
+pub fn npz_members() -> Vec<Vec<u8>> {
+    let [run, _] = structured_npy().try_into().unwrap();
+    let columns = |kind: &str, value: fn(u8) -> Vec<f64>| {
+        let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (30, 2), }}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        let values = (0..30_u8).flat_map(value).flat_map(f64::to_le_bytes);
+        let values: Vec<u8> = values.collect();
+        [b"\x93NUMPY\x01\0", &length[..], header.as_bytes(), &values].concat()
+    };
+    let frf = columns("<c16", |line| vec![f64::from(line), 0.0, 0.5, 0.25]);
+    let coherence = columns("<f8", |line| vec![f64::from(line), 0.75]);
+    vec![[run.clone(), frf, coherence].concat(), run]
 }
 
 /// Everything as HDF5, and files of other programs, whose structure has no checksums.
@@ -251,70 +308,224 @@ pub fn matlab5() -> Vec<Vec<u8>> {
     written("matlab5", Encoding::Binary).into_iter().collect()
 }
 
+/// A matrix of version 4; `kind` is 0 for numbers, 1 for text and 2 for a sparse matrix.
+fn matlab4_matrix(
+    big_endian: bool,
+    kind: u32,
+    lengths: [u32; 3],
+    name: &str,
+    values: &[f64],
+) -> Vec<u8> {
+    let word = |value: u32| match big_endian {
+        true => value.to_be_bytes(),
+        false => value.to_le_bytes(),
+    };
+    // The thousands digit is the order of the bytes.
+    let kind = kind + 1000 * u32::from(big_endian);
+    let [rows, columns, complex] = lengths;
+    let header = [kind, rows, columns, complex, name.len() as u32 + 1].map(word);
+    let numbers = values.iter().flat_map(|value| match big_endian {
+        true => value.to_be_bytes(),
+        false => value.to_le_bytes(),
+    });
+    let numbers: Vec<u8> = numbers.collect();
+    [&header.concat(), name.as_bytes(), &[0], &numbers].concat()
+}
+
 /// A 40 x 2 array `a`, a text and a sparse matrix in version 4, in both orders of bytes.
 pub fn matlab4() -> Vec<Vec<u8>> {
     let file = |big_endian: bool| {
-        let word = |value: u32| match big_endian {
-            true => value.to_be_bytes(),
-            false => value.to_le_bytes(),
-        };
-        let matrix = |kind: u32, lengths: [u32; 2], name: u8, values: &[f64]| {
-            // The thousands digit is the order of the bytes.
-            let kind = kind + 1000 * u32::from(big_endian);
-            let header = [kind, lengths[0], lengths[1], 0, 2].map(word);
-            let numbers = values.iter().flat_map(|value| match big_endian {
-                true => value.to_be_bytes(),
-                false => value.to_le_bytes(),
-            });
-            let numbers: Vec<u8> = numbers.collect();
-            [header.concat(), vec![name, 0], numbers].concat()
+        let matrix = |kind, [rows, columns]: [u32; 2], name, values: &[f64]| {
+            matlab4_matrix(big_endian, kind, [rows, columns, 0], name, values)
         };
         let values: Vec<f64> = (0..80_u8).map(f64::from).collect();
         let sparse = [1.0, 3.0, 2.0, 4.0, 0.5, 0.0];
         [
-            matrix(0, [40, 2], b'a', &values),
-            matrix(1, [2, 2], b't', &[97.0, 98.0, 99.0, 32.0]),
-            matrix(2, [2, 3], b's', &sparse),
+            matrix(0, [40, 2], "a", &values),
+            matrix(1, [2, 2], "t", &[97.0, 98.0, 99.0, 32.0]),
+            matrix(2, [2, 3], "s", &sparse),
         ]
         .concat()
     };
     vec![file(false), file(true)]
 }
 
-/// A 40 x 2 array `a` in a compressed element, as MATLAB saves it.
-pub fn matlab_array() -> Vec<Vec<u8>> {
-    let element = |kind: u32, content: &[u8]| {
-        let size = content.len() as u32;
-        let padding = vec![0; content.len().next_multiple_of(8) - content.len()];
+/// Names, shapes, values and texts of the arrays of a SignalCalc file of two channels.
+struct SignalCalcArrays {
+    lines: Vec<f64>,
+    times: Vec<f64>,
+}
+
+impl SignalCalcArrays {
+    fn new() -> Self {
+        Self {
+            lines: (0..20_u8).map(|line| 0.5 * f64::from(line)).collect(),
+            times: (0..32_u8).map(|n| (f64::from(n) - 4.0) / 64.0).collect(),
+        }
+    }
+
+    /// Names with columns of real numbers.
+    fn records(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let column = |axis: &[f64], value: fn(f64) -> f64| {
+            let values = axis.iter().copied().map(value);
+            axis.iter().copied().chain(values).collect()
+        };
+        vec![
+            ("C1_2", column(&self.lines, |_| 0.75)),
+            ("X1", column(&self.times, |time| (9.0 * time).sin() + 0.2)),
+            ("W1", column(&self.times, |time| (9.0 * time).sin() + 0.2)),
+            ("X2", column(&self.times, |time| (5.0 * time).cos())),
+            (
+                "W2",
+                column(&self.times, |time| (5.0 * time).cos() * (-time).exp()),
+            ),
+        ]
+    }
+
+    /// Frequencies and real parts, then imaginary parts.
+    fn frf(&self) -> [Vec<f64>; 2] {
+        let zeros = vec![0.0; self.lines.len()];
+        let real = [self.lines.clone(), vec![0.25; self.lines.len()]].concat();
+        [real, [zeros, self.lines.clone()].concat()]
+    }
+}
+
+/// Rows of texts.
+const SIGNALCALC_TEXTS: [(&str, [&str; 2]); 3] = [
+    ("ChanName", ["1:+Z", "2:+Z"]),
+    ("Unit", ["N   ", "g   "]),
+    ("DP_Info", ["Signal H1_2     ", "Real/Imag (g)(N)"]),
+];
+
+/// The characters of rows, column after column.
+fn characters(rows: [&str; 2]) -> Vec<u8> {
+    let columns = rows[0].bytes().zip(rows[1].bytes());
+    columns.flat_map(|(a, b)| [a, b]).collect()
+}
+
+/// SignalCalc arrays in version 4, in both orders of bytes.
+pub fn matlab4_signalcalc() -> Vec<Vec<u8>> {
+    let file = |big_endian: bool| {
+        let arrays = SignalCalcArrays::new();
+        let mut file = matlab4_matrix(big_endian, 0, [2, 1, 0], "ChanNum", &[1.0, 2.0]);
+        for (name, rows) in SIGNALCALC_TEXTS {
+            let codes: Vec<f64> = characters(rows).into_iter().map(f64::from).collect();
+            let lengths = [2, rows[0].len() as u32, 0];
+            file.extend(matlab4_matrix(big_endian, 1, lengths, name, &codes));
+        }
+        for (name, values) in arrays.records() {
+            let lengths = [values.len() as u32 / 2, 2, 0];
+            file.extend(matlab4_matrix(big_endian, 0, lengths, name, &values));
+        }
+        let lengths = [arrays.lines.len() as u32, 2, 1];
+        let frf = arrays.frf().concat();
+        file.extend(matlab4_matrix(big_endian, 0, lengths, "H1_2", &frf));
+        file
+    };
+    vec![file(false), file(true)]
+}
+
+/// A data element of version 5.
+fn matlab5_element(kind: u32, content: &[u8]) -> Vec<u8> {
+    let tag = [kind, content.len() as u32].map(u32::to_le_bytes).concat();
+    let padding = vec![0; content.len().next_multiple_of(8) - content.len()];
+    [&tag[..], content, &padding].concat()
+}
+
+/// A matrix of version 5 of two dimensions; the class holds the flags.
+fn matlab5_matrix(class: u32, lengths: [u32; 2], name: &str, content: &[Vec<u8>]) -> Vec<u8> {
+    let flags = [class, 0].map(u32::to_le_bytes).concat();
+    let lengths = lengths.map(u32::to_le_bytes).concat();
+    let parts = [
+        matlab5_element(6, &flags),
+        matlab5_element(5, &lengths),
+        matlab5_element(1, name.as_bytes()),
+        content.concat(),
+    ];
+    matlab5_element(14, &parts.concat())
+}
+
+fn matlab5_doubles(values: &[f64]) -> Vec<u8> {
+    let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+    matlab5_element(9, &bytes.collect::<Vec<u8>>())
+}
+
+/// SignalCalc arrays as data elements of version 5.
+pub fn matlab_signalcalc() -> Vec<Vec<u8>> {
+    let arrays = SignalCalcArrays::new();
+    let mut file = matlab5_matrix(6, [2, 1], "ChanNum", &[matlab5_doubles(&[1.0, 2.0])]);
+    for (name, rows) in SIGNALCALC_TEXTS {
+        let units: Vec<u8> = characters(rows).into_iter().flat_map(|c| [c, 0]).collect();
+        let lengths = [2, rows[0].len() as u32];
+        file.extend(matlab5_matrix(
+            4,
+            lengths,
+            name,
+            &[matlab5_element(4, &units)],
+        ));
+    }
+    for (name, values) in arrays.records() {
+        let lengths = [values.len() as u32 / 2, 2];
+        file.extend(matlab5_matrix(
+            6,
+            lengths,
+            name,
+            &[matlab5_doubles(&values)],
+        ));
+    }
+    let parts = arrays.frf().map(|part| matlab5_doubles(&part));
+    let lengths = [arrays.lines.len() as u32, 2];
+    file.extend(matlab5_matrix(6 | 0x800, lengths, "H1_2", &parts));
+    vec![file]
+}
+
+/// A struct array `s` of two elements with a field `a` of cells and a struct `b`, and a sparse
+/// matrix.
+pub fn matlab_struct() -> Vec<Vec<u8>> {
+    let names = |names: &[&str]| {
+        let texts: Vec<u8> = names
+            .iter()
+            .flat_map(|name| format!("{name:\0<8}").into_bytes())
+            .collect();
         [
-            &kind.to_le_bytes()[..],
-            &size.to_le_bytes(),
-            content,
-            &padding,
+            matlab5_element(5, &8_u32.to_le_bytes()),
+            matlab5_element(1, &texts),
         ]
         .concat()
     };
-    let class_double: [u8; 8] = [6, 0, 0, 0, 0, 0, 0, 0];
-    let lengths: Vec<u8> = [40_i32, 2].iter().flat_map(|n| n.to_le_bytes()).collect();
-    let values: Vec<u8> = (0..80_u8)
-        .flat_map(|i| f64::from(i).to_le_bytes())
-        .collect();
-    let parts = [
-        element(6, &class_double),
-        element(5, &lengths),
-        element(1, b"a"),
-        element(9, &values),
+    let text = |text: &str| {
+        let units: Vec<u8> = text.bytes().flat_map(|c| [c, 0]).collect();
+        matlab5_matrix(4, [1, text.len() as u32], "", &[matlab5_element(4, &units)])
+    };
+    let numbers = matlab5_matrix(6, [4, 2], "", &[matlab5_doubles(&[0.5; 8])]);
+    let cells = matlab5_matrix(1, [1, 2], "", &[text("one"), text("more")]);
+    let mixed = matlab5_matrix(1, [1, 2], "", &[text("one"), numbers.clone()]);
+    let inner = matlab5_matrix(2, [1, 1], "", &[names(&["c", "d"]), numbers, cells]);
+    let fields = [
+        names(&["a", "b"]),
+        mixed.clone(),
+        inner.clone(),
+        mixed,
+        inner,
     ];
-    let matrix = element(14, &parts.concat());
-    let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
-    packed.write_all(&matrix).unwrap();
-    let packed = packed.finish().unwrap();
-    let mut file = format!("{:<124}", "MATLAB 5.0 MAT-file").into_bytes();
-    file.extend([0x00, 0x01, b'I', b'M']);
-    file.extend(15_u32.to_le_bytes());
-    file.extend((packed.len() as u32).to_le_bytes());
-    file.extend(packed);
-    vec![file]
+    let structure = matlab5_matrix(2, [1, 2], "s", &fields);
+    let integers = |values: &[u32]| {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        matlab5_element(5, &bytes)
+    };
+    let content = [
+        integers(&[0, 1]),
+        integers(&[0, 1, 2]),
+        matlab5_doubles(&[1.5, 2.5]),
+    ];
+    let sparse = matlab5_matrix(5, [2, 2], "k", &content);
+    vec![[structure, sparse].concat()]
+}
+
+/// A 40 x 2 array `a`.
+pub fn matlab_array() -> Vec<Vec<u8>> {
+    let values: Vec<f64> = (0..80_u8).map(f64::from).collect();
+    vec![matlab5_matrix(6, [40, 2], "a", &[matlab5_doubles(&values)])]
 }
 
 /// An FRF as PULSE exports it.

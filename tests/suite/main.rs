@@ -31,6 +31,8 @@ mod mutants;
 #[path = "../population/mutation.rs"]
 mod mutation;
 mod new_command;
+#[path = "../population/packing.rs"]
+mod packing;
 mod pairs_by_shape;
 mod placement;
 #[path = "../support/population/mod.rs"]
@@ -46,6 +48,8 @@ mod roving;
 mod screen;
 #[path = "../population/seeds.rs"]
 mod seeds;
+#[path = "../population/structure.rs"]
+mod structure;
 mod structures;
 mod study_command;
 mod supports;

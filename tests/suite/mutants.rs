@@ -1,16 +1,21 @@
-//! A small sample of the damaged files on which every reader is tried: the first 2,000 of each.
+//! A small sample of the damaged files on which every reader is tried: the first of each.
 
-use crate::mutation::{READERS, survives};
+use crate::mutation::{READERS, stated, survives};
 use modalign::io::FORMATS;
+
+/// Damaged files for each reader, unless `MUTATED_FILES` states another number.
+const FILES: usize = 1_000;
 
 #[test]
 fn readers_survive_damaged_files() {
+    let (first, files) = (stated("MUTATED_FIRST", 0), stated("MUTATED_FILES", FILES));
     for reader in READERS {
-        let outcome = survives(reader, 2_000);
+        let outcome = survives(reader, first, files);
         assert!(
             outcome.opened > outcome.files / 200,
-            "{}: {outcome:?}",
-            reader.name
+            "{} {:?}: {outcome:?}",
+            reader.name,
+            reader.packing
         );
     }
 }
