@@ -120,6 +120,10 @@ impl Item {
             self.stored = lengths
                 .map(|&length| usize::try_from(length).unwrap_or(0))
                 .collect();
+            if bytes_of(&self.stored, self.stride).is_none() {
+                let got = format!("{:?} elements of an empty array", self.stored);
+                return Err(Unusable::Shape(got));
+            }
             if self.stored.iter().all(|&length| length > 0) {
                 return Err(Unusable::Shape(
                     "an empty array without a length of 0".to_owned(),
@@ -165,7 +169,7 @@ impl Item {
                 self.stored.iter().rev().copied().collect()
             }
             Presentation::Characters => match self.stored.last() {
-                Some(&rows) if rows != 1 => vec![rows],
+                Some(&rows) if rows != 1 && !self.stored.contains(&0) => vec![rows],
                 _ => Vec::new(),
             },
         }

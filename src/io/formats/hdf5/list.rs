@@ -10,7 +10,7 @@ use std::rc::Rc;
 use hdf5_pure::{Dataset, Error, File, Group, Object};
 
 use super::item::{Item, Unusable};
-use super::links::{Links, Place};
+use super::links::{Following, Links, Place};
 use super::stream::Stream;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::io::{ArrayInfo, IoError};
@@ -44,6 +44,9 @@ pub(super) struct Listing {
     pub damage: Vec<IoError>,
     /// Links that lead nowhere.
     pub findings: Vec<Finding>,
+    /// Soft links that were followed.
+    #[cfg(test)]
+    pub links_followed: u64,
 }
 
 /// Lists an HDF5 file.
@@ -100,9 +103,15 @@ pub(super) fn list_here(stream: &Stream, of_matlab: bool, path: &str) -> Result<
         pending: VecDeque::new(),
         listing: Listing::default(),
         name_bytes,
+        is_cut: false,
+        following: Following::new(name_bytes),
     };
     walk.group(&file.root(), &links.root(), "", 0);
     walk.soft_links();
+    #[cfg(test)]
+    {
+        walk.listing.links_followed = walk.following.links;
+    }
     Ok(walk.listing)
 }
 
@@ -120,6 +129,9 @@ struct Walk<'a> {
     listing: Listing,
     /// Bytes of names that may still be made.
     name_bytes: u64,
+    /// Whether more names would have to be made: the listing ends.
+    is_cut: bool,
+    following: Following,
 }
 
 /// A group that was listed but for its soft links.
@@ -153,6 +165,9 @@ impl Walk<'_> {
         self.open.extend(place.address);
         let members = self.members(group, place, name);
         for (member, object) in &members.objects {
+            if self.is_cut {
+                break;
+            }
             let name = joined(name, member);
             let place = place.member(member, self.links.hard(place, member));
             match object {
@@ -197,6 +212,9 @@ impl Walk<'_> {
         while let Some(pending) = self.pending.pop_front() {
             self.open.clone_from(&pending.open);
             for link in self.links.soft(&pending.group) {
+                if self.is_cut {
+                    return;
+                }
                 let name = joined(&pending.name, &link);
                 if let Err(why) = self.soft_link(&pending, &link, &name) {
                     self.pass_over(name, why);
@@ -210,7 +228,7 @@ impl Walk<'_> {
     /// # Errors
     /// Why it leads to no array or group of the file.
     fn soft_link(&mut self, from: &Pending, link: &str, name: &str) -> Result<(), String> {
-        let place = self.links.follow(&from.group, link)?;
+        let place = self.links.follow(&from.group, link, &mut self.following)?;
         if self.holds(&place) {
             let path = place.path;
             return Err(format!("soft link to a group, /{path}, that holds it"));
@@ -281,11 +299,13 @@ impl Walk<'_> {
     /// Takes so many bytes, and as many as an entry needs beside its texts, from those that names
     /// may take; whether they were left.
     fn takes(&mut self, bytes: usize) -> bool {
-        match self.name_bytes.checked_sub(bytes as u64 + ENTRY_BYTES) {
-            Some(left) => self.name_bytes = left,
-            None => self.listing_too_long(),
+        let left = self.name_bytes.checked_sub(bytes as u64 + ENTRY_BYTES);
+        self.name_bytes = left.unwrap_or(0);
+        if left.is_none() && !self.is_cut {
+            self.is_cut = true;
+            self.damage("", "more names than a file of its size can hold".to_owned());
         }
-        self.name_bytes > 0
+        !self.is_cut
     }
 
     fn pass_over(&mut self, name: String, why: String) {
@@ -355,14 +375,6 @@ impl Walk<'_> {
         cells
             .map_err(|error| self.damage(name, error.to_string()))
             .ok()
-    }
-
-    fn listing_too_long(&mut self) {
-        let said = self.name_bytes == 0;
-        self.name_bytes = 0;
-        if !said {
-            self.damage("", "more names than a file of its size can hold".to_owned());
-        }
     }
 
     fn damage(&mut self, name: &str, got: String) {

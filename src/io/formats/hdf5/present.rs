@@ -51,6 +51,10 @@ pub(super) fn texts_of_rows(codes: &Elements, stored: &[usize]) -> Option<Elemen
     let Elements::F64(codes) = codes else {
         return None;
     };
+    // Without characters there are no rows of them, however many the lengths state.
+    if codes.is_empty() {
+        return Some(Elements::Text(vec![String::new()]));
+    }
     let rows = stored.last().copied().unwrap_or(1);
     let columns = codes.len().checked_div(rows).unwrap_or(0);
     let texts = (0..rows).map(|row| {
@@ -96,6 +100,12 @@ mod tests {
         fn map_bits(self) -> Vec<u64> {
             self.into_iter().map(f64::to_bits).collect()
         }
+    }
+
+    #[test]
+    fn no_codes_are_one_empty_text() {
+        let texts = texts_of_rows(&Elements::F64(Vec::new()), &[0, 1 << 50]);
+        assert_eq!(texts, Some(Elements::Text(vec![String::new()])));
     }
 
     #[test]

@@ -304,3 +304,16 @@ fn arrays_characters_cells_and_structures_of_matlab_are_read() {
     assert!(!store.can_read(3) && store.read(3).is_err());
     assert!(store.take_damage().is_empty());
 }
+
+#[test]
+fn a_huge_length_beside_one_of_zero_is_an_empty_array() {
+    let mut builder = FileBuilder::new();
+    for (name, shape) in [("a", [1 << 50, 0]), ("b", [0, 1 << 50])] {
+        let data = builder.create_dataset(name);
+        data.with_f64_data(&[]).with_shape(&shape);
+    }
+    let mut store = open(builder);
+    for name in ["a", "b"] {
+        assert_eq!(doubles(&mut store, name), [0.0; 0], "{name}");
+    }
+}

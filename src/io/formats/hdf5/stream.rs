@@ -4,6 +4,7 @@
 //! what it read, so a limit on the bytes that it may read is a limit on the memory and the time
 //! that it takes.
 
+use std::collections::BTreeMap;
 use std::io::SeekFrom;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,8 +25,49 @@ struct Shared {
     position: Option<u64>,
     /// Bytes that may still be read.
     allowed: u64,
-    /// Bytes that stand in place of those of the file, with the position of the first.
-    replaced: Vec<(u64, Vec<u8>)>,
+    /// Bytes that stand in place of those of the file.
+    replaced: Replacements,
+}
+
+/// Bytes that stand in place of those of a file, by the position of the first. They do not overlap,
+/// so that those of a range are found without a search of all.
+#[derive(Debug, Default)]
+pub(super) struct Replacements {
+    parts: BTreeMap<u64, Vec<u8>>,
+}
+
+impl Replacements {
+    /// Adds bytes from a position on, unless they overlap others: no two parts of an intact file
+    /// do.
+    pub fn add(&mut self, start: u64, bytes: Vec<u8>) {
+        let end = start.saturating_add(bytes.len() as u64);
+        if self.within(start, end).next().is_none() {
+            self.parts.insert(start, bytes);
+        }
+    }
+
+    /// The parts that have bytes from `start` up to `end`, last one first.
+    fn within(&self, start: u64, end: u64) -> impl Iterator<Item = (u64, &[u8])> {
+        let parts = self.parts.range(..end).rev();
+        let parts = parts.map(|(at, bytes)| (*at, bytes.as_slice()));
+        parts.take_while(move |(at, bytes)| at + bytes.len() as u64 > start)
+    }
+
+    /// Puts the bytes in place of those that were read from `offset` on; the number of parts that
+    /// were looked at.
+    fn put(&self, offset: u64, out: &mut [u8]) -> usize {
+        let end = offset + out.len() as u64;
+        let mut parts = 0;
+        for (start, bytes) in self.within(offset, end) {
+            parts += 1;
+            let first = offset.max(start);
+            let last = end.min(start + bytes.len() as u64);
+            let from = (first - start) as usize..(last - start) as usize;
+            let to = (first - offset) as usize..(last - offset) as usize;
+            out[to].copy_from_slice(&bytes[from]);
+        }
+        parts
+    }
 }
 
 impl Stream {
@@ -39,7 +81,7 @@ impl Stream {
             input,
             position: None,
             allowed: 0,
-            replaced: Vec::new(),
+            replaced: Replacements::default(),
         };
         Ok(Self {
             shared: Arc::new(Mutex::new(shared)),
@@ -58,28 +100,14 @@ impl Stream {
         shared.allowed = self.len.saturating_mul(times).saturating_add(1 << 20);
     }
 
-    /// Gives the reader these bytes, each from a position on, in place of those of the file.
-    pub fn replace(&self, replaced: Vec<(u64, Vec<u8>)>) {
+    /// Gives the reader these bytes in place of those of the file.
+    pub fn replace(&self, replaced: Replacements) {
         let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         shared.replaced = replaced;
     }
 }
 
 impl Shared {
-    /// Puts the replaced bytes into those that were read from `offset` on.
-    fn put_replaced(&self, offset: u64, out: &mut [u8]) {
-        let end = offset + out.len() as u64;
-        for (start, bytes) in &self.replaced {
-            let first = offset.max(*start);
-            let last = end.min(start + bytes.len() as u64);
-            if first < last {
-                let from = (first - start) as usize..(last - start) as usize;
-                let to = (first - offset) as usize..(last - offset) as usize;
-                out[to].copy_from_slice(&bytes[from]);
-            }
-        }
-    }
-
     fn read_at(&mut self, offset: u64, out: &mut [u8]) -> std::io::Result<()> {
         let position = self.position.take();
         let step = position
@@ -90,7 +118,7 @@ impl Shared {
             None => drop(self.input.seek(SeekFrom::Start(offset))?),
         }
         self.input.read_exact(out)?;
-        self.put_replaced(offset, out);
+        self.replaced.put(offset, out);
         self.position = Some(offset + out.len() as u64);
         Ok(())
     }
@@ -117,5 +145,40 @@ impl Source for Stream {
         shared.allowed = left;
         let read = shared.read_at(offset, out);
         read.map_err(|error| FormatError::Source(error.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replaced_bytes_are_put_where_they_belong() {
+        let mut replaced = Replacements::default();
+        replaced.add(4, vec![1, 2, 3]);
+        replaced.add(7, vec![4]);
+        // They overlap the first.
+        replaced.add(2, vec![9, 9, 9]);
+        replaced.add(6, vec![9]);
+        let read = |offset: u64, count: usize| {
+            let mut out = vec![0; count];
+            replaced.put(offset, &mut out);
+            out
+        };
+        assert_eq!(read(0, 10), [0, 0, 0, 0, 1, 2, 3, 4, 0, 0]);
+        assert_eq!(read(5, 2), [2, 3]);
+        assert_eq!(read(8, 2), [0, 0]);
+        assert_eq!(read(0, 4), [0; 4]);
+    }
+
+    #[test]
+    fn only_parts_of_the_range_are_looked_at() {
+        let mut replaced = Replacements::default();
+        for part in 0..10_000 {
+            replaced.add(100 * part, vec![1; 8]);
+        }
+        assert_eq!(replaced.put(500_000, &mut [0; 50]), 1);
+        assert_eq!(replaced.put(500_050, &mut [0; 40]), 0);
+        assert_eq!(replaced.put(499_950, &mut [0; 200]), 2);
     }
 }

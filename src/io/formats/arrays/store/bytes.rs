@@ -173,10 +173,12 @@ fn turned<T: Clone>(values: &[T], shape: &[usize], group: usize) -> Vec<T> {
     out
 }
 
-/// Number of elements of a shape, when it can be counted.
+/// Number of elements of a shape, when it can be counted. The lengths beside a 0 must be countable,
+/// too: callers multiply some of them.
 pub(in crate::io) fn count(shape: &[usize]) -> Option<usize> {
     let product = |product: usize, len: &usize| product.checked_mul(*len);
-    shape.iter().try_fold(1, product)
+    let others = shape.iter().filter(|len| **len > 0).try_fold(1, product)?;
+    Some(if shape.contains(&0) { 0 } else { others })
 }
 
 /// Elements of an array from `start` on, in row-major order.
@@ -346,6 +348,17 @@ mod tests {
             to_row_major(turned, &[4, 3, 2]),
             Elements::F64(column_major)
         );
+    }
+
+    #[test]
+    fn lengths_beside_a_zero_are_counted() {
+        let large = 1 << 40;
+        assert_eq!(count(&[3, 4]), Some(12));
+        assert_eq!(count(&[]), Some(1));
+        assert_eq!(count(&[0, large]), Some(0));
+        for shape in [[0, large, large], [large, 0, large], [large, large, 0]] {
+            assert_eq!(count(&shape), None, "{shape:?}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use hdf5_pure::{Source, Superblock};
 
-use super::stream::Stream;
+use super::stream::{Replacements, Stream};
 
 mod dense;
 mod fields;
@@ -23,6 +23,9 @@ use fields::Fields;
 /// Soft links on the way to one object. The limit is that of the HDF5 library (`H5Pset_nlinks`);
 /// it ends circles of links.
 const MAX_SOFT_LINKS: usize = 16;
+
+/// Characters of a path that are shown; a damaged file can state one as long as itself.
+const MAX_SHOWN_CHARACTERS: usize = 200;
 
 /// Memory of a link, a message or a record of a B-tree in addition to its bytes. Links that lead
 /// back to bytes that were read take this again and again; the bytes of the names limit them, too.
@@ -60,9 +63,11 @@ type GroupLinks = BTreeMap<String, Target>;
 pub(super) struct Links {
     /// By the address of the group.
     groups: BTreeMap<u64, GroupLinks>,
+    /// Addresses of the groups with soft or external links.
+    with_soft: BTreeSet<u64>,
     root: u64,
-    /// Symbol table nodes without their soft links, by their position in the file.
-    nodes: Vec<(u64, Vec<u8>)>,
+    /// Symbol table nodes without their soft links.
+    nodes: Replacements,
 }
 
 /// An object: its path of hard links, and its address where a known group leads to it.
@@ -75,11 +80,58 @@ pub(super) struct Place {
 impl Place {
     /// The object of a name in this group.
     pub fn member(&self, name: &str, address: Option<u64>) -> Self {
-        let path = match self.path.as_str() {
-            "" => name.to_owned(),
-            group => format!("{group}/{name}"),
-        };
-        Self { path, address }
+        let mut member = self.clone();
+        member.enter(name, address);
+        member
+    }
+
+    /// Goes from a group to the object of a name in it.
+    fn enter(&mut self, name: &str, address: Option<u64>) {
+        if !self.path.is_empty() {
+            self.path.push('/');
+        }
+        self.path.push_str(name);
+        self.address = address;
+    }
+}
+
+/// Work of following soft links, which is limited for a whole file: many links can lead through the
+/// same long path.
+#[derive(Debug)]
+pub(super) struct Following {
+    /// Bytes of paths that may still be followed.
+    pub path_bytes: u64,
+    /// Soft links that were followed.
+    pub links: u64,
+}
+
+impl Following {
+    /// With so many bytes of paths.
+    pub fn new(path_bytes: u64) -> Self {
+        Self {
+            path_bytes,
+            links: 0,
+        }
+    }
+
+    /// Takes the bytes of a path and those of a link.
+    fn take(&mut self, path: &str) -> Result<(), String> {
+        let left = self.path_bytes.checked_sub(path.len() as u64 + LINK_BYTES);
+        self.path_bytes = left.unwrap_or(0);
+        self.links += u64::from(left.is_some());
+        left.map(drop).ok_or_else(|| {
+            "more bytes of paths than soft links of a file of its size have".to_owned()
+        })
+    }
+}
+
+/// A path for messages.
+fn shown(path: &str) -> String {
+    let mut characters = path.chars();
+    let start: String = characters.by_ref().take(MAX_SHOWN_CHARACTERS).collect();
+    match characters.next() {
+        Some(_) => format!("{start}... ({} bytes)", path.len()),
+        None => start,
     }
 }
 
@@ -97,7 +149,7 @@ impl Links {
                 length_bytes: superblock.length_size.into(),
             },
             name_bytes,
-            nodes: Vec::new(),
+            nodes: Replacements::default(),
         };
         let root = superblock.root_group_address.saturating_sub(base);
         let mut groups = BTreeMap::new();
@@ -118,6 +170,7 @@ impl Links {
         }
         let nodes = walk.nodes;
         Self {
+            with_soft: with_soft(&groups),
             groups,
             root,
             nodes,
@@ -125,7 +178,7 @@ impl Links {
     }
 
     /// Takes the symbol table nodes without their soft links.
-    pub fn take_nodes(&mut self) -> Vec<(u64, Vec<u8>)> {
+    pub fn take_nodes(&mut self) -> Replacements {
         std::mem::take(&mut self.nodes)
     }
 
@@ -139,15 +192,13 @@ impl Links {
 
     /// Whether any group has soft or external links.
     pub fn any_soft(&self) -> bool {
-        let mut targets = self.groups.values().flat_map(BTreeMap::values);
-        targets.any(|target| !matches!(target, Target::Hard(_)))
+        !self.with_soft.is_empty()
     }
 
     /// Whether a group has soft or external links.
     pub fn has_soft(&self, group: &Place) -> bool {
-        let links = group.address.and_then(|address| self.groups.get(&address));
-        let mut targets = links.into_iter().flat_map(BTreeMap::values);
-        targets.any(|target| !matches!(target, Target::Hard(_)))
+        let address = group.address;
+        address.is_some_and(|address| self.with_soft.contains(&address))
     }
 
     /// Names of the soft and external links of a group.
@@ -170,44 +221,75 @@ impl Links {
     ///
     /// # Errors
     /// Why it leads to none in this file.
-    pub fn follow(&self, group: &Place, name: &str) -> Result<Place, String> {
-        let mut soft_links = 0;
-        let place = self.step(group, name, &mut soft_links);
+    pub fn follow(
+        &self,
+        group: &Place,
+        name: &str,
+        following: &mut Following,
+    ) -> Result<Place, String> {
+        let mut place = group.clone();
+        let stepped = self.step(&mut place, name, &mut 0, following);
         let links = group.address.and_then(|address| self.groups.get(&address));
         match links.and_then(|links| links.get(name)) {
-            Some(Target::Soft(path)) => place.map_err(|why| format!("soft link to {path}: {why}")),
-            _ => place,
+            Some(Target::Soft(path)) => {
+                stepped.map_err(|why| format!("soft link to {}: {why}", shown(path)))?;
+            }
+            _ => stepped?,
         }
+        Ok(place)
     }
 
-    /// [`Links::follow`] with the number of soft links on the way.
-    fn step(&self, group: &Place, name: &str, soft_links: &mut usize) -> Result<Place, String> {
-        let links = group.address.and_then(|address| self.groups.get(&address));
+    /// Goes from a group to the object of a name, through `soft_links` so far.
+    fn step(
+        &self,
+        place: &mut Place,
+        name: &str,
+        soft_links: &mut usize,
+        following: &mut Following,
+    ) -> Result<(), String> {
+        let links = place.address.and_then(|address| self.groups.get(&address));
         let path = match (links, links.and_then(|links| links.get(name))) {
             (_, Some(Target::Soft(path))) => path,
-            (_, Some(Target::Hard(address))) => return Ok(group.member(name, Some(*address))),
+            (_, Some(Target::Hard(address))) => {
+                place.enter(name, Some(*address));
+                return Ok(());
+            }
             (_, Some(Target::External { file, object })) => {
+                let (file, object) = (shown(file), shown(object));
                 return Err(format!("external link to {object} of the file {file}"));
             }
             // The links of this group are damaged: the reader may find the name.
-            (None, None) => return Ok(group.member(name, None)),
+            (None, None) => {
+                place.enter(name, None);
+                return Ok(());
+            }
             (Some(_), None) => {
-                return Err(format!("/{} is missing", group.member(name, None).path));
+                place.enter(name, None);
+                return Err(format!("/{} is missing", shown(&place.path)));
             }
         };
         *soft_links += 1;
         if *soft_links > MAX_SOFT_LINKS {
             return Err(format!("more than {MAX_SOFT_LINKS} soft links in a row"));
         }
-        let mut place = match path.starts_with('/') {
-            true => self.root(),
-            false => group.clone(),
-        };
-        for name in path.split('/').filter(|name| !matches!(*name, "" | ".")) {
-            place = self.step(&place, name, soft_links)?;
+        following.take(path)?;
+        if path.starts_with('/') {
+            *place = self.root();
         }
-        Ok(place)
+        for name in path.split('/').filter(|name| !matches!(*name, "" | ".")) {
+            self.step(place, name, soft_links, following)?;
+        }
+        Ok(())
     }
+}
+
+/// Addresses of the groups with soft or external links.
+fn with_soft(groups: &BTreeMap<u64, GroupLinks>) -> BTreeSet<u64> {
+    let is_soft = |target: &Target| !matches!(target, Target::Hard(_));
+    let groups = groups
+        .iter()
+        .filter(|(_, links)| links.values().any(is_soft));
+    groups.map(|(address, _)| *address).collect()
 }
 
 /// The bytes of the file.
@@ -250,7 +332,7 @@ struct Walk<'a> {
     file: Bytes<'a>,
     /// Bytes of names and paths that may still be made.
     name_bytes: u64,
-    nodes: Vec<(u64, Vec<u8>)>,
+    nodes: Replacements,
 }
 
 impl Walk<'_> {
@@ -487,8 +569,7 @@ impl Walk<'_> {
             let kept_count = (kept.len() - 8) / entry;
             kept[6..8].copy_from_slice(&(kept_count as u16).to_le_bytes());
             kept.resize(node.len(), 0);
-            self.nodes
-                .push((address.checked_add(self.file.base)?, kept));
+            self.nodes.add(address.checked_add(self.file.base)?, kept);
         }
         Some(())
     }
@@ -502,4 +583,65 @@ fn text(bytes: &[u8]) -> String {
 fn text_at(heap: &[u8], start: u64) -> Option<&[u8]> {
     let from = heap.get(usize::try_from(start).ok()?..)?;
     from.split(|byte| *byte == 0).next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A root group that leads to itself, with so many soft links to one path.
+    fn circle(path: &str, count: usize) -> Links {
+        let mut links: GroupLinks = (0..count)
+            .map(|number| (format!("s{number}"), Target::Soft(path.to_owned())))
+            .collect();
+        links.insert("b".to_owned(), Target::Hard(96));
+        let groups = BTreeMap::from([(96, links)]);
+        Links {
+            with_soft: with_soft(&groups),
+            groups,
+            root: 96,
+            nodes: Replacements::default(),
+        }
+    }
+
+    #[test]
+    fn a_long_path_is_followed_once_for_each_link() {
+        let path = "b/".repeat(10_000);
+        let links = circle(&path, 1);
+        let mut following = Following::new(100_000);
+        let place = links.follow(&links.root(), "s0", &mut following).unwrap();
+        assert_eq!((place.path.len(), place.address), (19_999, Some(96)));
+        assert_eq!(following.path_bytes, 100_000 - 20_000 - LINK_BYTES);
+    }
+
+    #[test]
+    fn many_links_through_long_paths_end_at_the_limit() {
+        // Each link leads to one link of a long path, so that the bytes of names are few.
+        let mut links = circle("/long", 1_000);
+        let long = Target::Soft("b/".repeat(10_000));
+        let root = links.groups.get_mut(&96).unwrap();
+        root.insert("long".to_owned(), long);
+        let mut following = Following::new(200_000);
+        let results = (0..1_000).map(|number| {
+            let name = format!("s{number}");
+            links.follow(&links.root(), &name, &mut following)
+        });
+        let followed = results.filter(Result::is_ok).count();
+        assert_eq!(followed, 9);
+        assert!(following.links < 1_000, "{following:?}");
+        let error = links.follow(&links.root(), "s999", &mut following);
+        assert!(error.unwrap_err().contains("more bytes of paths"));
+    }
+
+    #[test]
+    fn a_long_path_is_shortened_in_messages() {
+        let links = circle(&format!("gone/{}", "b/".repeat(10_000)), 1);
+        let mut following = Following::new(100_000);
+        let error = links.follow(&links.root(), "s0", &mut following);
+        let error = error.unwrap_err();
+        assert!(
+            error.len() < 300 && error.contains("/gone is missing"),
+            "{error}"
+        );
+    }
 }
