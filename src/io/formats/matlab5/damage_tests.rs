@@ -221,3 +221,45 @@ proptest! {
         let _ = read_all(builder, bytes);
     }
 }
+
+/// A deflated struct with so many fields, the first of which may be larger.
+fn deflated_struct(count: usize, first: usize, value: impl Fn(usize) -> f64) -> Vec<u8> {
+    let builder = BOTH[0];
+    let names: Vec<String> = (0..count).map(|field| format!("f{field}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let fields = (0..count).map(|field| {
+        let length = if field == 0 { first } else { 32 };
+        let values: Vec<f64> = (0..length).map(|n| value(32 * field + n)).collect();
+        builder.doubles(&[1, length as u32], "", &values)
+    });
+    let fields: Vec<Vec<u8>> = fields.collect();
+    let structure = builder.structure(&[1, 1], "s", &names, &fields);
+    builder.file(&[builder.deflated(&structure)])
+}
+
+/// Reads the fields in reverse; how many could be read.
+fn read_in_reverse(bytes: Vec<u8>) -> usize {
+    let mut store = store::open(Box::new(Cursor::new(bytes)), false, "x.mat").unwrap();
+    let fields = store.list().len();
+    (0..fields)
+        .rev()
+        .filter(|field| store.read(*field).is_ok())
+        .count()
+}
+
+#[test]
+fn fields_of_a_deflated_struct_are_read_in_any_order() {
+    // Every third value is new, so that it deflates to about a third.
+    let value = |n: usize| (n / 3) as f64 * std::f64::consts::PI;
+    let bytes = deflated_struct(800, 32, value);
+    assert_eq!(read_in_reverse(bytes), 800);
+}
+
+#[test]
+fn fields_out_of_order_are_inflated_to_a_limit() {
+    // 8 MiB of zeros before 40 small fields, in 10 kB.
+    let bytes = deflated_struct(41, 1 << 20, |_| 0.0);
+    assert!(bytes.len() < 50_000, "{}", bytes.len());
+    let read = read_in_reverse(bytes);
+    assert!((1..40).contains(&read), "{read}");
+}

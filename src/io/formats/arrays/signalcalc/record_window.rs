@@ -4,11 +4,12 @@
 //! window. Where their ratio is exp(-σt) from the start of the record on, the window is
 //! exponential and adds the decay rate σ to every pole. All hits have the same window.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::frf::Window;
 use crate::io::formats::arrays::store::ArrayStore;
-use crate::io::{Block, Catalog, FunctionMetadata, Part};
+use crate::io::{ArrayInfo, Block, Catalog, FunctionMetadata, Part};
+use crate::linalg::sort_ascending_by;
 
 use super::named_columns::{AxisAndValues, columns_of, record_channel};
 
@@ -45,16 +46,13 @@ pub(super) struct RecordWindow {
 impl RecordWindow {
     /// The windows of all channels, by their number.
     pub fn read_all(store: &mut dyn ArrayStore, catalog: &mut Catalog) -> BTreeMap<u32, Self> {
-        let list = store.list().to_vec();
         let mut found = BTreeMap::new();
-        for (index, info) in list.iter().enumerate() {
-            let Some(channel) = record_channel(info, 'X') else {
-                continue;
-            };
-            let is_windowed = |other| record_channel(other, 'W') == Some(channel);
-            let Some(windowed) = list.iter().position(is_windowed) else {
-                continue;
-            };
+        for RecordPair {
+            channel,
+            index,
+            windowed,
+        } in record_pairs(store.list())
+        {
             let mut read = |index| {
                 let array = store.read(index);
                 array.and_then(|array| columns_of(array, &catalog.path))
@@ -130,6 +128,34 @@ impl RecordWindow {
     }
 }
 
+/// The records of a channel, by their place in the list of arrays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct RecordPair {
+    channel: u32,
+    index: usize,
+    windowed: usize,
+}
+
+/// Records without and with a window of the same channel; of several windowed ones the first.
+fn record_pairs(list: &[ArrayInfo]) -> Vec<RecordPair> {
+    let mut windowed = BTreeMap::new();
+    for (index, info) in list.iter().enumerate() {
+        if let Some(channel) = record_channel(info, 'W') {
+            windowed.entry(channel).or_insert(index);
+        }
+    }
+    let records = list.iter().enumerate().filter_map(|(index, info)| {
+        let channel = record_channel(info, 'X')?;
+        let windowed = *windowed.get(&channel)?;
+        Some(RecordPair {
+            channel,
+            index,
+            windowed,
+        })
+    });
+    records.collect()
+}
+
 /// The window of an FRF: the decay rate of the response, and whether the force is cut.
 pub(super) fn of_function(
     windows: &BTreeMap<u32, RecordWindow>,
@@ -146,13 +172,103 @@ pub(super) fn of_function(
 
 /// Gives channels of one window the same decay rate, the one estimated from the most samples.
 fn share_decay_rates(windows: &mut BTreeMap<u32, RecordWindow>) {
-    let all: Vec<RecordWindow> = windows.values().copied().collect();
+    let mut ascending: Vec<RecordWindow> = windows.values().copied().collect();
+    sort_ascending_by(&mut ascending, |window| window.decay_rad_s);
+    let shared = best_decay_rates(&ascending, &mut 0);
+    let rates = ascending.iter().map(|window| window.decay_rad_s.to_bits());
+    let shared: BTreeMap<u64, f64> = rates.zip(shared).collect();
     for window in windows.values_mut() {
-        let decay_rad_s = window.decay_rad_s;
-        let is_same = |other: &&RecordWindow| {
-            (other.decay_rad_s - decay_rad_s).abs() <= MAX_DECAY_DIFFERENCE * decay_rad_s
-        };
-        let best = all.iter().filter(is_same).max_by_key(|other| other.samples);
-        window.decay_rad_s = best.map_or(decay_rad_s, |best| best.decay_rad_s);
+        let best = shared.get(&window.decay_rad_s.to_bits());
+        window.decay_rad_s = best.copied().unwrap_or(window.decay_rad_s);
+    }
+}
+
+/// For each of the windows, in ascending order of their rates, the rate of the one with the most
+/// samples among those of the same rate. Both limits of these ascend, so that each window enters
+/// and leaves the candidates once; `comparisons` counts this work.
+fn best_decay_rates(ascending: &[RecordWindow], comparisons: &mut usize) -> Vec<f64> {
+    // Windows of descending numbers of samples that may be the best of this or a later range.
+    let mut candidates: VecDeque<usize> = VecDeque::new();
+    let mut next = 0;
+    let decay_rates = ascending.iter().map(|window| {
+        let rate = window.decay_rad_s;
+        let reach = MAX_DECAY_DIFFERENCE * rate;
+        while let Some(entering) = ascending.get(next)
+            && entering.decay_rad_s <= rate + reach
+        {
+            while let Some(last) = candidates.back()
+                && ascending[*last].samples <= entering.samples
+            {
+                candidates.pop_back();
+                *comparisons += 1;
+            }
+            candidates.push_back(next);
+            next += 1;
+            *comparisons += 1;
+        }
+        while let Some(first) = candidates.front()
+            && ascending[*first].decay_rad_s < rate - reach
+        {
+            candidates.pop_front();
+            *comparisons += 1;
+        }
+        let best = candidates.front();
+        best.map_or(rate, |best| ascending[*best].decay_rad_s)
+    });
+    decay_rates.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(decay_rad_s: f64, samples: usize) -> RecordWindow {
+        RecordWindow {
+            decay_rad_s,
+            samples,
+            is_cut: false,
+            record_s: 1.0,
+        }
+    }
+
+    #[test]
+    fn windows_of_one_rate_share_that_of_the_most_samples() {
+        let rates = [
+            (1.0, 40),
+            (1.0005, 900),
+            (2.0, 10),
+            (2.001, 5),
+            (2.0025, 70),
+        ];
+        let mut windows: BTreeMap<u32, RecordWindow> = (0..)
+            .zip(rates.map(|(rate, samples)| window(rate, samples)))
+            .collect();
+        share_decay_rates(&mut windows);
+        let shared: Vec<f64> = windows.values().map(|window| window.decay_rad_s).collect();
+        assert_eq!(shared, [1.0005, 1.0005, 2.0, 2.0025, 2.0025]);
+    }
+
+    #[test]
+    fn the_work_of_sharing_grows_with_the_number_of_windows_alone() {
+        let windows = (0..10_000).map(|n| window(1.0 + 1e-8 * f64::from(n), 10_000 - n as usize));
+        let windows: Vec<RecordWindow> = windows.collect();
+        let mut comparisons = 0;
+        let shared = best_decay_rates(&windows, &mut comparisons);
+        assert_eq!(shared, vec![1.0; 10_000]);
+        assert!(comparisons <= 3 * windows.len(), "{}", comparisons);
+    }
+
+    #[test]
+    fn records_are_paired_by_their_channel() {
+        let list = ["W1", "X2", "X1", "W2", "W2", "X3"].map(|name| ArrayInfo {
+            name: name.to_owned(),
+            shape: vec![8, 2],
+            kind: "f64".to_owned(),
+        });
+        let pairs = record_pairs(&list).into_iter();
+        let pairs: Vec<[usize; 3]> = pairs
+            .map(|pair| [pair.channel as usize, pair.index, pair.windowed])
+            .collect();
+        assert_eq!(pairs, [[2, 1, 3], [1, 2, 0]]);
     }
 }
