@@ -314,6 +314,10 @@ impl ArrayStore for Hdf5Store {
         bytes_of(&item.stored, item.stride).map_or(u64::MAX, |bytes| bytes as u64)
     }
 
+    fn file_bytes(&self) -> u64 {
+        self.stream.bytes()
+    }
+
     fn take_damage(&mut self) -> Vec<IoError> {
         std::mem::take(&mut self.listing.damage)
     }

@@ -311,6 +311,10 @@ impl ArrayStore for Matlab4Store {
         self.matrices[index].header.content_bytes().unwrap_or(0)
     }
 
+    fn file_bytes(&self) -> u64 {
+        self.length
+    }
+
     fn take_damage(&mut self) -> Vec<IoError> {
         std::mem::take(&mut self.damage)
     }

@@ -63,6 +63,10 @@ impl ArrayStore for Matlab5Store {
         self.listing.parts[index].bytes
     }
 
+    fn file_bytes(&self) -> u64 {
+        self.bytes.length
+    }
+
     fn take_damage(&mut self) -> Vec<IoError> {
         std::mem::take(&mut self.listing.damage)
     }

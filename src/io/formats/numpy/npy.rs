@@ -232,6 +232,10 @@ impl ArrayStore for NpyStore {
         self.header.bytes(index)
     }
 
+    fn file_bytes(&self) -> u64 {
+        self.bytes
+    }
+
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
         let available = self.available();
         seek(self.input.as_mut(), self.header.data, &self.path)?;

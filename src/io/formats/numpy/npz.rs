@@ -30,12 +30,18 @@ use super::npy::read_bytes;
 /// The first bytes of a zip archive with members.
 const ZIP_MAGIC: &[u8] = b"PK\x03\x04";
 
-/// Where the length of the first member's name stands, and where the name begins.
+/// Where the length of a member's name stands, and where the name begins.
 const NAME_LENGTH: usize = 26;
 const NAME: usize = 30;
 
 /// Deflate expands at most so many times.
 const DEFLATE_EXPANSION: u64 = 1032;
+
+/// Headers of all arrays take at most so many times the file, and 1 MiB: many members can share one
+/// header, and blanks deflate well. Larger: 10,000 members that share a header of 500 kB take 5 GB.
+/// Smaller than 1: small arrays are refused (`headers_are_read_to_a_limit`).
+const MAX_HEADERS_OVER_FILE: u64 = 16;
+const MAX_ADDITIONAL_HEADER_BYTES: u64 = 1 << 20;
 
 /// Members of this size need the 64-bit fields of a zip archive.
 const LARGE: usize = 0xffff_0000;
@@ -52,13 +58,19 @@ impl Format for Npz {
         &["npz"]
     }
 
+    /// Certain for an archive whose first members are an array, or have an array behind them.
     fn detect(&self, head: &[u8]) -> Confidence {
-        let length = head.get(NAME_LENGTH..NAME_LENGTH + 2);
-        let length = length.map_or(0, |bytes| {
-            usize::from(u16::from_le_bytes([bytes[0], bytes[1]]))
-        });
-        let name = head.get(NAME..NAME + length).unwrap_or_default();
-        if head.starts_with(ZIP_MAGIC) && name.ends_with(b".npy") {
+        let starts = memchr::memmem::find_iter(head, ZIP_MAGIC);
+        let is_array = |member: &[u8]| {
+            let length = member.get(NAME_LENGTH..NAME_LENGTH + 2);
+            let length = length.map_or(0, |bytes| {
+                usize::from(u16::from_le_bytes([bytes[0], bytes[1]]))
+            });
+            let name = member.get(NAME..NAME + length).unwrap_or_default();
+            name.ends_with(b".npy")
+        };
+        let mut members = starts.map(|start| &head[start..]);
+        if head.starts_with(ZIP_MAGIC) && members.any(is_array) {
             Confidence::Certain
         } else {
             Confidence::No
@@ -138,6 +150,10 @@ struct Listed {
 }
 
 struct NpzStore {
+    /// Length of the file.
+    length: u64,
+    /// Bytes of headers that may still be read.
+    header_bytes: u64,
     archive: ZipArchive<Box<dyn ReadSeek>>,
     arrays: Vec<Listed>,
     list: Vec<ArrayInfo>,
@@ -196,7 +212,10 @@ impl NpzStore {
             source,
         })?;
         let archive = ZipArchive::new(input).map_err(zip_error(path))?;
+        let header_bytes = length.saturating_mul(MAX_HEADERS_OVER_FILE);
         let mut store = Self {
+            length,
+            header_bytes: header_bytes.saturating_add(MAX_ADDITIONAL_HEADER_BYTES),
             archive,
             arrays: Vec::new(),
             list: Vec::new(),
@@ -208,6 +227,9 @@ impl NpzStore {
         for index in 0..store.archive.len() {
             if let Err(error) = store.list_member(index) {
                 store.damage.push(error);
+            }
+            if store.header_bytes == 0 {
+                break;
             }
         }
         Ok(store)
@@ -239,6 +261,17 @@ impl NpzStore {
         };
         let place = format!("{}({name})", self.path);
         let header = Header::read(&mut file, &place).map_err(|error| member_error(at, error))?;
+        let left = self.header_bytes.checked_sub(header.data);
+        self.header_bytes = left.unwrap_or(0);
+        if left.is_none() {
+            return Err(IoError::Binary {
+                path: self.path.clone(),
+                byte: at,
+                what: "headers of arrays",
+                got: "the same bytes in many members, or many that expand".to_owned(),
+                expected: "fewer bytes in a file of this size".to_owned(),
+            });
+        }
         let header = Arc::new(header);
         for (column, info) in header.infos(array).into_iter().enumerate() {
             self.arrays.push(Listed {
@@ -320,6 +353,10 @@ impl ArrayStore for NpzStore {
     fn bytes(&self, index: usize) -> u64 {
         let Listed { header, column, .. } = &self.arrays[index];
         header.as_ref().map_or(0, |header| header.bytes(*column))
+    }
+
+    fn file_bytes(&self) -> u64 {
+        self.length
     }
 
     fn take_damage(&mut self) -> Vec<IoError> {

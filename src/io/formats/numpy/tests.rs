@@ -199,6 +199,12 @@ fn deflated_members_are_read() {
     archive.write_all(b"by hand").unwrap();
     let bytes = archive.finish().unwrap().into_inner();
     assert_eq!(Npz.detect(&bytes), Confidence::Certain);
+    let mut turned = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    turned.start_file("notes.txt", deflated).unwrap();
+    turned.write_all(b"by hand").unwrap();
+    turned.start_file("x.npy", deflated).unwrap();
+    let other_first = turned.finish().unwrap().into_inner();
+    assert_eq!(Npz.detect(&other_first), Confidence::Certain);
     let listed = open_npz(bytes.clone());
     let names: Vec<&str> = listed
         .catalog()
@@ -379,4 +385,34 @@ proptest! {
             }
         }
     }
+}
+
+/// An archive of so many arrays of one value, with headers of so many bytes.
+fn archive_of(count: usize, header: usize) -> Vec<u8> {
+    use std::io::Write;
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    let options = options.compression_method(zip::CompressionMethod::Deflated);
+    let text = "{'descr': '|u1', 'fortran_order': False, 'shape': (1,), }";
+    let length = ((header - 12) as u32).to_le_bytes();
+    let text = text.to_owned() + &" ".repeat(header - 12 - text.len());
+    let member = [b"\x93NUMPY\x02\0", &length[..], text.as_bytes(), &[7]].concat();
+    for number in 0..count {
+        archive
+            .start_file(format!("a{number}.npy"), options)
+            .unwrap();
+        archive.write_all(&member).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+#[test]
+fn headers_are_read_to_a_limit() {
+    let opened = |bytes: Vec<u8>| {
+        let mut source = open_npz(bytes);
+        (source.catalog().arrays.len(), source.take_damage().len())
+    };
+    // Headers of half a mebibyte that deflate to some hundred bytes.
+    assert_eq!(opened(archive_of(8, 1 << 19)), (2, 1));
+    assert_eq!(opened(archive_of(9_000, 128)), (9_000, 0));
 }

@@ -46,6 +46,11 @@ impl<'a> ArrayIndex<'a> {
         self.path
     }
 
+    /// Bytes of the file.
+    pub fn file_bytes(&self) -> u64 {
+        self.store.file_bytes()
+    }
+
     /// Names of all arrays, in alphabetical order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.places.keys().map(String::as_str)

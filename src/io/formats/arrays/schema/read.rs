@@ -43,6 +43,14 @@ pub(in crate::io) struct SchemaSource {
     places: Vec<Place>,
 }
 
+/// A file of any size may have so many functions ...
+const MIN_FUNCTION_LIMIT: u64 = 1024;
+
+/// ... and one more for so many bytes of it. Smaller: numbers of functions that deflate well ask
+/// for a thousand times the memory of the file (`functions_are_no_more_than_the_file_can_hold`).
+/// Larger than 300: functions of two lines in single precision, whose texts deflate, are refused.
+const MIN_FILE_BYTES_PER_FUNCTION: u64 = 16;
+
 /// A text of more bytes does not name this schema.
 const MAX_SCHEMA_BYTES: u64 = 1024;
 
@@ -87,7 +95,7 @@ pub(in crate::io) fn open_with_schema(
     let mut errors = Vec::new();
     let mut found: Vec<(f64, Entry, Place)> = Vec::new();
     for group in groups(&array_index) {
-        match read_group(&mut array_index, &group) {
+        match read_group(&mut array_index, &group, found.len()) {
             Ok(entries) => found.extend(entries),
             Err(error) => errors.push((error, part_of(&mut array_index, &group))),
         }
@@ -137,14 +145,22 @@ fn part_of(array_index: &mut ArrayIndex, group: &str) -> Part {
     named(array_index, &name, FunctionType::from_name).map_or(Part::Function, Part::of_function)
 }
 
+/// The functions of a group; `known` are those of the groups before it.
 fn read_group(
     array_index: &mut ArrayIndex,
     group: &str,
+    known: usize,
 ) -> Result<Vec<(f64, Entry, Place)>, IoError> {
     let name = |field: &str| format!("{group}/{field}");
     let function_type = named(array_index, &name("function_type"), FunctionType::from_name)?;
     let format = named(array_index, &name("stored"), format_of)?;
     let positions = array_index.needed_numbers(&name("position"), None)?;
+    let most = MIN_FUNCTION_LIMIT + array_index.file_bytes() / MIN_FILE_BYTES_PER_FUNCTION;
+    if (known + positions.len()) as u64 > most {
+        let got = format!("{} functions", known + positions.len());
+        let expected = format!("{most} or fewer in a file of this size");
+        return Err(array_index.error(&name("position"), got, expected));
+    }
     let (values, lines) = values(array_index, group, format, positions.len())?;
     let (axis, abscissa) = read_axis(array_index, group, lines)?;
     let mut entries = vec![Entry::new(function_type, axis, format); positions.len()];

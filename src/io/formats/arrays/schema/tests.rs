@@ -14,6 +14,7 @@ use crate::io::{
 struct Arrays {
     list: Vec<ArrayInfo>,
     arrays: Vec<NamedArray>,
+    file_bytes: u64,
 }
 
 impl Arrays {
@@ -25,6 +26,7 @@ impl Arrays {
         };
         Self {
             list: arrays.iter().map(info).collect(),
+            file_bytes: u64::MAX,
             arrays,
         }
     }
@@ -40,6 +42,10 @@ impl ArrayStore for Arrays {
             Elements::Text(texts) => texts.iter().map(|text| text.len() as u64).sum(),
             numbers => numbers.len() as u64 * 8,
         }
+    }
+
+    fn file_bytes(&self) -> u64 {
+        self.file_bytes
     }
 
     fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
@@ -277,4 +283,30 @@ fn another_number_of_the_layout_is_an_error() {
     assert!(open("another layout").is_ok());
     let long = format!("{SCHEMA}{}", "x".repeat(2000));
     assert!(open(&long).is_ok(), "a long text is not looked at");
+}
+
+#[test]
+fn functions_are_no_more_than_the_file_can_hold() {
+    let read = |file_bytes: u64| {
+        let mut source = drawn(1);
+        let (mut arrays, _) = written(&mut source);
+        let group = arrays
+            .iter()
+            .find_map(|array| array.name.strip_suffix("/position"));
+        let name = format!("{}/position", group.unwrap());
+        for array in arrays.iter_mut().filter(|array| array.name == name) {
+            array.shape = vec![10_000];
+            array.elements = Elements::F64(vec![0.0; 10_000]);
+        }
+        let mut store = Arrays::new(arrays);
+        store.file_bytes = file_bytes;
+        let mut source = open_arrays("test", Box::new(store), &Hints::default()).unwrap();
+        let damage = source.take_damage().into_iter();
+        damage
+            .map(|damage| damage.error.to_string())
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    assert!(read(1_000).contains("1086 or fewer in a file of this size"));
+    assert!(!read(1_000_000).contains("in a file of this size"));
 }

@@ -80,6 +80,9 @@ pub(in crate::io) trait ArrayStore: Send {
     /// tells.
     fn bytes(&self, index: usize) -> u64;
 
+    /// Bytes of the file, of which compressed arrays can make many more.
+    fn file_bytes(&self) -> u64;
+
     /// Takes what is wrong with parts of the file that are not in the list.
     fn take_damage(&mut self) -> Vec<IoError> {
         Vec::new()
