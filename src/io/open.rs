@@ -150,22 +150,6 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// All bytes of an input.
-///
-/// # Errors
-/// [`IoError::System`].
-pub(in crate::io) fn read_all(input: &mut dyn ReadSeek, path: &str) -> Result<Vec<u8>, IoError> {
-    let mut bytes = Vec::new();
-    match input.read_to_end(&mut bytes) {
-        Ok(_) => Ok(bytes),
-        Err(source) => Err(IoError::System {
-            path: path.to_owned(),
-            action: "read",
-            source,
-        }),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

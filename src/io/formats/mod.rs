@@ -11,6 +11,7 @@
 //! memory, scene-described columns and `convert`, never a scene or a path.
 
 pub mod arrays;
+mod damping_ratios;
 mod dropped_content;
 mod hdf5;
 mod matlab4;

@@ -7,7 +7,7 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use encoding_rs::{Decoder, Encoding, UTF_16BE, UTF_16LE};
 
-use crate::io::ReadSeek;
+use crate::io::{IoError, ReadSeek};
 
 /// Bytes of UTF-16 that are decoded at once.
 const PIECE_BYTES: u64 = 1 << 16;
@@ -82,6 +82,28 @@ pub(in crate::io::formats) fn decoded(
         None => Box::new(input),
         Some(encoding) => Box::new(Utf16::new(input, encoding)),
     })
+}
+
+/// The whole text as UTF-8 or Latin-1, without byte order mark and without the zeros and Ctrl-Z
+/// that DOS programs leave at the end.
+///
+/// # Errors
+/// [`IoError::System`] when it cannot be read.
+pub(in crate::io::formats) fn decoded_bytes(
+    input: Box<dyn ReadSeek>,
+    path: &str,
+) -> Result<Vec<u8>, IoError> {
+    let mut text = Vec::new();
+    let read = decoded(input).and_then(|mut input| input.read_to_end(&mut text));
+    read.map_err(|source| IoError::System {
+        path: path.to_owned(),
+        action: "read",
+        source,
+    })?;
+    let is_padding = |byte: &u8| matches!(byte, 0 | 0x1a) || byte.is_ascii_whitespace();
+    let end = text.iter().rposition(|byte| !is_padding(byte));
+    text.truncate(end.map_or(0, |end| end + 1));
+    Ok(text)
 }
 
 /// A file in UTF-16 as one of UTF-8 in memory; every other file unchanged.

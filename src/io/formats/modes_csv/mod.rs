@@ -8,8 +8,9 @@
 //!
 //! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators
 //! part the cells, `#` (blanks may stand before it) begins a line of remarks, a line whose cells
-//! are all empty is skipped. An empty cell is a value that is not known: a degree of freedom
-//! without one is not in that shape.
+//! are all empty is skipped. An empty cell or `NaN` is a value that is not known: a degree of
+//! freedom without one is not in that shape. Where cells are not parted by commas, a number may
+//! have a decimal comma. The text is UTF-8 or UTF-16.
 //!
 //! | column | meaning |
 //! |---|---|
@@ -22,12 +23,16 @@
 //! | `1:+Z` | the shape at this degree of freedom, real |
 //! | `1:+Z re`, `1:+Z im` | its real and imaginary part, both or none |
 //!
+//! Damping ratios in percent are recognised and divided by 100, unless a line of remarks is
+//! `# damping ratios are fractions`.
+//!
 //! A degree of freedom stands there with one sign: `1:+Z` and `1:-Z` are one.
 
 use crate::finding::Finding;
 use crate::modal::Mode;
 
-use crate::io::open::read_all;
+use super::damping_ratios::{StatedMode, correct_damping_ratios};
+use super::text_coding::{decoded_bytes, decoded_head};
 use crate::io::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ReadSeek, Source, WriteOptions,
     WriteSeek,
@@ -39,7 +44,7 @@ mod read;
 mod tests;
 mod write;
 
-use read::{heading, read};
+use read::{heading, read, states_fractions};
 use write::{dropped_content, text, unwritable};
 
 /// A table of modes.
@@ -61,24 +66,29 @@ impl Format for ModesCsv {
 
     /// Certain for a heading that begins as this format's.
     fn detect(&self, head: &[u8]) -> Confidence {
-        if heading(head).1.is_some() {
+        if heading(&decoded_head(head)).1.is_some() {
             Confidence::Certain
         } else {
             Confidence::No
         }
     }
 
-    fn open(
-        &self,
-        mut input: Box<dyn ReadSeek>,
-        hints: &Hints,
-    ) -> Result<Box<dyn Source>, IoError> {
-        let bytes = read_all(&mut *input, &hints.path)?;
-        let (modes, damage) = read(&bytes, &hints.path)?;
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        let bytes = decoded_bytes(input, &hints.path)?;
+        let (mut modes, damage) = read(&bytes, &hints.path)?;
+        let stated = modes.iter_mut().map(|entry| StatedMode {
+            mode: &mut entry.mode,
+            line: entry.line,
+        });
+        let findings = match states_fractions(&bytes) {
+            true => Vec::new(),
+            false => correct_damping_ratios(&mut stated.collect::<Vec<_>>(), &hints.path),
+        };
         let mut catalog = Catalog {
             format: "modes-csv",
             path: hints.path.clone(),
             modes,
+            findings,
             ..Catalog::default()
         };
         for error in damage {

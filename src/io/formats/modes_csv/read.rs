@@ -6,6 +6,7 @@ use num_complex::Complex64;
 
 use super::column::{Column, FIRST, NAMED, Part};
 use crate::dof::Dof;
+use crate::io::formats::number::field;
 use crate::io::{IoError, ModeEntry};
 use crate::modal::{Mode, ModeShape, Scaling};
 
@@ -26,6 +27,17 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     })
 }
 
+/// The remark of a table whose damping ratios are fractions although they look like percent.
+pub(super) const FRACTIONS: &str = "# damping ratios are fractions";
+
+/// Whether a line of a table is the remark [`FRACTIONS`].
+pub(super) fn states_fractions(bytes: &[u8]) -> bool {
+    let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+    lines
+        .map(<[u8]>::trim_ascii)
+        .any(|line| line == FRACTIONS.as_bytes())
+}
+
 /// The cells of a line without the blanks and quotation marks around them.
 fn cells(line: &str, delimiter: char) -> Vec<&str> {
     let cells = line.split(delimiter).map(str::trim).map(|cell| {
@@ -42,8 +54,12 @@ pub(super) fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     let (number, line) = lines(bytes).next().unwrap_or((1, b""));
     let line = String::from_utf8_lossy(line);
     let delimiters = DELIMITERS.map(char::from).into_iter();
-    let mut delimiters =
-        delimiters.filter(|delimiter| cells(&line, *delimiter).starts_with(&FIRST));
+    let begins = |delimiter: &char| {
+        let cells = cells(&line, *delimiter);
+        let mut first = FIRST.iter().zip(&cells);
+        cells.len() >= FIRST.len() && first.all(|(name, cell)| cell.eq_ignore_ascii_case(name))
+    };
+    let mut delimiters = delimiters.filter(begins);
     (number, delimiters.next())
 }
 
@@ -59,6 +75,8 @@ const FREQUENCY: Range = (|value| value >= 0.0, "a frequency of 0 Hz or more");
 struct Reader<'a> {
     path: &'a str,
     line: u64,
+    /// What parts the cells.
+    delimiter: char,
 }
 
 impl Reader<'_> {
@@ -78,7 +96,8 @@ impl Reader<'_> {
     }
 
     fn column(&self, name: &str) -> Result<Column, IoError> {
-        if let Some((_, column)) = NAMED.iter().find(|(heading, _)| *heading == name) {
+        let mut named = NAMED.iter();
+        if let Some((_, column)) = named.find(|(heading, _)| name.eq_ignore_ascii_case(heading)) {
             return Ok(column.clone());
         }
         let (dof, part) = match name.rsplit_once(' ') {
@@ -151,14 +170,21 @@ impl Reader<'_> {
         if text.is_empty() {
             return Ok(None);
         }
-        let value = text.parse::<f64>().ok();
+        // Word processors print a minus sign in place of a hyphen.
+        let hyphened = text.replace('\u{2212}', "-");
+        let digits = hyphened.as_bytes();
+        let comma = (self.delimiter != ',').then(|| field(digits, b','));
+        let value = field(digits, b'.').or(comma.flatten());
+        if value.is_some_and(f64::is_nan) {
+            return Ok(None);
+        }
         let value = value.filter(|value| value.is_finite() && holds(*value));
         let value = value.ok_or_else(|| self.error(what, text, expected))?;
         Ok(Some(value))
     }
 
-    fn row(&self, columns: &[Column], text: &[u8], delimiter: char) -> Result<Mode, IoError> {
-        let row = cells(self.text(text)?, delimiter);
+    fn row(&self, columns: &[Column], text: &[u8]) -> Result<Mode, IoError> {
+        let row = cells(self.text(text)?, self.delimiter);
         if row.len() != columns.len() {
             let got = format!("{} cells", row.len());
             let expected = format!("{} as in the heading", columns.len());
@@ -237,7 +263,11 @@ impl Reader<'_> {
 /// The modes of all rows that are right, and what is wrong with the others.
 pub(super) fn read(bytes: &[u8], path: &str) -> Result<(Vec<ModeEntry>, Vec<IoError>), IoError> {
     let (line, delimiter) = heading(bytes);
-    let mut reader = Reader { path, line };
+    let mut reader = Reader {
+        path,
+        line,
+        delimiter: delimiter.unwrap_or(','),
+    };
     let mut lines = lines(bytes);
     let first = lines.next().map_or(&b""[..], |(_, text)| text);
     let Some(delimiter) = delimiter else {
@@ -252,7 +282,7 @@ pub(super) fn read(bytes: &[u8], path: &str) -> Result<(Vec<ModeEntry>, Vec<IoEr
     let (mut modes, mut damage) = (Vec::new(), Vec::new());
     for (line, text) in lines {
         reader.line = line;
-        match reader.row(&columns, text, delimiter) {
+        match reader.row(&columns, text) {
             Ok(mode) => modes.push(ModeEntry {
                 line: Some(line),
                 ..ModeEntry::new(mode)

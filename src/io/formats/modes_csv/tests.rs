@@ -329,3 +329,63 @@ fn properties_that_a_table_cannot_hold_are_reported() {
         );
     }
 }
+
+#[test]
+fn damping_in_percent_is_divided_by_a_hundred_unless_it_is_stated_as_fractions() {
+    let open = |text: &str| {
+        let input = Box::new(std::io::Cursor::new(text.as_bytes().to_vec()));
+        let hints = crate::io::Hints {
+            path: "m.csv".to_owned(),
+            ..crate::io::Hints::default()
+        };
+        let source = ModesCsv.open(input, &hints).unwrap();
+        let catalog = source.catalog();
+        let ratios: Vec<Option<f64>> = catalog.modes.iter().map(|e| e.mode.damping_ratio).collect();
+        let findings: Vec<String> = catalog
+            .findings
+            .iter()
+            .map(|f| format!("{} at {}", f.code.name(), f.location))
+            .collect();
+        (ratios, findings)
+    };
+    let head = "frequency_hz,damping_ratio,1:+Z\n";
+    let (ratios, findings) = open(&format!("{head}10,1.5,1\n20,0.5,1\n"));
+    assert_eq!(ratios, [Some(0.015), Some(0.005)]);
+    assert_eq!(findings, ["damping-in-percent at m.csv:2"]);
+    let (ratios, findings) = open(&format!("{head}10,,1\n20,-0.01,1\n30,0.01,1\n"));
+    assert_eq!(ratios, [None, Some(-0.01), Some(0.01)]);
+    assert_eq!(findings, ["negative-damping at m.csv:3"]);
+    // A table that modalign wrote comes back as it was.
+    let shape = ModeShape::new([(dof("1:+Z"), Complex64::new(1.0, 0.0))]);
+    let modes = [Mode::new(10.0, Some(1.5), shape, Scaling::Unknown)];
+    let (text, _) = written(&modes);
+    assert_eq!(open(&text), (vec![Some(1.5)], Vec::new()));
+}
+
+#[test]
+fn modes_are_read_in_every_coding_and_with_decimal_commas() {
+    let text = "frequency_hz,damping_ratio,1:+Z,2:+Z\n20.5,0.01,1,-0.5\n55,0.008,NaN,nan(ind)\n";
+    let marked = format!("\u{feff}{text}");
+    let utf_16 = |turn: fn(u16) -> [u8; 2]| marked.encode_utf16().flat_map(turn).collect();
+    let texts: [Vec<u8>; 8] = [
+        text.replace("frequency_hz,damping", "Frequency_Hz,Damping")
+            .into_bytes(),
+        text.replace('-', "\u{2212}").into_bytes(),
+        marked.replace('\n', "\r").into_bytes(),
+        utf_16(u16::to_le_bytes),
+        utf_16(u16::to_be_bytes),
+        format!("{text}\u{1a}").into_bytes(),
+        text.replace(',', ";").replace('.', ",").into_bytes(),
+        text.replace(',', "\t").replace('.', ",").into_bytes(),
+    ];
+    for bytes in texts {
+        assert_eq!(ModesCsv.detect(&bytes), Confidence::Certain);
+        let input = Box::new(std::io::Cursor::new(bytes));
+        let source = ModesCsv.open(input, &crate::io::Hints::default()).unwrap();
+        let modes = &source.catalog().modes;
+        let [low, high] = [0, 1].map(|index| &modes[index].mode);
+        assert_eq!((low.frequency_hz, high.damping_ratio), (20.5, Some(0.008)));
+        assert_eq!(low.shape.get(&dof("2:+Z")), Some(Complex64::new(-0.5, 0.0)));
+        assert_eq!(high.shape.len(), 0, "what is no number is not known");
+    }
+}

@@ -7,6 +7,8 @@ use crate::finding::Finding;
 use crate::modal::{Mode, Scaling};
 
 use super::column::{Column, FIRST, NAMED};
+use super::read::FRACTIONS;
+use crate::io::formats::damping_ratios::{LargeRatios, large_ratios};
 use crate::io::formats::dropped_content::DroppedContent;
 use crate::io::{Catalog, IoError, ModeEntry};
 
@@ -48,7 +50,15 @@ pub(super) fn text(modes: &[&Mode]) -> String {
         }
     }
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = names.join(",") + "\n";
+    let ratios = modes.iter().filter_map(|mode| mode.damping_ratio);
+    let look_like_percent = large_ratios(ratios).is_some_and(LargeRatios::are_percent);
+    let mut text = String::new();
+    if look_like_percent {
+        text += FRACTIONS;
+        text.push('\n');
+    }
+    text += &names.join(",");
+    text.push('\n');
     for mode in modes {
         let cells = columns
             .iter()

@@ -5,7 +5,7 @@ pub(in crate::io) mod schema;
 use crate::finding::Finding;
 
 use super::dropped_content::DroppedContent;
-use crate::io::open::read_all;
+use super::text_coding::{decoded_bytes, decoded_head};
 use crate::io::{
     Catalog, Confidence, Format, Hints, IoError, MemorySource, ModeEntry, ReadSeek, Source,
     WriteOptions, WriteSeek, modal_model_of,
@@ -29,20 +29,17 @@ impl Format for ModesJson {
 
     /// Certain for an object whose beginning names the schema.
     fn detect(&self, head: &[u8]) -> Confidence {
+        let head = decoded_head(head);
         let object = head.trim_ascii_start().starts_with(b"{");
-        if object && memchr::memmem::find(head, MARK).is_some() {
+        if object && memchr::memmem::find(&head, MARK).is_some() {
             Confidence::Certain
         } else {
             Confidence::No
         }
     }
 
-    fn open(
-        &self,
-        mut input: Box<dyn ReadSeek>,
-        hints: &Hints,
-    ) -> Result<Box<dyn Source>, IoError> {
-        let bytes = read_all(&mut *input, &hints.path)?;
+    fn open(&self, input: Box<dyn ReadSeek>, hints: &Hints) -> Result<Box<dyn Source>, IoError> {
+        let bytes = decoded_bytes(input, &hints.path)?;
         let text = String::from_utf8(bytes).map_err(|error| IoError::Binary {
             path: hints.path.clone(),
             byte: error.utf8_error().valid_up_to() as u64,
@@ -144,5 +141,24 @@ mod tests {
             &WriteOptions::default(),
         );
         assert!(error.unwrap_err().to_string().contains("no modes"));
+    }
+
+    #[test]
+    fn modes_are_read_in_every_coding_of_text() {
+        let json =
+            r#"{"schema": "modalign-modes/1", "modes": [{"frequency_hz": 20.0, "shape": {}}]}"#;
+        let marked = format!("\u{feff}{json}");
+        let utf_16 = |turn: fn(u16) -> [u8; 2]| marked.encode_utf16().flat_map(turn).collect();
+        let texts: [Vec<u8>; 4] = [
+            marked.clone().into_bytes(),
+            utf_16(u16::to_le_bytes),
+            utf_16(u16::to_be_bytes),
+            format!("{json}\r\n\u{1a}").into_bytes(),
+        ];
+        for bytes in texts {
+            assert_eq!(ModesJson.detect(&bytes), Confidence::Certain);
+            let read = ModesJson.open(Box::new(Cursor::new(bytes)), &Hints::default());
+            assert_eq!(read.unwrap().catalog().modes[0].mode.frequency_hz, 20.0);
+        }
     }
 }

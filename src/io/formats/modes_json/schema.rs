@@ -11,6 +11,7 @@ use crate::finding::Finding;
 use crate::modal::{Grade, InputFile, ModalModel, Mode, ModeShape, Pole, Quality, Scaling};
 
 use crate::io::IoError;
+use crate::io::formats::damping_ratios::{StatedMode, correct_damping_ratios};
 use crate::linalg::sort_ascending_by;
 
 /// The schema text.
@@ -230,11 +231,23 @@ pub fn modes_from_json(text: &str, path: &str) -> Result<ModalModel, IoError> {
         .map(|[lo, hi]| Band::new(lo, hi))
         .transpose()
         .map_err(|e| error(1, 1, e.to_string()))?;
+    // A pole states frequency and damping a second time, so that both are as they are.
+    let have_pole: Vec<bool> = file.modes.iter().map(|m| m.pole_rad_s.is_some()).collect();
     let numbered = file.modes.into_iter().enumerate();
     let modes = numbered.map(|(index, mode)| {
         read_mode(mode).map_err(|got| error(1, 1, format!("mode {}: {got}", index + 1)))
     });
     let mut modes: Vec<Mode> = modes.collect::<Result<_, _>>()?;
+    let without_pole = modes
+        .iter_mut()
+        .zip(have_pole)
+        .filter(|(_, has_pole)| !has_pole);
+    let stated = without_pole.map(|(mode, _)| StatedMode { mode, line: None });
+    let mut findings = file.findings;
+    findings.extend(correct_damping_ratios(
+        &mut stated.collect::<Vec<_>>(),
+        path,
+    ));
     sort_ascending_by(&mut modes, |mode| mode.frequency_hz);
     Ok(ModalModel {
         producer: file.producer,
@@ -251,7 +264,7 @@ pub fn modes_from_json(text: &str, path: &str) -> Result<ModalModel, IoError> {
         references: file.references,
         added_damping_rad_s: file.added_damping_rad_s,
         modes,
-        findings: file.findings,
+        findings,
     })
 }
 
@@ -414,5 +427,34 @@ mod tests {
             "{}",
             message("{\n  \"modes\": }")
         );
+    }
+
+    #[test]
+    fn damping_in_percent_is_judged_in_modes_without_a_pole() {
+        let read = |damping: [f64; 2], pole: &str| {
+            let modes = damping.map(|ratio| {
+                format!(r#"{{"frequency_hz": 10.0, "damping_ratio": {ratio}, "damping_std": 0.5{pole}, "shape": {{"1:+X": [1, 0]}}}}"#)
+            });
+            let modes = modes.join(",");
+            let text = format!(r#"{{"schema": "modalign-modes/1", "modes": [{modes}]}}"#);
+            modes_from_json(&text, "m.json").expect("the modes of this test can be read")
+        };
+        let codes = |model: &ModalModel| -> Vec<Code> {
+            model.findings.iter().map(|finding| finding.code).collect()
+        };
+        let percent = read([1.5, 0.5], "");
+        assert_eq!(codes(&percent), [Code::DampingInPercent]);
+        assert_eq!(percent.modes[0].damping_ratio, Some(0.015));
+        assert_eq!(percent.modes[1].damping_std, Some(0.005));
+        assert_eq!(codes(&read([0.3, 0.5], "")), [Code::DampingImplausible]);
+        assert_eq!(codes(&read([0.01, -0.02], "")), [Code::NegativeDamping]);
+        assert_eq!(codes(&read([0.01, 0.02], "")), []);
+        // The pole of a mode that does not vibrate: -2 pi f (zeta +- sqrt(zeta^2 - 1)).
+        let mut overdamped = ModalModel::default();
+        let shape = ModeShape::new([(dof("1:+X"), Complex64::new(1.0, 0.0))]);
+        overdamped.modes = vec![Mode::new(10.0, Some(1.5), shape, Scaling::UnitMax)];
+        let text = modes_to_json(&overdamped, None);
+        let read = modes_from_json(&text, "m.json").expect("the modes of this test can be read");
+        assert_eq!(read, overdamped);
     }
 }

@@ -30,6 +30,7 @@ pub(super) mod dataset_2414;
 pub(super) mod dataset_55;
 mod mode_note;
 mod node_data;
+mod rigid_shape;
 pub(super) mod write;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -107,7 +107,11 @@ impl Scanner {
         }
         self.report_unknown_systems(&systems, &described.nodes);
         let nodes = self.place_nodes(&systems, described.nodes);
-        self.correct_poles(&mut described.modes);
+        let positions = nodes
+            .values()
+            .filter(|(_, node)| node.displacement_system.is_none());
+        let positions = positions.map(|(label, node)| (*label, node.at_m.into()));
+        self.correct_poles(&mut described.modes, &positions.collect());
         self.place_modes(&frames(&systems, &nodes), &described.modes);
         self.catalog.geometry.nodes = nodes.into_values().map(|(_, node)| node).collect();
         self.catalog.geometry.systems = systems.placed;
@@ -207,8 +211,8 @@ impl Scanner {
 
     /// Turns poles of other conventions into those of the format, and takes out modes without a
     /// frequency, which are damage.
-    fn correct_poles(&mut self, modes: &mut Vec<RawMode>) {
-        for error in conventions::remove_without_frequency(modes) {
+    fn correct_poles(&mut self, modes: &mut Vec<RawMode>, positions: &BTreeMap<i64, [f64; 3]>) {
+        for error in conventions::remove_without_frequency(modes, positions) {
             self.damaged(error, Part::Mode);
         }
         for observed in conventions::correct(modes) {

@@ -591,3 +591,48 @@ proptest! {
         }
     }
 }
+
+/// A file of nodes on two lines along x and normal modes at 0 Hz with these displacements along z,
+/// printed with five digits.
+fn modes_at_zero_hertz(shapes: &[fn(f64, f64) -> f64]) -> (usize, usize) {
+    let nodes: Vec<[f64; 2]> = (0..8)
+        .map(|node| [0.3 * f64::from(node / 2), 0.2 * f64::from(node % 2)])
+        .collect();
+    let numbered = || (1..).zip(&nodes);
+    let records = numbered().map(|(label, [x, y])| format!("{label} 0 0 1 {x} {y} 0.1"));
+    let nodes_lines: Vec<String> = ["    15".to_owned()].into_iter().chain(records).collect();
+    let lines =
+        |lines: &[String]| dataset(&lines.iter().map(String::as_str).collect::<Vec<_>>(), "\n");
+    let mut file = lines(&nodes_lines);
+    for shape in shapes {
+        let mut mode: Vec<String> = NORMAL.map(str::to_owned).to_vec();
+        mode.push("0. 0. 0. 0.".to_owned());
+        for (label, [x, y]) in numbered() {
+            mode.push(label.to_string());
+            mode.push(format!("0. 0. {:.4e}", shape(*x, *y)));
+        }
+        file.extend(lines(&mode));
+    }
+    let source = open(file).unwrap();
+    (source.catalog().modes.len(), source.catalog().damage.len())
+}
+
+#[test]
+fn a_file_of_rigid_body_modes_alone_is_not_damage() {
+    let rigid: [fn(f64, f64) -> f64; 3] = [
+        |_, _| 0.81234,
+        |x, _| 0.3 - 1.23456 * x,
+        |x, y| 0.1 + 0.7 * x - 2.34567 * y,
+    ];
+    assert_eq!(modes_at_zero_hertz(&rigid), (3, 0));
+    // More than six modes are not all rigid-body modes, whatever their shapes.
+    assert_eq!(modes_at_zero_hertz(&[rigid[0]; 7]), (0, 7));
+}
+
+#[test]
+fn modes_at_zero_hertz_that_bend_are_damage() {
+    // The first bending mode of a clamped beam is about x² (3 l - x).
+    let bending: fn(f64, f64) -> f64 = |x, _| x * x * (2.7 - x);
+    assert_eq!(modes_at_zero_hertz(&[bending]), (0, 1));
+    assert_eq!(modes_at_zero_hertz(&[|x, _| 1.0 - x, bending]), (0, 2));
+}
