@@ -49,6 +49,35 @@ fn files_joined_behind_nodes_and_units_keep_every_function() {
 }
 
 #[test]
+fn text_before_the_first_dataset_hides_no_universal_file() {
+    for title in [
+        "==== part2.unv ====\n",
+        "C:\\tests\\part2.unv\n",
+        "Exported 2024-05-01 12:00\n\n",
+        "From: x\nSubject: FRFs\n\n",
+    ] {
+        let titled = accelerances().into_iter();
+        let titled: String = titled.map(|f| format!("{title}{}", f.text())).collect();
+        let inspected = inspect(&OneFile::new("titled.uff", titled));
+        assert_eq!(inspected.listing["format"], "uff", "{title}: {inspected:?}");
+        assert_eq!(
+            inspected.items("entries").len(),
+            3,
+            "{title}: {inspected:?}"
+        );
+        // The text may be the rest of a damaged dataset.
+        let damage = inspected.items("damage");
+        assert_eq!(damage.len(), 3, "{title}: {inspected:?}");
+        assert!(
+            damage[0].to_string().contains(":1: text between datasets"),
+            "{inspected:?}"
+        );
+    }
+    let inspected = inspect(&OneFile::new("table.csv", "count\n-1\n3\n5\n"));
+    assert_eq!(inspected.listing["format"], "table", "{inspected:?}");
+}
+
+#[test]
 fn the_end_of_file_mark_of_dos_is_no_damage() {
     let text = file_of(&accelerances());
     for end in ["\u{1a}", "\u{1a}\n", "\0\0\0\0", " \r\n\u{1a}\u{1a}\u{1a}"] {

@@ -87,20 +87,26 @@ impl Format for Uff {
         Ok(findings)
     }
 
-    /// Certain when the first line that is not blank is `-1` and the next one a dataset number.
+    /// Certain when the first line that is not blank is `-1` and the next one a dataset number, or
+    /// when a dataset that is read begins so behind lines of text, as in files that were joined
+    /// with a title for each.
     fn detect(&self, head: &[u8]) -> Confidence {
         let head = decoded_head(head);
-        let mut lines = head
-            .split(|byte| matches!(byte, b'\r' | b'\n'))
-            .filter(|line| !without_padding(line).is_empty());
-        let opened = lines.next().is_some_and(is_delimiter);
-        let numbered = lines
-            .next()
-            .is_some_and(|line| dataset_number(line).is_some());
-        if opened && numbered {
-            Confidence::Certain
-        } else {
-            Confidence::No
+        let lines = head.split(|byte| matches!(byte, b'\r' | b'\n'));
+        let lines: Vec<&[u8]> = lines
+            .filter(|line| !without_padding(line).is_empty())
+            .collect();
+        let is_text =
+            |line: &&&[u8]| line.iter().any(u8::is_ascii_alphabetic) || line.contains(&b'=');
+        let titles = lines.iter().take_while(is_text).count();
+        let number = match lines.get(titles..titles + 2) {
+            Some([opening, number]) if is_delimiter(opening) => dataset_number(number),
+            _ => None,
+        };
+        match number {
+            Some(_) if titles == 0 => Confidence::Certain,
+            Some((number, _)) if DATASETS_BEHIND_TEXT.contains(&number) => Confidence::Certain,
+            _ => Confidence::No,
         }
     }
 
@@ -120,6 +126,11 @@ impl Format for Uff {
         }))
     }
 }
+
+/// Datasets that show a universal file behind lines of text. All numbers would be too many: a
+/// heading and a column of whole numbers, `count`, `-1`, `3`, is a table
+/// (`text_before_the_first_dataset_hides_no_universal_file`).
+const DATASETS_BEHIND_TEXT: [u32; 9] = [15, 55, 58, 82, 151, 164, 2411, 2412, 2414];
 
 /// An opened universal file.
 struct UffSource {
