@@ -92,6 +92,15 @@ fn list(folder: &Path) -> Result<Listing, Error> {
     Ok(entries.flatten().filter_map(file).collect())
 }
 
+/// Files in the order in which they were written, those of one time by name. Hits are numbered in
+/// this order, and drift compares the first hits at a point with the last, which names such as
+/// `hit9.uff` and `hit10.uff` would turn.
+fn in_order_of_time(paths: &BTreeSet<PathBuf>, stamps: &Listing) -> Vec<PathBuf> {
+    let mut ordered: Vec<PathBuf> = paths.iter().cloned().collect();
+    ordered.sort_by_key(|path| stamps.get(path).and_then(|stamp| stamp.modified));
+    ordered
+}
+
 /// The number of hits of a test, and what to repeat.
 struct Evaluated {
     hits: usize,
@@ -107,9 +116,8 @@ struct WatchedTest<'a> {
 }
 
 impl WatchedTest<'_> {
-    fn evaluate(&self, paths: &BTreeSet<PathBuf>) -> Result<Evaluated, Error> {
-        let paths: Vec<PathBuf> = paths.iter().cloned().collect();
-        let data = ingest_recordings(self.args, &paths, self.grouping, self.format)?;
+    fn evaluate(&self, paths: &[PathBuf]) -> Result<Evaluated, Error> {
+        let data = ingest_recordings(self.args, paths, self.grouping, self.format)?;
         let mut recording = data.recording.ok_or_else(no_records)?;
         let result = evaluate_test(recording.as_mut(), &self.options)?;
         Ok(Evaluated {
@@ -176,7 +184,7 @@ impl Watched {
         if all.is_empty() || paths.is_empty() {
             return Ok(());
         }
-        let result = test.evaluate(&all)?;
+        let result = test.evaluate(&in_order_of_time(&all, &self.known))?;
         self.used = all;
         self.hits = result.hits;
         self.list = Some(result.list);
@@ -240,7 +248,8 @@ fn show(
         let refused = watched.refused.iter();
         let refused = refused
             .map(|(path, reason)| serde_json::json!({ "file": name(path), "reason": reason }));
-        let used: Vec<String> = watched.used.iter().map(|path| name(path)).collect();
+        let used = in_order_of_time(&watched.used, &watched.known);
+        let used: Vec<String> = used.iter().map(|path| name(path)).collect();
         serde_json::json!({
             "schema": "modalign-watch/1",
             "changed": names,
@@ -252,4 +261,33 @@ fn show(
         .to_string()
     });
     output.show()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_in_the_order_of_time_and_then_of_name() {
+        let stamp = |seconds: Option<u64>| Stamp {
+            bytes: 1,
+            modified: seconds.map(|s| SystemTime::UNIX_EPOCH + Duration::from_secs(s)),
+        };
+        let stamps: Listing = [
+            ("hit10.uff", Some(30)),
+            ("hit9.uff", Some(20)),
+            ("b.uff", Some(10)),
+            ("a.uff", Some(10)),
+            ("unknown.uff", None),
+        ]
+        .map(|(name, seconds)| (PathBuf::from(name), stamp(seconds)))
+        .into();
+        let paths = stamps.keys().cloned().collect();
+        let ordered = in_order_of_time(&paths, &stamps);
+        let names: Vec<String> = ordered.iter().map(|path| name(path)).collect();
+        assert_eq!(
+            names,
+            ["unknown.uff", "a.uff", "b.uff", "hit9.uff", "hit10.uff"]
+        );
+    }
 }

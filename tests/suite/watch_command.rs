@@ -251,6 +251,37 @@ fn the_points_to_hit_again_are_right_after_each_file_that_arrives() {
 }
 
 #[test]
+fn hits_are_numbered_in_the_order_in_which_they_arrive() {
+    let hits = three_points(false);
+    let folder = tempfile::tempdir().unwrap();
+    let watch = Watch::start(folder.path(), &["--json"]);
+    let mut rig = Rig {
+        folder,
+        watch,
+        delays: Vec::new(),
+    };
+    rig.watch.json();
+    // By name hit10 and hit11 would be the first hits at their point, and the drift that between
+    // the hits in the middle and the last ones.
+    let arriving = [("hit8", 0), ("hit9", 1), ("hit10", 5), ("hit11", 2)];
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut used = Vec::new();
+    for (name, hit) in arriving {
+        let name = format!("{name}.uff");
+        let path = elsewhere.path().join(&name);
+        write_hits(&path, &[hits[hit].clone()]);
+        let list = rig.copy(&name, &std::fs::read(path).unwrap());
+        used.push(name);
+        assert_eq!(list["used"], serde_json::json!(used));
+        if hit == 2 {
+            let drift = list["before_you_leave"].as_array().unwrap().last().unwrap();
+            assert_eq!(drift["first_hits"], serde_json::json!([1, 2]), "{drift}");
+            assert_eq!(drift["last_hits"], serde_json::json!([4]), "{drift}");
+        }
+    }
+}
+
+#[test]
 fn a_watch_prints_the_section_and_an_interrupt_ends_it_well() {
     let folder = tempfile::tempdir().unwrap();
     write_hits(&folder.path().join("hits.uff"), &three_points(false)[..7]);
