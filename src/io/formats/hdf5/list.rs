@@ -44,7 +44,7 @@ pub(super) struct Listing {
     pub damage: Vec<IoError>,
     /// Links that lead nowhere.
     pub findings: Vec<Finding>,
-    /// Soft links that were followed.
+    /// Soft links that were looked at.
     #[cfg(test)]
     pub links_followed: u64,
 }
