@@ -46,9 +46,9 @@ pub(in crate::io) struct SchemaSource {
 /// A file of any size may have so many functions ...
 const MIN_FUNCTION_LIMIT: u64 = 1024;
 
-/// ... and one more for so many bytes of it. Smaller: numbers of functions that deflate well ask
-/// for a thousand times the memory of the file (`functions_are_no_more_than_the_file_can_hold`).
-/// Larger than 300: functions of two lines in single precision, whose texts deflate, are refused.
+/// ... and one more for so many bytes of it. Smaller than 1: numbers of functions that deflate well
+/// ask for a thousand times the memory of the file. Larger than 110: 10,000 functions in 1 MB are
+/// refused (both `functions_are_no_more_than_the_file_can_hold`).
 const MIN_FILE_BYTES_PER_FUNCTION: u64 = 16;
 
 /// A text of more bytes does not name this schema.

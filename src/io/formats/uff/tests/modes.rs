@@ -595,11 +595,17 @@ proptest! {
 /// A file of nodes on two lines along x and normal modes at 0 Hz with these displacements along z,
 /// printed with five digits.
 fn modes_at_zero_hertz(shapes: &[fn(f64, f64) -> f64]) -> (usize, usize) {
+    modes_far_from_the_origin(shapes, 0.0)
+}
+
+/// The same with this added to the coordinates along y of the file.
+fn modes_far_from_the_origin(shapes: &[fn(f64, f64) -> f64], distance_m: f64) -> (usize, usize) {
     let nodes: Vec<[f64; 2]> = (0..8)
         .map(|node| [0.3 * f64::from(node / 2), 0.2 * f64::from(node % 2)])
         .collect();
     let numbered = || (1..).zip(&nodes);
-    let records = numbered().map(|(label, [x, y])| format!("{label} 0 0 1 {x} {y} 0.1"));
+    let records =
+        numbered().map(|(label, [x, y])| format!("{label} 0 0 1 {x} {} 0.1", y + distance_m));
     let nodes_lines: Vec<String> = ["    15".to_owned()].into_iter().chain(records).collect();
     let lines =
         |lines: &[String]| dataset(&lines.iter().map(String::as_str).collect::<Vec<_>>(), "\n");
@@ -627,6 +633,12 @@ fn a_file_of_rigid_body_modes_alone_is_not_damage() {
     assert_eq!(modes_at_zero_hertz(&rigid), (3, 0));
     // More than six modes are not all rigid-body modes, whatever their shapes.
     assert_eq!(modes_at_zero_hertz(&[rigid[0]; 7]), (0, 7));
+}
+
+#[test]
+fn rigid_body_modes_far_from_the_origin_are_not_damage() {
+    let roll: fn(f64, f64) -> f64 = |_, y| y - 0.1;
+    assert_eq!(modes_far_from_the_origin(&[roll], 100.0), (1, 0));
 }
 
 #[test]
