@@ -261,6 +261,23 @@ fn window_rows(item: &Item, per_row: usize) -> usize {
     step.saturating_mul(chunks.max(1))
 }
 
+/// What is wrong with a chunk of `whole` bytes of which the file can fill `most`: the reader adds
+/// its place and its lengths without a test, and goes through all of its rows.
+fn chunk_error(offset: &[u64], shape: &[u64], whole: u64, most: u64) -> Option<String> {
+    let is_inside = |(start, length): (&u64, &u64)| {
+        let end = start.checked_add(*length);
+        end.is_some_and(|end| end <= i64::MAX as u64)
+    };
+    if !offset.iter().zip(shape).all(is_inside) {
+        return Some(format!("a chunk of {shape:?} elements at {offset:?}"));
+    }
+    (whole > most).then(|| {
+        format!(
+            "a chunk of {shape:?} elements, {whole} bytes, of which the file holds at most {most}"
+        )
+    })
+}
+
 /// Most bytes that what the file holds of a dataset can decode to.
 fn held_bytes(dataset: &Dataset, stride: usize, file: u64) -> Result<u64, hdf5_pure::Error> {
     let chunk_shape = match dataset.layout()? {
@@ -288,6 +305,15 @@ fn held_bytes(dataset: &Dataset, stride: usize, file: u64) -> Result<u64, hdf5_p
             "the file of {file} bytes ends inside a chunk of {} bytes at byte {}",
             chunk.storage_size, chunk.address
         );
+        return Err(hdf5_pure::Error::Format(FormatError::ChunkedReadError(
+            error,
+        )));
+    }
+    let unusable = chunks.iter().find_map(|chunk| {
+        let most = chunk.storage_size.saturating_mul(MAX_EXPANSION_RATIO);
+        chunk_error(&chunk.offset, &chunk_shape, whole, most)
+    });
+    if let Some(error) = unusable {
         return Err(hdf5_pure::Error::Format(FormatError::ChunkedReadError(
             error,
         )));
@@ -362,5 +388,21 @@ impl ArrayStore for Hdf5Store {
         let part = recent.part(index, range.clone(), || self.window(index, &range));
         self.recent = recent;
         part?.ok_or_else(|| outside(&self.listing.infos[index].name, &range))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_out_of_range_and_larger_than_the_file_are_named() {
+        assert_eq!(chunk_error(&[8, 0], &[4, 2], 64, 64), None);
+        for offset in [[u64::MAX - 1, 0], [0, u64::MAX >> 1]] {
+            let error = chunk_error(&offset, &[4, 2], 64, 64);
+            assert!(error.is_some_and(|error| error.contains(&offset[0].to_string())));
+        }
+        let error = chunk_error(&[0, 0], &[1 << 40, 1], 8 << 40, 64 * MAX_EXPANSION_RATIO);
+        assert!(error.is_some_and(|error| error.contains("66048")));
     }
 }

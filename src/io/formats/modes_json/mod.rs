@@ -158,7 +158,8 @@ mod tests {
         for bytes in texts {
             assert_eq!(ModesJson.detect(&bytes), Confidence::Certain);
             let read = ModesJson.open(Box::new(Cursor::new(bytes)), &Hints::default());
-            assert_eq!(read.unwrap().catalog().modes[0].mode.frequency_hz, 20.0);
+            let frequency_hz = read.unwrap().catalog().modes[0].mode.frequency_hz;
+            assert_eq!(frequency_hz.to_bits(), 20_f64.to_bits());
         }
     }
 }
