@@ -4,7 +4,7 @@ use crate::mutation::{READERS, stated, survives};
 use modalign::io::FORMATS;
 
 /// Damaged files for each reader, unless `MUTATED_FILES` states another number.
-const FILES: usize = 1_000;
+const FILES: usize = 400;
 
 #[test]
 fn readers_survive_damaged_files() {
