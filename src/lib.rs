@@ -1,5 +1,6 @@
-//! modalign compares the modes of a hammer test with those of a theoretical model of the same
-//! machine: it quantifies their differences, explains them, and updates the model's parameters.
+//! modalign compares the modes of a hammer or shaker test with those of a theoretical model of the
+//! same machine: it quantifies their differences, explains them, and updates the model's
+//! parameters.
 //!
 //! Files become records, FRFs, modes and geometry (`io`); records become FRFs with their variance
 //! (`signal`, `frf`); FRFs become a [`modal::ModalModel`] of the test (`identify`); parameters

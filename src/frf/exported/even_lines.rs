@@ -27,6 +27,9 @@ const MAX_NOISE_OVER_MEAN: f64 = 4.0;
 /// squared complex normal values (0.69 and 0.84), and less where the pole follows from noise; found
 /// with white noise (`noise_of_measured_lines_is_estimated_from_their_neighbours`).
 const MEDIAN_OVER_MEAN: f64 = 0.57;
+/// Distance of a measured line from an even one, in spacings, within which they are the same:
+/// frequencies are written with six digits.
+const SAME_LINE: f64 = 1e-2;
 /// Largest number of even lines over that of the measured ones. Larger: two lines that nearly
 /// coincide make millions of lines. Smaller: a logarithmic sweep over four octaves loses its low
 /// lines (`lines_that_nearly_coincide_do_not_decide_the_spacing`).
@@ -67,6 +70,18 @@ impl EvenLines {
             len: steps as usize + 1,
         };
         Some(Self { measured, axis })
+    }
+
+    /// Values of measured lines in ascending order, where the measured lines are the even ones and
+    /// only their order differs.
+    pub fn reordered(&self, values: &[Complex64]) -> Option<Vec<Complex64>> {
+        let is_line = |(k, (hz, _)): (usize, &(f64, usize))| {
+            (hz - self.axis.hz(k)).abs() < SAME_LINE * self.axis.step_hz
+        };
+        let mut measured = self.measured.iter().enumerate();
+        let is_even = self.measured.len() == self.axis.len && measured.all(is_line);
+        let places = self.measured.iter();
+        is_even.then(|| places.map(|(_, place)| values[*place]).collect())
     }
 
     /// The value of the nearest even line.
@@ -378,6 +393,17 @@ mod tests {
         for (k, value) in even.iter().enumerate() {
             assert!((value - k as f64).norm() < 1e-9);
         }
+    }
+
+    #[test]
+    fn even_lines_in_descending_order_are_reordered() {
+        let frequencies: Vec<f64> = (0..50).rev().map(|k| 5.0 + 0.25 * f64::from(k)).collect();
+        let values: Vec<Complex64> = frequencies.iter().map(|hz| (*hz).into()).collect();
+        let lines = EvenLines::new(&frequencies).unwrap();
+        let ascending: Vec<Complex64> = values.iter().rev().copied().collect();
+        assert_eq!(lines.reordered(&values), Some(ascending));
+        let uneven = EvenLines::new(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0]).unwrap();
+        assert_eq!(uneven.reordered(&values), None);
     }
 
     #[test]

@@ -12,12 +12,12 @@ use crate::linalg::{RealMatrix, real_matrix, solve_definite};
 
 /// Lower end of the band over the frequency of the suspension's highest clear peak. Smaller, at
 /// 1.2: the mass is wrong by more than its deviation
-/// (`a_suspension_without_clear_peaks_does_not_bias_the_mass`). Larger, at 6: gains of few sensors
+/// (`a_suspension_without_clear_peaks_does_not_bias_the_mass`). Larger, at 6: few gains
 /// are seen (`a_wrong_sensor_is_named_and_repaired`).
 const ABOVE_SUSPENSION: f64 = 3.5;
 /// Upper end of the band over the frequency of the first elastic mode. Larger, at 0.6: higher modes
 /// bias the mass by more than its deviation (`modes_beside_the_band_do_not_bias_the_mass`).
-/// Smaller, at 0.3: gains of few sensors are seen (`a_wrong_sensor_is_named_and_repaired`).
+/// Smaller, at 0.3: few gains are seen (`a_wrong_sensor_is_named_and_repaired`).
 const BELOW_ELASTIC: f64 = 0.45;
 /// Least ratio of the ends of the band.
 const MIN_BAND_RATIO: f64 = 1.6;

@@ -48,7 +48,7 @@ pub struct MovingBody {
 ///
 /// `placed` has position and direction of the sensors of one body by their positive name. Modes
 /// without standard deviations of their shape are not used. `None` where the body is rigid in fewer
-/// than two modes, or its sensors are no more than the motions that they see.
+/// than three modes, or it has fewer than two sensors beyond the motions that they see.
 pub fn rigid_in_modes(modes: &[Mode], placed: &BTreeMap<Dof, PlacedSensor>) -> Option<MovingBody> {
     let mut modes: Vec<&Mode> = modes
         .iter()

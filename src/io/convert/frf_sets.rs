@@ -430,6 +430,9 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         return Err(not_stated("the imaginary part", "complex values"));
     };
     let mut measured: Vec<Complex64> = values.into_iter().map(|value| value * to_si).collect();
+    let ascending = uneven.as_ref().and_then(|lines| lines.reordered(&measured));
+    let uneven = uneven.filter(|_| ascending.is_none());
+    measured = ascending.unwrap_or(measured);
     let mut even = uneven
         .as_ref()
         .map(|lines| lines.interpolated(&measured, None));

@@ -103,6 +103,21 @@ fn lines_of_a_stepped_sine_are_interpolated() {
 }
 
 #[test]
+fn even_lines_in_descending_order_are_not_interpolated() {
+    let lines: Vec<f64> = even_lines().into_iter().rev().collect();
+    let mut functions = accelerances();
+    for function in &mut functions {
+        if let Values::Complex(values) = &mut function.values {
+            values.reverse();
+        }
+        function.uneven = Some(lines.clone());
+    }
+    let file = OneFile::new("down.uff", file_of(&functions));
+    let ran = finds_the_mode(&file.path(), &[]);
+    assert!(!ran.findings().contains("lines-interpolated"), "{ran:?}");
+}
+
+#[test]
 fn coherence_of_a_stepped_sine_gives_the_deviation() {
     let lines: Vec<f64> = (0..400).map(|line| 5.0 * 1.005_f64.powi(line)).collect();
     let mut deviations = Vec::new();

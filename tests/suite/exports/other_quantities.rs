@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::universal_file::{
     AxisLabel, Function, OneFile, Point, RESIDUES, accelerance_at, accelerances, even_lines,
-    file_of, finds_the_mode, on_file,
+    file_of, finds_the_mode, modes_of_run, on_file,
 };
 use crate::command::write;
 
@@ -110,16 +110,7 @@ fn run_with(functions: &[Function], channels: &str) -> (serde_json::Value, Strin
         "schema = \"modalign-scene/1\"\ntitle = \"others\"\n[[test]]\nname = \"t\"\nfiles = \
          [\"other.uff\"]\n{channels}"
     );
-    write(file.folder(), &[("scene.toml", &scene)]);
-    let out = file.folder().join("out");
-    let ran = on_file(
-        "run",
-        file.folder(),
-        &["--full", "-o", out.to_str().unwrap()],
-    );
-    assert!(matches!(ran.code, Some(0 | 1)), "{ran:?}");
-    let modes = crate::command::json(&out.join("t.modes.json"));
-    (modes, ran.out + &ran.error)
+    modes_of_run(&file, &scene)
 }
 
 #[test]

@@ -2,9 +2,8 @@
 
 use super::universal_file::{
     DAMPING, FREQUENCY_HZ, Function, OneFile, RESIDUES, Values, accelerances, file_of,
-    finds_the_mode, on_file,
+    finds_the_mode, modes_of_run, on_file,
 };
-use crate::command::write;
 
 /// The three accelerances in another unit of `factor` m/s² per N.
 fn in_unit(ordinate: &str, denominator: &str, factor: f64) -> Vec<Function> {
@@ -69,16 +68,7 @@ fn scene(unit: &str) -> String {
 
 /// The modes that `run` finds in a folder with the file and the scene, with the whole output.
 fn modes_of_scene(file: &OneFile, unit: &str) -> (serde_json::Value, String) {
-    write(file.folder(), &[("scene.toml", &scene(unit))]);
-    let out = file.folder().join("out");
-    let ran = on_file(
-        "run",
-        file.folder(),
-        &["--full", "-o", out.to_str().unwrap()],
-    );
-    assert!(matches!(ran.code, Some(0 | 1)), "{ran:?}");
-    let modes = crate::command::json(&out.join("t.modes.json"));
-    (modes, ran.out + &ran.error)
+    modes_of_run(file, &scene(unit))
 }
 
 #[test]

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::command::modalign;
+use crate::command::{modalign, write};
 
 /// Natural frequency of the mode, Hz.
 pub const FREQUENCY_HZ: f64 = 20.0;
@@ -304,4 +304,15 @@ pub fn finds_the_mode(file: &Path, options: &[&str]) -> Ran {
     assert!((frequency - FREQUENCY_HZ).abs() < 2e-3, "{frequency}");
     assert!((damping - DAMPING).abs() < 1e-4, "{damping}");
     ran
+}
+
+/// The modes that `run --full` writes for the test `t` of a scene beside a file, and all output.
+pub fn modes_of_run(file: &OneFile, scene: &str) -> (serde_json::Value, String) {
+    write(file.folder(), &[("scene.toml", scene)]);
+    let out = file.folder().join("out");
+    let options = ["--full", "-o", out.to_str().unwrap()];
+    let ran = on_file("run", file.folder(), &options);
+    assert!(matches!(ran.code, Some(0 | 1)), "{ran:?}");
+    let modes = crate::command::json(&out.join("t.modes.json"));
+    (modes, ran.out + &ran.error)
 }
