@@ -181,7 +181,7 @@ pub struct FrfArgs {
     #[arg(required_unless_present = "watch")]
     pub inputs: Vec<PathBuf>,
     /// Watch this folder while a test is measured: after each new or changed file print what to
-    /// repeat before you leave, of all its recordings in the order of their names, until Ctrl-C.
+    /// repeat before you leave, of all its recordings in the order of their times, until Ctrl-C.
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "output", "accept", "reject"])]
     pub watch: Option<PathBuf>,
     /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is
@@ -504,7 +504,8 @@ pub struct NewArgs {
     /// Exported files: recorded hits, FRFs or modes of any known format.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The theory: a model.toml, a file of finished modes, or a built-in model.
+    /// The theory: a model.toml, a file of finished modes, or a built-in model; beam or lumped
+    /// writes a model.toml of that kind to complete.
     #[arg(long)]
     pub model: Option<PathBuf>,
     /// Response DOF of files that do not name it: one for all, or one for each file in their order,

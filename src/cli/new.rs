@@ -14,8 +14,8 @@ use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    Draft, DraftFile, DraftModel, DraftPlan, ModelKind, OpenLine, StatedUnits, TableContent,
-    draft_scene, load_model, model_kind, open_lines, read_text,
+    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModelKind, OpenLine, StatedUnits,
+    TableContent, draft_scene, load_model, model_kind, open_lines, read_text,
 };
 
 use crate::study::counted;
@@ -110,6 +110,13 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     {
         written.push((args.folder.join(name), NewFile::Text(text)));
     }
+    let model_draft = args.model.as_deref().and_then(ModelDraft::at);
+    written.extend(model_draft.map(|draft| {
+        (
+            args.folder.join(ModelDraft::FILE),
+            NewFile::Text(draft.text),
+        )
+    }));
     let writing = output.guard_writing(written.iter().map(|(path, _)| path.as_path()));
     write_all_new(&written)?;
     drop(writing);
@@ -293,6 +300,13 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
         "SOURCE.md (where the data come from) and expected.toml (published results) are optional."
             .to_owned(),
     );
+    if args.model.as_deref().and_then(ModelDraft::at).is_some() {
+        let model = args.folder.join(ModelDraft::FILE);
+        paragraphs.push(format!(
+            "{}: the values are those of an example; state those of the structure.",
+            model.display()
+        ));
+    }
     let next = if args.model.is_some() {
         "the comparison table"
     } else {
@@ -374,7 +388,9 @@ fn check_new_files(args: &NewArgs, opened: &[NamedFile]) -> Result<(), Error> {
             ));
         }
     }
-    let drafted = NEW_FILES.iter().map(|name| args.folder.join(name));
+    let model = args.model.as_deref().and_then(ModelDraft::at);
+    let names = NEW_FILES.into_iter().chain(model.map(|_| ModelDraft::FILE));
+    let drafted = names.map(|name| args.folder.join(name));
     match drafted.chain(raws).find(|path| path.exists()) {
         None => Ok(()),
         Some(path) => Err(argument_error(
@@ -525,6 +541,7 @@ fn resolve_links(path: &Path) -> Option<PathBuf> {
 fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
+    let draft = ModelDraft::at(path);
     let kind = model_kind(path);
     let is_file = kind != ModelKind::BuiltIn && path.exists();
     let is_toml = path
@@ -540,7 +557,10 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
             has_sensors: false,
         });
     }
-    let loaded = load_model(path, &BTreeMap::new())?;
+    let loaded = match draft {
+        Some(draft) => draft.load()?,
+        None => load_model(path, &BTreeMap::new())?,
+    };
     let bodies = match loaded.model.assemble(&loaded.values) {
         Ok(system) => system
             .coordinates
@@ -551,7 +571,9 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
         Err(_) => BTreeSet::new(),
     };
     Ok(DraftModel {
-        line: if is_file {
+        line: if draft.is_some() {
+            text("file", ModelDraft::FILE)
+        } else if is_file {
             text(
                 "file",
                 &relative_path(&args.folder, path).unwrap_or_default(),

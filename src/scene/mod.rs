@@ -19,6 +19,7 @@ mod matrices;
 #[cfg(test)]
 mod matrices_tests;
 mod model;
+mod model_draft;
 mod model_kind;
 mod model_name;
 mod modes_file;
@@ -62,6 +63,7 @@ pub use limits::{
 };
 pub use mass_line::{leaving_list, mass_line_findings};
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
+pub use model_draft::ModelDraft;
 pub use model_kind::{ModelKind, built_in_name_finding, model_kind};
 pub use modes_file::{LoadedModes, ModesOptions, has_functions_only, is_modes_file, load_modes};
 pub use observer::Observer;

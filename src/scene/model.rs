@@ -100,24 +100,32 @@ pub fn load_model(
             overrides,
         );
     }
+    model_of_text(&read_text(name)?, name, overrides)
+}
+
+/// The model of the text of a `model.toml` with this name.
+pub(super) fn model_of_text(
+    text: &str,
+    name: &Path,
+    overrides: &BTreeMap<String, f64>,
+) -> Result<LoadedModel, SceneError> {
     let path = name.display().to_string();
-    let text = read_text(name)?;
-    let KindKeys { kind, matrices } = parse(&text, &path)?;
-    let tables = parse::<SensorTables>(&text, &path)?.sensor;
+    let KindKeys { kind, matrices } = parse(text, &path)?;
+    let tables = parse::<SensorTables>(text, &path)?.sensor;
     let mut sensors_of_file = sensors(&tables, &path)?;
     let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
     let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
         Some("matrices") => {
             let folder = name.parent().unwrap_or(Path::new(""));
-            let model = matrix_model(&text, &path, folder)?;
+            let model = matrix_model(text, &path, folder)?;
             if sensors_of_file.is_empty() {
                 sensors_of_file = model.sensors();
             }
             Box::new(model)
         }
-        Some("beam") => Box::new(beam_model(parse::<BeamFile>(&text, &path)?, &path)?),
+        Some("beam") => Box::new(beam_model(parse::<BeamFile>(text, &path)?, &path)?),
         Some("lumped") | None => {
-            let file = parse::<LumpedFile>(&text, &path)?;
+            let file = parse::<LumpedFile>(text, &path)?;
             Box::new(LumpedModel::new(file).map_err(|source| model_error(&path, source))?)
         }
         Some(other) => {

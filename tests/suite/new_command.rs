@@ -671,3 +671,23 @@ fn files_without_data_of_a_test_are_named_and_left_out() {
     assert!(error.contains("expected rows of numbers"), "{error}");
     assert!(!folder.path().join("other").exists());
 }
+
+#[test]
+fn a_model_to_complete_is_written_beside_the_scene() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    for kind in ["beam", "lumped"] {
+        let scene = path(kind);
+        let printed = succeed(["new", &scene, &path("hits.uff"), "--model", kind]);
+        assert!(printed.contains("those of an example"), "{printed}");
+        let model = path(&format!("{kind}/model.toml"));
+        let roots = succeed(["theory", &model, "--json"]);
+        assert!(roots.contains("frequency_hz"), "{roots}");
+        let text = std::fs::read_to_string(path(&format!("{kind}/scene.toml"))).unwrap();
+        assert!(text.contains("file = \"model.toml\""), "{text}");
+        // What is there is never written over.
+        std::fs::remove_file(path(&format!("{kind}/scene.toml"))).unwrap();
+        let error = fail(["new", &scene, &path("hits.uff"), "--model", kind]);
+        assert!(error.contains("which exists"), "{error}");
+    }
+}
