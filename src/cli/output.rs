@@ -292,7 +292,9 @@ impl Output {
             .and_then(|()| stdout.flush())
             .map_err(Error::Output)?;
         if !self.quiet {
-            let paints = self.color.is_enabled_on(&std::io::stderr());
+            let stderr = std::io::stderr();
+            let paints = self.color.is_enabled_on(&stderr);
+            let width = terminal_size::terminal_size_of(&stderr);
             let lines = if self.full {
                 all_lines(&self.findings, self.language)
             } else {
@@ -303,6 +305,14 @@ impl Output {
                     color::color_message(&line)
                 } else {
                     line
+                };
+                // A terminal breaks long lines within words.
+                let line = match width {
+                    Some((width, _)) => {
+                        let wrapping = textwrap::Options::new(usize::from(width.0).max(MIN_WIDTH));
+                        textwrap::fill(&line, wrapping.subsequent_indent("  "))
+                    }
+                    None => line,
                 };
                 // A closed standard error is no failure.
                 let _ = writeln!(std::io::stderr(), "{line}");

@@ -301,7 +301,7 @@ pub(super) static TEXTS: Texts = Texts {
         limits_met: "Limits of the scene: all met ({}).", "限值：全部满足 ({})。";
         limits_missed: "Limits of the scene: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
         pairs_in_numbers: "Pairs: {} of {}, {} by shape, {} by frequency{}.", "配对：{} / {}，按振型 {}，仅按频率 {}{}。";
-        no_test: "The scene has no test, so that nothing is compared.", "场景中没有试验，因此没有比较。";
+        no_test: "The scene has no test, so that nothing is compared. Next, a test: modalign new DIR FILE... --model MODEL.", "场景中没有试验，因此没有比较。下一步，加入试验：modalign new DIR FILE... --model MODEL。";
         all_synthetic: "The recordings are synthetic: computed from a model and not measured.", "记录为合成：由模型计算，并非实测。";
         synthetic_recordings: "Synthetic recordings, computed from a model and not measured: {}.", "合成记录，由模型计算，并非实测：{}。";
         assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";

@@ -450,14 +450,7 @@ fn reasons_block(table: &ComparisonTable) -> Option<Block> {
     };
     let statuses = [Status::MissedUnexpected, Status::Extra, Status::Ambiguous];
     let mut all: Vec<String> = statuses.into_iter().flat_map(of_status).collect();
-    let omitted = all.len().saturating_sub(MAX_REASONS);
-    if omitted > 0 {
-        all.truncate(MAX_REASONS);
-        all.push(format!(
-            "{} of unmatched and ambiguous modes: --full.",
-            counted(omitted, "further reason")
-        ));
-    }
+    all.truncate(MAX_REASONS);
     (!all.is_empty()).then(|| Block::Text(all.join("\n")))
 }
 

@@ -29,7 +29,7 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
     match &result.table {
         Some(table) => blocks.extend(comparison_screen(table, width)),
         None if result.tests.is_empty() => {
-            let sentence = "The scene has no test, so that nothing is compared.";
+            let sentence = "The scene has no test, so that nothing is compared. Next, a test: modalign new DIR FILE... --model MODEL.";
             blocks.push(Block::Text(sentence.to_owned()));
             let roots = &result.theory.roots;
             blocks.extend(roots_screen(

@@ -16,29 +16,26 @@ const MAX_NAMED_LIMITS: usize = 4;
 /// Maximum number of steps of a recommendation that a sentence names.
 const MAX_NAMED_STEPS: usize = 1;
 
-/// Whether the limits of a scene are met, and the missed ones with their values.
+/// Whether the limits of a scene are met, and the missed ones, or the one that is nearest to being
+/// missed, with their values.
 pub(super) fn limits(checks: &[LimitCheck]) -> String {
     let missed: Vec<&LimitCheck> = checks.iter().filter(|check| !check.is_met()).collect();
     if checks.is_empty() {
         return "Limits of the scene: none stated.".to_owned();
     }
     if missed.is_empty() {
-        return format!("Limits of the scene: all met ({}).", checks.len());
+        let reserve =
+            |check: &LimitCheck| (check.value.unwrap_or(f64::NAN) / check.limit).ln().abs();
+        let nearest = checks.iter().filter(|check| reserve(check).is_finite());
+        let nearest = nearest.min_by(|a, b| reserve(a).total_cmp(&reserve(b)));
+        let nearest =
+            nearest.map_or_else(String::new, |check| format!("; nearest {}", limit(check)));
+        return format!("Limits of the scene: all met ({}{nearest}).", checks.len());
     }
-    let named = missed.iter().take(MAX_NAMED_LIMITS).map(|check| {
-        let limit = check.limit.to_string();
-        let value = check.value.map_or("none".to_owned(), |value| {
-            // Rounded, a missed limit could read as met.
-            let rounded = significant(value, 4);
-            if rounded == limit {
-                value.to_string()
-            } else {
-                rounded
-            }
-        });
-        let relation = if check.upper { "at most" } else { "at least" };
-        format!("{} {value} ({relation} {limit})", check.what)
-    });
+    let named = missed
+        .iter()
+        .take(MAX_NAMED_LIMITS)
+        .map(|check| limit(check));
     let further = missed.len().saturating_sub(MAX_NAMED_LIMITS);
     let further = (further > 0).then(|| format!("{further} more"));
     let named: Vec<String> = named.chain(further).collect();
@@ -48,6 +45,22 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         checks.len(),
         named.join("; ")
     )
+}
+
+/// A limit with its value.
+fn limit(check: &LimitCheck) -> String {
+    let limit = check.limit.to_string();
+    let value = check.value.map_or("none".to_owned(), |value| {
+        // Rounded, a missed limit could read as met.
+        let rounded = significant(value, 4);
+        if rounded == limit {
+            value.to_string()
+        } else {
+            rounded
+        }
+    });
+    let relation = if check.upper { "at most" } else { "at least" };
+    format!("{} {value} ({relation} {limit})", check.what)
 }
 
 /// Maximum number of unmatched modes that a sentence names.
@@ -108,6 +121,10 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         true => String::new(),
         false => format!("; unmatched: {}", missed.join(", ")),
     };
+    let extra = match sum(|s| s.extra) {
+        0 => "none".to_owned(),
+        count => count.to_string(),
+    };
     let of_model = match several {
         true => {
             let in_a_band = |row: &&Row| {
@@ -131,7 +148,7 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         .map(|(count, what)| format!(", {count} {what}"))
         .collect();
     format!(
-        "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{largest}{missed}."
+        "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{largest}{missed}; test modes without partner: {extra}."
     )
 }
 
@@ -218,8 +235,6 @@ pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) 
         let modes: Vec<String> = modes.collect();
         format!("{} (shows {})", points.join(" with "), modes.join(", "))
     });
-    let further = placement.steps.len().saturating_sub(MAX_NAMED_STEPS);
-    let further = (further > 0).then(|| format!("{} (--full)", counted(further, "further step")));
-    let steps: Vec<String> = steps.chain(further).collect();
+    let steps: Vec<String> = steps.collect();
     (!steps.is_empty()).then(|| format!("Measure next in {}: {}.", placed.test, steps.join("; ")))
 }
