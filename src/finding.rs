@@ -96,7 +96,7 @@ codes! {
         "The files name channels, not points. In a roving test every file has other points: without them the shapes mix the points. State the points of each file in `[[test.file]]` as `reference` or `response`, or in `modalign new` as `--reference DOF,DOF,...`. The value is the number of files.";
     /// A record or function of a quantity that is not needed.
     FunctionLeftOut: "A record or function is not used for FRFs or modes and was left out.",
-        "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like are left out unless a scene states their `unit` in [[test.channel]], such as Pa/N; so are functions over another abscissa than frequency. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
+        "FRFs and modes need a force and motions along an axis: displacement, velocity or acceleration. Sound pressure, voltage, rotations and the like are left out unless a scene states their `unit` in [[test.channel]]: Pa/N of FRFs, Pa of records; so are functions over another abscissa than frequency. With --partial a function whose unit, point or values are not stated is left out too, and the exit code is 1. The detail says why.";
     /// A hammer that did not hit.
     IdleForce: "The force of this point records no hit beside that of another one. It was left out.",
         "With several hammers at a structure, one hits and the channels of the others record noise and cross-talk of cables. A force whose peak is at most 5 % of the largest of the same hit is idle.";
@@ -126,7 +126,7 @@ codes! {
         "With the convention e^{+iωt} the impulse response of a structure is 0 before the hit. Some programs write the conjugate FRF; all damping values would be negative. The value is the number of functions that were turned, the limit that of all.";
     /// FRFs over unevenly spaced lines.
     LinesInterpolated: "The lines of the FRFs are not evenly spaced. They were interpolated onto even ones.",
-        "A stepped sine has close lines at resonances and wide ones between them. FRFs are identified on even lines as close as the closest of the file. The variance of an even line is that of a measured one times the even lines per measured one, so that standard deviations of modes are those of the measured lines. Without a stated variance it is estimated from neighbouring lines. The value is the spacing of the even lines.";
+        "A stepped sine has close lines at resonances and wide ones between them. FRFs are identified on even lines as close as the closest of the file. The variance of an even line is that of a measured one times the even lines per measured one, so that standard deviations of modes are those of the measured lines, or somewhat larger. Without a stated variance it is estimated from neighbouring lines. The value is the spacing of the even lines.";
     /// A sensor whose functions are far larger than all others.
     SensorScale: "All FRFs of this sensor are far larger than those of any other. Its unit or sensitivity may be wrong.",
         "A factor of a thousand is the usual sign of mV for V, mm for m or a sensitivity in the wrong unit. The shape is then this sensor alone, and MAC says nothing. The value is the ratio to the next largest sensor, the limit what is reported. Check the calibration of the channel and state its unit or scale.";
@@ -477,7 +477,7 @@ codes! {
     DofWithoutPartner: "A DOF of the test has no counterpart in the model and was left out of the comparison.",
         "MAC is computed on the DOFs that test and model have in common. State the missing ones as [[sensor]] in the scene.";
     /// Few DOFs in a MAC.
-    FewDofs: "MAC is computed from few DOFs.",
+    FewDofs: "Test and model have few DOFs in common for a MAC.",
         "With few DOFs different modes look the same. The value is their number. Measure at more points.";
     /// A synthetic recording.
     Synthetic: "This recording is synthetic: computed from a model, not measured.",

@@ -139,7 +139,12 @@ impl Unit {
                 quantity: Quantity::Other(other),
                 to_si: measure.to_si,
             });
-            other.ok_or(error)
+            other.ok_or(UnitError {
+                expected: "a unit of force (N kN lbf kgf), displacement (m mm um in), velocity \
+                           (m/s mm/s in/s), acceleration (m/s2 mm/s2 in/s2 g) or another quantity \
+                           (Pa um/m V rad/s2)",
+                ..error
+            })
         })
     }
 }
@@ -309,7 +314,13 @@ impl FrfUnit {
     /// [`UnitError`] for a text that is not read, and a quantity without a name.
     pub fn of_any_response(text: &str) -> Result<Self, UnitError> {
         text.parse().or_else(|error| {
-            let of_force = measure(text).and_then(|measure| {
+            // A plain `m/s` is no `W/N`.
+            let is_over_force = text.rsplit_once('/').is_some_and(|(_, below)| {
+                let unit = below.trim().parse::<Unit>();
+                unit.is_ok_and(|unit| unit.quantity == Quantity::Force)
+            });
+            let measure = measure(text).filter(|_| is_over_force);
+            let of_force = measure.and_then(|measure| {
                 let other = OtherQuantity::per_force(measure.dimension)?;
                 Some(Self {
                     kind: FrfKind::Other(other),

@@ -56,7 +56,7 @@ pub struct Mode {
     /// Shape at the sensors.
     pub shape: ModeShape,
     /// Values of responses of other quantities, in the scale of the shape, by the unit that they
-    /// have for a shape in m: sound pressures in `Pa`, strains in `m/m`, rotations in `rad`.
+    /// have for a shape in m: sound pressures in `Pa s2`, strains in `m/m`, rotations in `rad`.
     pub other_shapes: BTreeMap<String, ModeShape>,
     /// Standard deviation of the real and of the imaginary part of each shape component, in the
     /// scale of the shape, but for an error of that scale, which all components have in common.

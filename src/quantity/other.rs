@@ -18,7 +18,8 @@ struct Row {
     name_per_force: &'static str,
     si_unit: &'static str,
     si_unit_per_force: &'static str,
-    /// How many times it is differentiated with respect to time.
+    /// How many times it is differentiated with respect to time; the sound pressure that a
+    /// structure radiates is in proportion to its acceleration.
     derivative_order: i32,
     /// Name of the group of a shape that its responses are in, with the unit of their values for a
     /// shape in m.
@@ -43,7 +44,7 @@ macro_rules! row {
 
 /// Every such quantity.
 static ROWS: [Row; 11] = [
-    row!(PRESSURE, "pressure", "Pa", 0, "Pa"),
+    row!(PRESSURE, "pressure", "Pa", 2, "Pa s2"),
     row!(NONE, "strain", "m/m", 0, "m/m"),
     row!(VOLTAGE, "voltage", "V", 0, "V"),
     row!(CURRENT, "current", "A", 0, "A"),
@@ -133,6 +134,9 @@ mod tests {
                 (row.name_per_force, 1.0)
             );
         }
-        assert!(FrfUnit::of_any_response("Pa").is_err() && Unit::of_any_quantity("dB").is_err());
+        for text in ["Pa", "m", "m/s", "N", "Nm", "W", "1/kg/m", "dB/N"] {
+            assert!(FrfUnit::of_any_response(text).is_err(), "{text}");
+        }
+        assert!(Unit::of_any_quantity("dB").is_err());
     }
 }

@@ -62,8 +62,16 @@ impl EvenLines {
         let spacings = measured.windows(2).map(|pair| pair[1].0 - pair[0].0);
         let closest = spacings.fold(f64::INFINITY, f64::min);
         let finest = range / (MAX_LINES_RATIO * measured.len() as f64);
-        // A whole number of steps, so that lines on a grid stay where they are.
-        let steps = (range / closest.max(finest) * (1.0 - 1e-9)).ceil().max(1.0);
+        // Rounded frequencies of even lines make no more lines; else a whole number of steps, so
+        // that lines on a grid stay where they are.
+        let gaps = (measured.len() - 1) as f64;
+        let is_even_line = |(k, (hz, _)): (usize, &(f64, usize))| {
+            (hz - start_hz - k as f64 * range / gaps).abs() < SAME_LINE * range / gaps
+        };
+        let steps = match measured.iter().enumerate().all(is_even_line) {
+            true => gaps,
+            false => (range / closest.max(finest) * (1.0 - 1e-9)).ceil().max(1.0),
+        };
         let axis = FrequencyAxis {
             start_hz,
             step_hz: range / steps,
@@ -397,7 +405,9 @@ mod tests {
 
     #[test]
     fn even_lines_in_descending_order_are_reordered() {
-        let frequencies: Vec<f64> = (0..50).rev().map(|k| 5.0 + 0.25 * f64::from(k)).collect();
+        // As printed with six digits.
+        let printed = |k: u32| (1e3 * (5.0 + f64::from(k) / 3.0)).round() / 1e3;
+        let frequencies: Vec<f64> = (0..700).rev().map(printed).collect();
         let values: Vec<Complex64> = frequencies.iter().map(|hz| (*hz).into()).collect();
         let lines = EvenLines::new(&frequencies).unwrap();
         let ascending: Vec<Complex64> = values.iter().rev().copied().collect();

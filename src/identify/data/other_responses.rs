@@ -5,55 +5,69 @@ use std::collections::BTreeMap;
 
 use crate::axis::Band;
 use crate::dof::Dof;
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, Function};
 
 /// What the FRFs of a set are to be multiplied by: 1 for motions; for a response of another
-/// quantity the ratio of the root mean squares of the receptances in the band, of all motions to
-/// that response, or to 1 m/N where there are none.
+/// quantity the ratio of the root mean squares in the band, as accelerances, of all motions to that
+/// response, or to 1 m/(N s²) where there are none.
+///
+/// As receptances, the modes of a suspension would outweigh all others.
 pub(in crate::identify) fn scales(set: &FrfSet, band: Band) -> Vec<f64> {
     let functions = set.functions();
-    let mut of_motion = Vec::new();
-    let mut by_response: BTreeMap<&Dof, Vec<f64>> = BTreeMap::new();
-    for (i, function) in functions.iter().enumerate() {
-        let power = mean_square(set, i, band);
-        match function.kind.is_motion() {
-            true => of_motion.push(power),
-            false => by_response
-                .entry(&function.response)
-                .or_default()
-                .push(power),
-        }
+    if functions.iter().all(|function| function.kind.is_motion()) {
+        return vec![1.0; functions.len()];
     }
-    let mean = |powers: &[f64]| powers.iter().sum::<f64>() / powers.len() as f64;
-    let target = if of_motion.is_empty() {
-        1.0
+    let mut of_motion = Mean::default();
+    let mut of_responses: BTreeMap<&Dof, Mean> = BTreeMap::new();
+    for (i, function) in functions.iter().enumerate() {
+        let mean = match function.kind.is_motion() {
+            true => &mut of_motion,
+            false => of_responses.entry(&function.response).or_default(),
+        };
+        mean.add(mean_square(set, i, band));
+    }
+    let target = if of_motion.count > 0.0 {
+        of_motion.value()
     } else {
-        mean(&of_motion)
+        1.0
     };
-    let scale = |response: &Dof| (target / mean(&by_response[response])).sqrt();
-    functions
-        .iter()
-        .map(|function| match function.kind.is_motion() {
-            true => 1.0,
-            false => Some(scale(&function.response))
-                .filter(|scale| scale.is_normal())
-                .unwrap_or(1.0),
-        })
-        .collect()
+    let scale = |function: &Function| match function.kind.is_motion() {
+        true => 1.0,
+        false => Some((target / of_responses[&function.response].value()).sqrt())
+            .filter(|scale| scale.is_normal())
+            .unwrap_or(1.0),
+    };
+    functions.iter().map(scale).collect()
 }
 
-/// Mean square of a function divided by the powers of iω of its kind, over the finite lines of a
-/// band above 0 Hz.
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    count: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1.0;
+    }
+
+    fn value(&self) -> f64 {
+        self.sum / self.count
+    }
+}
+
+/// Mean square of a function as an accelerance, over the finite lines of a band.
 fn mean_square(set: &FrfSet, i: usize, band: Band) -> f64 {
     let order = set.functions()[i].kind.derivative_order();
-    let lines = set.axis().lines(&band);
-    let values = lines.filter_map(|k| {
-        let omega = set.axis().rad_s(k);
-        let value = set.values(i)[k].norm_sqr() / omega.powi(2 * order);
-        (omega > 0.0 && value.is_finite()).then_some(value)
-    });
-    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-    sum / f64::from(count.max(1))
+    let mut mean = Mean::default();
+    for k in set.axis().lines(&band) {
+        let value = set.values(i)[k].norm_sqr() * set.axis().rad_s(k).powi(2 * (2 - order));
+        if value.is_finite() {
+            mean.add(value);
+        }
+    }
+    mean.value()
 }
 
 #[cfg(test)]
@@ -62,7 +76,7 @@ mod tests {
 
     use super::*;
     use crate::axis::FrequencyAxis;
-    use crate::frf::{Function, FunctionData};
+    use crate::frf::FunctionData;
     use crate::quantity::FrfUnit;
 
     #[test]
@@ -104,5 +118,36 @@ mod tests {
         );
         near(&set(&[("(m/m)/N", 1e-3), ("Pa/N", 2.0)]), &[1e3, 0.5]);
         near(&set(&[("m/N", 1e-3), ("Pa/N", 0.0)]), &[1.0, 1.0]);
+    }
+
+    #[test]
+    fn modes_of_a_suspension_do_not_set_the_scale() {
+        let axis = FrequencyAxis {
+            start_hz: 1.0,
+            step_hz: 1.0,
+            len: 200,
+        };
+        let mut set = FrfSet::new(axis);
+        // A microphone does not hear the suspension at the first line.
+        for (response, unit, first, size) in
+            [("1:+Z", "(m/s2)/N", 1.0, 1.0), ("9:+S", "Pa/N", 0.0, 2.0)]
+        {
+            let function = Function {
+                response: response.parse().unwrap(),
+                reference: "1:+Z".parse().unwrap(),
+                kind: FrfUnit::of_any_response(unit).unwrap().kind,
+                averages: None,
+                estimator: None,
+                variance_dof: None,
+            };
+            let value = |k| Complex64::from(if k == 0 { first } else { size });
+            let data = FunctionData {
+                values: (0..axis.len).map(value).collect(),
+                ..FunctionData::default()
+            };
+            set.push(function, data).unwrap();
+        }
+        let scale = scales(&set, Band::new(1.0, 200.0).unwrap())[1];
+        assert!((scale - 0.5).abs() < 0.01, "{scale}");
     }
 }

@@ -18,7 +18,7 @@ use crate::identify::error::IdentifyError;
 use crate::identify::estimator::{Candidate, PoleTable};
 use crate::identify::modes::quality;
 use crate::identify::modes::rank_one_terms;
-use crate::identify::modes::shape::{self, Residues, ScaledShape};
+use crate::identify::modes::shape::{self, Residues, ScaledShape, ShapedTerm};
 use crate::linalg::sort_ascending_by;
 use crate::quantity::FrfKind;
 
@@ -115,9 +115,10 @@ fn modes_of_pole(
         .without_added_damping(set.added_damping_rad_s);
     let ResiduesByQuantity {
         of_shape: residues,
-        has_motion,
+        group,
         others,
     } = ResiduesByQuantity::new(set, scales, candidate);
+    let has_motion = group.is_none();
     let stds = candidate.residue_stds.as_ref().map(|stds| {
         let functions = set.functions().iter().zip(stds.iter().zip(scales));
         functions
@@ -133,44 +134,52 @@ fn modes_of_pole(
             .limit(limit)
     };
     let mut findings = Vec::new();
-    let modes = if candidate.multiplicity > 1 {
+    let damped_rad_s = pole.lambda.im;
+    let terms: Vec<ShapedTerm> = if candidate.multiplicity > 1 {
         let terms =
-            rank_one_terms::decompose_residues(&residues, candidate.multiplicity, pole.lambda.im)?;
-        let shaped = terms.into_iter().map(|term| {
-            let scaled = match term.reciprocal && has_motion {
-                true => shape::shape_of(&term.residues, pole.lambda.im),
+            rank_one_terms::decompose_residues(&residues, candidate.multiplicity, damped_rad_s)?;
+        let shaped = terms.into_iter().map(|term| ShapedTerm {
+            scaled: match term.reciprocal && has_motion {
+                true => shape::shape_of(&term.residues, damped_rad_s),
                 false => shape::unit_max_shape_of(&term.residues),
-            };
-            mode(&stds, method, candidate, pole, term.residues, scaled)
+            },
+            residues: term.residues,
         });
         shaped.collect()
     } else {
         let scaled = match has_motion {
-            true => shape::shape_of(&residues, pole.lambda.im),
+            true => shape::shape_of(&residues, damped_rad_s),
             false => shape::unit_max_shape_of(&residues),
         };
         if let Some(misfit) = scaled.misfit.filter(|misfit| *misfit > MAX_SHAPE_MISFIT) {
             findings.push(warning(Code::CloseModes, misfit, MAX_SHAPE_MISFIT));
         }
-        let shape_of_group = |of_group: &Residues| {
-            let damped_rad_s = pole.lambda.im;
-            ModeShape::new(shape::other_components(
-                &residues,
-                &scaled,
-                of_group,
-                damped_rad_s,
-            ))
-        };
-        let other_shapes = others
-            .iter()
-            .map(|(group, of_group)| ((*group).to_owned(), shape_of_group(of_group)))
-            .filter(|(_, shape)| !shape.is_empty())
-            .collect();
+        vec![ShapedTerm { residues, scaled }]
+    };
+    let mut other_shapes: Vec<BTreeMap<String, ModeShape>> = vec![BTreeMap::new(); terms.len()];
+    for (group, residues) in &others {
+        let shapes = shape::other_components(&terms, residues, damped_rad_s);
+        for (other_shapes, shape) in other_shapes.iter_mut().zip(shapes) {
+            if !shape.is_empty() {
+                other_shapes.insert((*group).to_owned(), shape);
+            }
+        }
+    }
+    let is_distinct = terms.len() == 1;
+    let of_others = others.into_values().flatten().filter(|_| is_distinct);
+    let of_others: Residues = of_others.collect();
+    let modes = terms.into_iter().zip(other_shapes);
+    let modes = modes.map(|(term, other_shapes)| {
+        let ShapedTerm { residues, scaled } = term;
         let mut mode = mode(&stds, method, candidate, pole, residues, scaled);
         mode.other_shapes = other_shapes;
-        mode.residues.extend(others.into_values().flatten());
-        vec![mode]
-    };
+        mode.residues.extend(of_others.clone());
+        match group {
+            Some(group) => without_motion(mode, group),
+            None => mode,
+        }
+    });
+    let modes = modes.collect();
     let damping = pole.damping_ratio();
     if damping <= 0.0 {
         findings.push(warning(Code::DampingNotPositive, damping, 0.0));
@@ -183,9 +192,10 @@ type ResidueStds<'a> = Option<BTreeMap<(&'a Dof, &'a Dof), f64>>;
 
 /// Residues of the shape and of the responses of other quantities, by group.
 struct ResiduesByQuantity {
-    /// Those of the motion; without any, those of the group with the most responses.
+    /// Those of the motion; without any, those of the group with the most FRFs.
     of_shape: Residues,
-    has_motion: bool,
+    /// That group.
+    group: Option<&'static str>,
     others: BTreeMap<&'static str, Residues>,
 }
 
@@ -202,17 +212,37 @@ impl ResiduesByQuantity {
             let pair = (function.response.clone(), function.reference.clone());
             group.insert(pair, residue / scale);
         }
-        let has_motion = !of_shape.is_empty();
         let largest = others.iter().max_by_key(|(_, residues)| residues.len());
-        if let (false, Some((group, _))) = (has_motion, largest) {
-            let group = *group;
-            of_shape = others.remove(group).unwrap_or_default();
+        let group = largest.map(|(group, _)| *group);
+        let group = group.filter(|_| of_shape.is_empty());
+        if let Some(residues) = group.and_then(|group| others.remove(group)) {
+            of_shape = residues;
         }
         Self {
             of_shape,
-            has_motion,
+            group,
             others,
         }
+    }
+}
+
+/// A mode without any response of motion: its shape is that of this group, unless it is one over
+/// the points of a roving hammer.
+fn without_motion(mode: Mode, group: &str) -> Mode {
+    let is_response = |(response, _): &(Dof, Dof)| mode.shape.get(response).is_some();
+    if !mode.residues.keys().any(is_response) {
+        return mode;
+    }
+    let mut other_shapes = mode.other_shapes;
+    other_shapes.insert(group.to_owned(), mode.shape);
+    Mode {
+        shape: ModeShape::default(),
+        other_shapes,
+        shape_std: None,
+        mpc: None,
+        mean_phase_rad: None,
+        mean_phase_deviation_rad: None,
+        ..mode
     }
 }
 

@@ -22,6 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use num_complex::Complex64;
 
 use crate::dof::Dof;
+use crate::linalg::{complex_matrix, solve_square};
 use crate::modal::{ModeShape, Scaling, modal_scale_factor};
 
 /// Maximum phase of a driving-point residue relative to that of a real mode, rad.
@@ -60,55 +61,83 @@ pub(in crate::identify) fn shape_of(residues: &Residues, damped_rad_s: f64) -> S
     }
 }
 
-/// Values of responses of other quantities in the scale of a shape, from their residues and those
-/// of the motion; nothing for a shape over references without unit modal mass.
-///
-/// `ψ_r = Σ_k conj(L_k) A_rk / Σ_k |L_k|²` over the references k, `L_k` the factor from the shape
-/// to the column of k; for a shape over references `A_rk = φ_r φ_k/(2iω_d)`.
+/// A mode of a pole, with its part of the residues.
+pub(in crate::identify) struct ShapedTerm {
+    pub residues: Residues,
+    pub scaled: ScaledShape,
+}
+
+impl ShapedTerm {
+    /// Factors of the shape by reference: `L_k` of `A_rk = ψ_r L_k`. Of a shape over references
+    /// they are `φ_k/(2iω_d)`, where its modal mass is known.
+    fn factors(&self, damped_rad_s: f64) -> BTreeMap<&Dof, Complex64> {
+        let columns = Columns::new(&self.residues);
+        let shape = &self.scaled.shape;
+        let values: Column = columns.rows.iter().map(|row| shape.get(row)).collect();
+        if !columns.references_carry_shape {
+            let of_column = |column: &Column| factor_of(&values, column);
+            let factors = columns.by_other.iter();
+            return factors
+                .filter_map(|entry| Some((entry.0, of_column(&entry.1)?)))
+                .collect();
+        }
+        let has_unit_mass = self.scaled.scaling == Scaling::UnitModalMass;
+        let rows = columns.rows.iter().zip(&values).filter(|_| has_unit_mass);
+        let factor = |value: Complex64| value / Complex64::new(0.0, 2.0 * damped_rad_s);
+        rows.filter_map(|(row, value)| Some((*row, factor((*value)?))))
+            .collect()
+    }
+}
+
+/// Values of responses of other quantities in the scale of the shapes of a pole, by mode, from
+/// their residues: least squares of `A_rk = Σ_j ψ_rj L_jk` over the references k. Responses with
+/// fewer references than modes have none.
 pub(in crate::identify) fn other_components(
-    residues: &Residues,
-    shape: &ScaledShape,
+    terms: &[ShapedTerm],
     others: &Residues,
     damped_rad_s: f64,
-) -> BTreeMap<Dof, Complex64> {
-    let columns = Columns::new(residues);
-    let values = columns.rows.iter().map(|row| shape.shape.get(row));
-    let values: Column = values.collect();
-    let mut components = BTreeMap::new();
-    let by_response = others.iter().fold(
-        BTreeMap::<&Dof, Vec<(&Dof, Complex64)>>::new(),
-        |mut by_response, ((response, reference), residue)| {
-            let of_response = by_response.entry(response).or_default();
-            of_response.push((reference, *residue));
-            by_response
-        },
-    );
-    for (response, residues) in by_response {
-        let component = if columns.references_carry_shape {
-            let at = |row: &Dof| residues.iter().find(|(reference, _)| *reference == row);
-            let column = columns.rows.iter().map(|row| Some(at(row)?.1)).collect();
-            let factor = factor_of(&values, &column);
-            let has_unit_mass = shape.scaling == Scaling::UnitModalMass;
-            let factor = factor.filter(|_| has_unit_mass);
-            factor.map(|factor| Complex64::new(0.0, 2.0 * damped_rad_s) * factor)
-        } else {
-            let of_reference = |(reference, residue): &(&Dof, Complex64)| {
-                let mut of_motion = columns.by_other.iter();
-                let (_, column) = of_motion.find(|(other, _)| other == reference)?;
-                Some((factor_of(&values, column)?, *residue))
-            };
-            let pairs: Vec<(Complex64, Complex64)> =
-                residues.iter().filter_map(of_reference).collect();
-            let square: f64 = pairs.iter().map(|(factor, _)| factor.norm_sqr()).sum();
-            let terms = pairs
-                .iter()
-                .map(|(factor, residue)| factor.conj() * residue);
-            let sum: Complex64 = terms.sum();
-            (square > 0.0).then(|| sum / square)
-        };
-        components.extend(component.map(|component| (response.clone(), component)));
+) -> Vec<ModeShape> {
+    let factors: Vec<BTreeMap<&Dof, Complex64>> = terms
+        .iter()
+        .map(|term| term.factors(damped_rad_s))
+        .collect();
+    let mut by_response: BTreeMap<&Dof, Vec<(&Dof, Complex64)>> = BTreeMap::new();
+    for ((response, reference), residue) in others {
+        let of_response = by_response.entry(response).or_default();
+        of_response.push((reference, *residue));
     }
-    components
+    let solved = by_response.into_iter().filter_map(|(response, residues)| {
+        let row = |reference: &Dof| -> Option<Vec<Complex64>> {
+            let factors = factors.iter();
+            factors
+                .map(|of_term| of_term.get(reference).copied())
+                .collect()
+        };
+        let known = residues
+            .iter()
+            .filter_map(|(reference, residue)| Some((row(reference)?, *residue)));
+        let known: Vec<(Vec<Complex64>, Complex64)> = known.collect();
+        let normal = complex_matrix(terms.len(), terms.len(), |a, b| {
+            known.iter().map(|(row, _)| row[a].conj() * row[b]).sum()
+        });
+        let right = complex_matrix(terms.len(), 1, |a, _| {
+            known
+                .iter()
+                .map(|(row, residue)| row[a].conj() * residue)
+                .sum()
+        });
+        let is_determined = known.len() >= terms.len();
+        let components = solve_square(&normal, &right)
+            .ok()
+            .filter(|_| is_determined)?;
+        Some((response, components))
+    });
+    let solved: Vec<_> = solved.collect();
+    let of_term = |term: usize| {
+        let components = solved.iter();
+        ModeShape::new(components.map(|(response, c)| ((*response).clone(), c[(term, 0)])))
+    };
+    (0..terms.len()).map(of_term).collect()
 }
 
 /// The shape of a mode from residues whose driving points do not determine its modal mass.

@@ -19,6 +19,8 @@ pub struct FunctionMetadata {
     /// Degrees of freedom of the variance that belongs to it; modalign's schema alone holds it, as
     /// it does the variance.
     pub variance_dof: Option<f64>,
+    /// Whether the lines were interpolated from unevenly measured ones.
+    pub interpolated: bool,
     /// Window of the records; `None` where there was none or none is stated.
     pub window: Option<Window>,
 }
@@ -48,6 +50,7 @@ impl FunctionMetadata {
                 .map(|decay| format!("added_damping_rad_s={decay}")),
             self.record_s.map(|length| format!("record_s={length}")),
             self.valid_hz.map(|(lo, hi)| format!("valid_hz={lo}:{hi}")),
+            self.interpolated.then(|| "interpolated=1".to_owned()),
         ];
         fields.into_iter().flatten().collect()
     }
@@ -62,6 +65,7 @@ impl FunctionMetadata {
                 "added_damping_rad_s" => note.added_damping_rad_s = value.parse().ok(),
                 "record_s" => note.record_s = value.parse().ok(),
                 "valid_hz" => note.valid_hz = number_pair(value),
+                "interpolated" => note.interpolated = value == "1",
                 _ => {}
             }
         }
@@ -122,6 +126,7 @@ mod tests {
             added_damping_rad_s: Some(12.5),
             record_s: Some(1.28),
             valid_hz: Some((0.25, 3276.5)),
+            interpolated: true,
             ..FunctionMetadata::default()
         };
         let lines = note.to_lines();
@@ -130,7 +135,7 @@ mod tests {
             lines[0],
             "modalign averages=5 estimator=hv added_damping_rad_s=12.5 record_s=1.28"
         );
-        assert_eq!(lines[1], "modalign valid_hz=0.25:3276.5");
+        assert_eq!(lines[1], "modalign valid_hz=0.25:3276.5 interpolated=1");
         assert_eq!(
             FunctionMetadata::from_lines(&["averages=5".to_owned()]),
             FunctionMetadata::default()

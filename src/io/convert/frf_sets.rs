@@ -15,6 +15,7 @@ use super::common_window::StatedWindows;
 use super::entry_quantity::{frf_kind, is_other_quantity};
 use crate::io::{
     Block, Domain, Entry, EntryAxis, FunctionMetadata, FunctionType, HitFile, IoError, Source,
+    StatedFrfUnit,
 };
 
 /// One function with its axis.
@@ -377,11 +378,9 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         expected: expected.to_owned(),
     };
     let response = entry.response_point(file.response.as_ref());
-    let stated = response.as_ref().and_then(|response| {
-        let mut units = file.frf_units.iter();
-        units.find(|unit| unit.is_of(&entry, response))
-    });
-    let stated = stated.map(|stated| stated.unit);
+    let stated = response
+        .as_ref()
+        .and_then(|response| StatedFrfUnit::of_entry(&file.frf_units, &entry, response));
     if stated.is_none() && is_other_quantity(&entry) {
         return Err(IoError::Grouping {
             path: place,
@@ -508,7 +507,7 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
         },
         note,
         averages_assumed,
-        is_interpolated: uneven.is_some(),
+        is_interpolated: uneven.is_some() || entry.note.interpolated,
         findings,
     })
 }
@@ -543,9 +542,11 @@ fn frequency_lines(
 
 /// The finding, without a place, of a stated unit that is another than the header's.
 fn contradiction(entry: &Entry, stated: FrfUnit) -> Option<Finding> {
-    let of_header = frf_kind(entry)?;
+    let of_label = FrfUnit::of_any_response(&entry.unit_label).ok();
+    let of_header = frf_kind(entry).or(of_label.map(|unit| unit.kind))?;
+    let to_si = entry.to_si.or(of_label.map(|unit| unit.to_si));
     let same_factor = |of_file: f64| (stated.to_si / of_file - 1.0).abs() < 1e-9;
-    if of_header == stated.kind && entry.to_si.is_none_or(same_factor) {
+    if of_header == stated.kind && to_si.is_none_or(same_factor) {
         return None;
     }
     let finding = Finding::new(

@@ -81,9 +81,17 @@ pub struct StatedFrfUnit {
 }
 
 impl StatedFrfUnit {
+    /// The one that is stated for an entry: that of its response before that of its quantity.
+    pub(super) fn of_entry(stated: &[Self], entry: &Entry, response: &Dof) -> Option<FrfUnit> {
+        let of_response = |unit: &&Self| unit.response.is_some() && unit.is_of(entry, response);
+        let of_quantity = |unit: &&Self| unit.response.is_none() && unit.is_of(entry, response);
+        let found = stated.iter().find(of_response);
+        Some(found.or_else(|| stated.iter().find(of_quantity))?.unit)
+    }
+
     /// Whether it is that of an entry with this response. A motion over force is not put on an
     /// entry that states another quantity, and another quantity only on entries that state it.
-    pub(super) fn is_of(&self, entry: &Entry, response: &Dof) -> bool {
+    fn is_of(&self, entry: &Entry, response: &Dof) -> bool {
         let of_header = || FrfUnit::of_any_response(&entry.unit_label).map(|unit| unit.kind);
         match (&self.response, self.unit.kind.is_motion()) {
             (Some(stated), _) => *stated == response.positive().with_repeat(1),

@@ -132,6 +132,7 @@ fn function_entry(set: &FrfSet, function: &Function, title: &str) -> Entry {
             record_s: set.record_duration_s,
             window: set.window,
             variance_dof: function.variance_dof,
+            interpolated: set.is_interpolated,
             valid_hz: set.valid_band.map(|band| (band.lo_hz, band.hi_hz)),
         },
         ..Entry::new(FunctionType::Frf, axis, SampleFormat::ComplexF64)

@@ -143,6 +143,7 @@ fn function(random: &mut ChaCha8Rng) -> (Entry, Block, Vec<f64>) {
     entry.note.estimator = maybe(random, |_| Estimator::H2);
     entry.note.added_damping_rad_s = maybe(random, number);
     entry.note.record_s = maybe(random, number);
+    entry.note.interpolated = random.random();
     entry.note.variance_dof = maybe(random, number);
     entry.note.valid_hz = maybe(random, |random| (number(random), number(random)));
     entry.note.window = maybe(random, |_| Window::FlatTop);

@@ -137,6 +137,20 @@ pub(super) const NUMBERS: &[NumberField] = &[
         set: |entry, value| put(&mut entry.note.record_s, Some(value)),
     },
     NumberField {
+        name: "interpolated",
+        get: |entry| {
+            if entry.note.interpolated {
+                1.0
+            } else {
+                f64::NAN
+            }
+        },
+        set: |entry, value| {
+            entry.note.interpolated = value > 0.0;
+            entry.note.interpolated
+        },
+    },
+    NumberField {
         name: "variance_degrees_of_freedom",
         get: |entry| entry.note.variance_dof.unwrap_or(f64::NAN),
         set: |entry, value| put(&mut entry.note.variance_dof, Some(value)),

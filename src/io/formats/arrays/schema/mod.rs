@@ -35,7 +35,7 @@
 //! | `G/frequency_hz` | \[line\] | start + i step of an even frequency axis, Hz; for the user, readers take start and step |
 //! | `G/position` | \[function\] | place in the file, from 0, over all groups |
 //! | `G/response`, `G/reference` | \[function\] text | degree of freedom, `12:+Z` |
-//! | `G/quantity`, `G/denominator` | \[function\] text | `force`, `displacement`, `velocity`, `acceleration` |
+//! | `G/quantity`, `G/denominator` | \[function\] text | `force`, `displacement`, `velocity`, `acceleration`, `pressure`, ... |
 //! | `G/unit`, `G/axis_unit` | \[function\] text | unit texts as the file gave them |
 //! | `G/to_si` | \[function\] | SI value = `to_si` x value |
 //! | `G/role` | \[function\] text | `force`, `response` |
@@ -46,6 +46,7 @@
 //! | `G/window` | \[function\] text | window of the records: `hann-narrow`, `exponential`, `force`, `force-and-exponential`, ... |
 //! | `G/added_damping_rad_s` | \[function\] | decay rate of the exponential window still in the values, rad/s |
 //! | `G/record_s` | \[function\] | length of the records, s |
+//! | `G/interpolated` | \[function\] | 1 where the lines were interpolated from unevenly measured ones |
 //! | `G/variance_degrees_of_freedom` | \[function\] | degrees of freedom of the variance of a function, real numbers |
 //! | `G/valid_hz` | \[function, 2\] | where the function is valid, Hz |
 //! | `G/values` | \[function, line\] | real values, as stored |
