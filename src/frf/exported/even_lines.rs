@@ -16,8 +16,9 @@ const MIN_LINES: usize = 8;
 const NODES: usize = 6;
 /// Measured lines that a value is interpolated from, once the pole is divided out.
 const CUBIC_NODES: usize = 4;
-/// Measured lines on either side whose noise is taken for that of a line. Fewer: the variance
-/// scatters by more than a third. More: noise that differs over the band is averaged.
+/// Measured lines on either side whose noise is taken for that of a line. Fewer, at 4: the variance
+/// scatters more. More, at 60: noise of a narrow band is missed
+/// (`noise_is_estimated_from_neither_too_few_nor_too_many_lines`).
 const NOISE_SIDE: usize = 12;
 /// Squared difference of two estimates over its mean by noise that is no error of interpolation.
 /// Larger: errors are taken for noise (`the_variance_includes_the_error_of_interpolation`).
@@ -422,6 +423,11 @@ mod tests {
         frequencies.push(50.000_001);
         let lines = EvenLines::new(&frequencies).unwrap();
         assert!(lines.axis.len <= 16 * 101 + 1);
+        let sweep: Vec<f64> = (0..400)
+            .map(|k| 10.0 * 16f64.powf(f64::from(k) / 399.0))
+            .collect();
+        let step_hz = EvenLines::new(&sweep).unwrap().axis.step_hz;
+        assert!(step_hz <= sweep[1] - sweep[0], "{step_hz}");
         for bad in [vec![1.0; 20], vec![1.0, 2.0, 3.0], vec![f64::NAN; 20]] {
             assert!(EvenLines::new(&bad).is_none());
         }
@@ -429,13 +435,51 @@ mod tests {
 
     /// Lines of a logarithmic sweep with noise of this variance.
     fn sweep(variance: f64, ratio: f64, seed: u64) -> (Vec<f64>, Vec<Complex64>) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
         let lines = std::iter::successors(Some(10.0), |hz| Some(hz * ratio));
         let lines: Vec<f64> = lines.take_while(|hz| *hz < 40.0).collect();
-        let mut part = || (0.5 * variance).sqrt() * random.sample::<f64, _>(StandardNormal);
-        let noisy = |hz: &f64| resonance(*hz) + Complex64::new(part(), part());
-        let values = lines.iter().map(noisy).collect();
+        let values = noisy(&lines, |_| variance, seed);
         (lines, values)
+    }
+
+    fn noisy(lines: &[f64], variance: impl Fn(f64) -> f64, seed: u64) -> Vec<Complex64> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut part = || random.sample::<f64, _>(StandardNormal);
+        let noisy = |hz: &f64| {
+            let noise = Complex64::new(part(), part());
+            resonance(*hz) + (0.5 * variance(*hz)).sqrt() * noise
+        };
+        lines.iter().map(noisy).collect()
+    }
+
+    /// The estimated noise of measured lines.
+    fn estimated(hz: &[f64], values: &[Complex64]) -> Vec<f64> {
+        let line = |(hz, value): (&f64, &Complex64)| Line {
+            hz: *hz,
+            value: *value,
+        };
+        let lines: Vec<Line> = hz.iter().zip(values).map(line).collect();
+        noise_variances(&lines)
+    }
+
+    #[test]
+    fn noise_is_estimated_from_neither_too_few_nor_too_many_lines() {
+        let (hz, values) = sweep(1e-2, 1.001, 5);
+        let mut noise = estimated(&hz, &values);
+        noise.sort_unstable_by(f64::total_cmp);
+        let at = |part: usize| noise[noise.len() * part / 100] / 1e-2;
+        // Louder in a narrow band.
+        let variance = |hz: f64| {
+            if (29.5..30.5).contains(&hz) {
+                1e-2
+            } else {
+                1e-6
+            }
+        };
+        let values = noisy(&hz, variance, 6);
+        let middle = hz.iter().position(|hz| *hz >= 30.0).unwrap();
+        let loud = estimated(&hz, &values)[middle] / 1e-2;
+        assert!(at(5) > 0.38 && at(95) < 2.3, "{} {}", at(5), at(95));
+        assert!(loud > 0.1, "{loud}");
     }
 
     #[test]
@@ -444,12 +488,7 @@ mod tests {
             let draws = 20;
             let median = |seed: u64| {
                 let (hz, values) = sweep(variance, ratio, seed);
-                let line = |(hz, value): (&f64, &Complex64)| Line {
-                    hz: *hz,
-                    value: *value,
-                };
-                let lines: Vec<Line> = hz.iter().zip(&values).map(line).collect();
-                let mut noise = noise_variances(&lines);
+                let mut noise = estimated(&hz, &values);
                 noise.sort_unstable_by(f64::total_cmp);
                 noise[noise.len() / 2] / variance
             };
