@@ -213,7 +213,7 @@ codes! {
         "With a single hit the coherence is identically one and carries no information. The variance comes from the pre-trigger noise alone. Record three hits or more at each point.";
     /// The record ends before the response has decayed.
     Truncated: "The response has not decayed when the record ends. H is wrong near resonance by up to this fraction.",
-        "A record that captures n time constants of the slowest mode makes H wrong by about exp(-n) of its peak: 2.5e-3 at 6, 7.5e-5 at 9.5. Record longer, or use an exponential window.";
+        "A record that captures n time constants of the slowest mode makes H wrong by about exp(-n) of its peak: 2.5e-3 at 6, 7.5e-5 at 9.5. Record longer, or use an exponential window: `--response-window 0.01`, or `response_window_end` in [frf] of a scene, is its value at the end of the record.";
     /// The decay cannot be measured because noise fills the tail.
     TruncationNotDecidable: "The decay is not assessable at this noise, so the truncation error is unknown.",
         "The bound comes from the decay of the response energy over the last quarters of the record. There the response has decayed into the noise. The noise, not the truncation, then limits H.";

@@ -17,6 +17,8 @@ use super::rounding::{rounded, to_decimals};
 
 /// Maximum number of modes of the model that are shown at the sensors.
 const MAX_MODEL_MODES: usize = 60;
+/// Fewest degrees of freedom that are drawn: one alone shows no shape.
+const MIN_DOFS: usize = 2;
 /// Maximum number of shape values.
 const MAX_NUMBERS: usize = 60_000;
 /// Maximum number of points of a mesh that is drawn.
@@ -153,7 +155,7 @@ pub(super) fn mac_figure(shown: &ShapeInputs<'_>) -> Option<MacFigure> {
     })
 }
 
-/// The shapes of a test; `None` for one without shapes.
+/// The shapes of a test; `None` for one without shapes, or with one degree of freedom alone.
 pub(super) fn shape_figure(shown: &ShapeInputs<'_>) -> Option<ShapeFigure> {
     let modes = &shown.test.modes.modes;
     let dofs: std::collections::BTreeSet<Dof> = modes
@@ -164,7 +166,7 @@ pub(super) fn shape_figure(shown: &ShapeInputs<'_>) -> Option<ShapeFigure> {
                 .map(|(dof, _)| dof.positive().with_repeat(1))
         })
         .collect();
-    if dofs.is_empty() || dofs.len() * modes.len() > MAX_NUMBERS {
+    if dofs.len() < MIN_DOFS || dofs.len() * modes.len() > MAX_NUMBERS {
         return None;
     }
     let mut geometry = shown.test.geometry.clone();
