@@ -18,6 +18,12 @@ use crate::modal::Mode;
 /// at 8: machines with fewer modes below the first of the body are not checked
 /// (`a_wrong_sensor_of_a_body_is_named_and_repaired`).
 const MIN_MODES: usize = 3;
+/// Counts of modes in a row in which a body is not rigid, after which more modes are not tried.
+/// Smaller, at 1: of 20 wrong gains two are not seen
+/// (`a_wrong_sensor_of_a_body_is_named_and_repaired`).
+/// Larger, at 100: a body that bends is fitted for every count of modes
+/// (`a_body_that_bends_is_fitted_three_times`).
+const MAX_BENT_COUNTS: usize = 3;
 /// Sensors beyond the motions that they see. Smaller, at 1: without the wrong sensor the others fit
 /// any motion (`a_body_that_bends_has_no_sensor_named`). Larger, at 8: bodies with a dozen sensors
 /// are not checked (`a_wrong_sensor_of_a_body_is_named_and_repaired`).
@@ -55,7 +61,7 @@ pub fn rigid_in_modes(modes: &[Mode], placed: &BTreeMap<Dof, PlacedSensor>) -> O
         .filter(|mode| mode.shape_std.is_some())
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    (MIN_MODES..=modes.len()).rev().find_map(|count| {
+    largest_rigid(modes.len(), |count| {
         let fault = rigid_motion(&modes[..count], placed)?.fault;
         Some(MovingBody {
             modes: count,
@@ -63,6 +69,23 @@ pub fn rigid_in_modes(modes: &[Mode], placed: &BTreeMap<Dof, PlacedSensor>) -> O
             fault,
         })
     })
+}
+
+/// The body with the largest count of modes, from [`MIN_MODES`] up to `all`, in which it is rigid,
+/// before [`MAX_BENT_COUNTS`] in a row in which it is not.
+fn largest_rigid<T>(all: usize, mut rigid: impl FnMut(usize) -> Option<T>) -> Option<T> {
+    let mut largest = None;
+    let mut bent = 0;
+    for count in MIN_MODES..=all {
+        match rigid(count) {
+            Some(body) => (largest, bent) = (Some(body), 0),
+            None => bent += 1,
+        }
+        if bent == MAX_BENT_COUNTS {
+            break;
+        }
+    }
+    largest
 }
 
 /// Sensors that fit the motion of a rigid body, but for one.
@@ -132,5 +155,28 @@ fn entries(mode: &Mode, dof: &Dof) -> [Entry; 2] {
     match value {
         Some((value, std)) => [value.re, value.im].map(|part| Some(entry(part, *std))),
         None => [None, None],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_body_that_bends_is_fitted_three_times() {
+        let fits_up_to = |all: usize, is_rigid: &dyn Fn(usize) -> bool| {
+            let mut fits = 0;
+            let largest = largest_rigid(all, |count| {
+                fits += 1;
+                is_rigid(count).then_some(count)
+            });
+            (largest, fits)
+        };
+        assert_eq!(fits_up_to(200, &|_| false), (None, 3));
+        assert_eq!(fits_up_to(200, &|count| count <= 10), (Some(10), 11));
+        assert_eq!(fits_up_to(10, &|_| true), (Some(10), 8));
+        // Noise in two counts ends nothing.
+        assert_eq!(fits_up_to(10, &|count| count > 4), (Some(10), 8));
+        assert_eq!(fits_up_to(2, &|_| true), (None, 0));
     }
 }
