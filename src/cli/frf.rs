@@ -14,7 +14,7 @@ use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
 use crate::report::{before_you_leave_blocks, frf_block, hits_block, hits_screen, json};
 use crate::scene::{
     FilePlan, IngestOptions, Ingested, Scene, TestSource, TestState, force_window, ingest_files,
-    leaving_list, mass_line_findings, offset,
+    leaving_list, mass_line_findings, offset, test_rigid_body,
 };
 
 use crate::signal::{Offset, TriggerOptions};
@@ -55,7 +55,8 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
             .as_ref()
             .map_or_else(Geometry::default, |scene| scene.points.clone()),
     );
-    let list = leaving_list(&result, &geometry, sensors, &state);
+    let body = test_rigid_body(&result.estimated.set, &geometry, sensors);
+    let list = leaving_list(&result, body.as_ref(), &state);
     let HammerTestResult {
         estimated,
         hits,
@@ -91,7 +92,9 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
     output.add_json(|| set_json(&set, usable, &hits, &list));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);
-    output.add_findings(&mass_line_findings(&set, &geometry, sensors, &state));
+    if let Some(body) = &body {
+        output.add_findings(&mass_line_findings(&set, body, &state));
+    }
     Ok(Outcome::missed_if(data.partly_bad))
 }
 

@@ -13,7 +13,7 @@ use crate::report::{
 };
 use crate::scene::{
     FilePlan, IngestOptions, SceneError, TestState, add_file_dofs, identify_sets,
-    indicators_of_sets, ingest_files, mass_line_findings,
+    indicators_of_sets, ingest_files, mass_line_findings, test_rigid_body,
 };
 
 use super::args::IdentifyArgs;
@@ -75,9 +75,12 @@ pub fn identify(
     let inputs = args.inputs.iter().map(|path| input(path));
     modes.inputs = add_file_dofs(inputs.collect::<Result<_, SceneError>>()?, &data);
     modes.findings.splice(0..0, data.findings);
-    let (mass_lines, no_state) = (data.frfs.iter(), TestState::default());
-    let mass_lines =
-        mass_lines.flat_map(|set| mass_line_findings(set, &data.geometry, &[], &no_state));
+    let mass_lines = data.frfs.iter().flat_map(|set| {
+        let body = test_rigid_body(set, &data.geometry, &[]);
+        body.map_or_else(Vec::new, |body| {
+            mass_line_findings(set, &body, &TestState::default())
+        })
+    });
     modes.findings.extend(mass_lines);
     let json = modes_to_json(&modes, None);
     if let Some(path) = &args.output {

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::frf::{BeforeYouLeave, HammerOptions, evaluate_test};
 use crate::io::HitGrouping;
 use crate::report::{Block, before_you_leave_blocks, before_you_leave_screen, json};
-use crate::scene::{TestState, leaving_list};
+use crate::scene::{TestState, leaving_list, test_rigid_body};
 use crate::study::counted;
 
 use super::args::FrfArgs;
@@ -120,9 +120,10 @@ impl WatchedTest<'_> {
         let data = ingest_recordings(self.args, paths, self.grouping, self.format)?;
         let mut recording = data.recording.ok_or_else(no_records)?;
         let result = evaluate_test(recording.as_mut(), &self.options)?;
+        let body = test_rigid_body(&result.estimated.set, &data.geometry, &[]);
         Ok(Evaluated {
             hits: result.hits.len(),
-            list: leaving_list(&result, &data.geometry, &[], &TestState::default()),
+            list: leaving_list(&result, body.as_ref(), &TestState::default()),
         })
     }
 }

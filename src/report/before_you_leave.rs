@@ -4,7 +4,7 @@
 
 use crate::dof::Dof;
 use crate::finding::Location;
-use crate::frf::rigid_body::MassComparison;
+use crate::frf::rigid_body::{MassComparison, NoMass, Repair, RigidBody, SensorFault};
 use crate::frf::{
     BeforeYouLeave, Cause, CheckItem, Drift, DrivingPoints, HitAgain, Linearity, MIN_GOOD_HITS,
     MassLineCheck, PairFigures, PointCheck, Reason, ResonanceDrift, SupportCheck,
@@ -283,40 +283,93 @@ fn item_lines(list: &BeforeYouLeave) -> Vec<String> {
         CheckItem::Reciprocity(figures) => vec![reciprocity_line(figures.as_ref())],
         CheckItem::DrivingPoints(points) => vec![driving_point_line(points.as_ref())],
         CheckItem::Drift(drift) => vec![drift_sentence(drift.as_ref())],
-        CheckItem::MassLine(check) => mass_line_lines(check.as_deref()),
+        CheckItem::MassLine(check) => mass_line_lines(check),
         CheckItem::Support(check) => vec![support_line(check)],
     };
     list.items.iter().flat_map(lines).collect()
 }
 
 /// The mass, the stated mass, and the sensors of a mass line.
-fn mass_line_lines(check: Option<&MassLineCheck>) -> Vec<String> {
-    let Some(MassLineCheck { body, mass }) = check else {
-        return vec!["Mass line: not tested; it needs positions ([[point]], [[sensor]]) of more than six sensors and a soft suspension.".to_owned()];
-    };
-    let (lo, hi) = (
-        significant(body.band.lo_hz, 3),
-        significant(body.band.hi_hz, 3),
-    );
-    let mut lines = vec![match &body.inertia {
-        Some(inertia) => format!(
-            "Mass line: {} ± {} kg from {lo} to {hi} Hz.",
-            significant(inertia.mass_kg, 4),
-            significant(inertia.mass_std_kg, 2)
+fn mass_line_lines(check: &MassLineCheck) -> Vec<String> {
+    let mut lines = vec![match &check.body {
+        Some(body) => mass_line(body),
+        None => "Mass line: not tested; it needs more sensors with positions ([[point]], [[sensor]]) than motions that they see, and a band between suspension and first elastic mode.".to_owned(),
+    }];
+    let stated = check.stated_kg.map(|stated_kg| match check.comparison() {
+        Some(mass) => stated_mass_line(&mass),
+        None => format!(
+            "Mass line: stated mass {} kg not compared.",
+            significant(stated_kg, 4)
+        ),
+    });
+    lines.extend(stated);
+    lines.extend(check.body.as_ref().map(rigid_sensors_line));
+    lines
+}
+
+/// The mass with its band, or why there is none.
+fn mass_line(body: &RigidBody) -> String {
+    let lo = significant(body.band.lo_hz, 3);
+    let hi = significant(body.band.hi_hz, 3);
+    match &body.inertia {
+        Ok(inertia) => {
+            let mass = significant(inertia.mass_kg, 4);
+            let std = significant(inertia.mass_std_kg, 2);
+            match body.fault.as_ref().map(|fault| &fault.repair) {
+                None => format!("Mass line: {mass} ± {std} kg from {lo} to {hi} Hz."),
+                Some(Repair::LeftOut(dof)) => format!(
+                    "Mass line: {mass} ± {std} kg from {lo} to {hi} Hz, with {dof} left out; the FRFs are unchanged."
+                ),
+                Some(repair) => {
+                    let sensors = repair.sensors();
+                    let names = named(&sensors);
+                    format!(
+                        "Mass line: {mass} ± {std} kg from {lo} to {hi} Hz, with {names} repaired; the FRFs are unchanged."
+                    )
+                }
+            }
+        }
+        Err(NoMass::SensorsNotRigid) => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined, because the sensors do not move as one rigid body."
+        ),
+        Err(NoMass::FewMotions) => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined, because the sensors see fewer than six motions; add sensors in other directions and points."
+        ),
+        Err(NoMass::SuspensionInBand) => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined, because modes of the suspension without a clear peak are in the band; hang the structure more softly."
+        ),
+        Err(NoMass::FewHits) => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined; hit three points or more in different directions (with a roving hammer: use three sensors)."
+        ),
+        Err(NoMass::Uncertain) => format!(
+            "Mass line: from {lo} to {hi} Hz, mass not determined, because its standard deviation is above 20 %; the band is narrow or the FRFs are noisy."
+        ),
+    }
+}
+
+/// The sensors of a mass line.
+fn rigid_sensors_line(body: &RigidBody) -> String {
+    match &body.fault {
+        None if !body.is_rigid() => format!(
+            "Mass line: the sensors do not move as one rigid body, no single sensor explains it (misfit {}, limit {}): check signs, axes and sensitivities.",
+            significant(body.misfit.value, 2),
+            significant(body.misfit.limit, 2)
         ),
         None => format!(
-            "Mass line: from {lo} to {hi} Hz, mass not determined; hit three points or more in different directions."
+            "Mass line: {} move as a rigid body.",
+            counted(body.sensors, "sensor")
         ),
-    }];
-    lines.extend(mass.as_ref().map(stated_mass_line));
-    lines.push(match &body.fault {
-        None => format!("Mass line: {} move as a rigid body.", counted(body.sensors, "sensor")),
+        Some(SensorFault {
+            repair: Repair::Exchanged(one, other),
+            ..
+        }) => format!(
+            "Mass line: {one} and {other} fit the rigid body in each other's place: check whether their cables or names are exchanged."
+        ),
         Some(fault) => format!(
             "Mass line: {} does not move with the rigid body; {}: check cable, sensitivity, direction and position.",
             fault.dof, fault.repair
         ),
-    });
-    lines
+    }
 }
 
 fn stated_mass_line(mass: &MassComparison) -> String {
@@ -328,36 +381,48 @@ fn stated_mass_line(mass: &MassComparison) -> String {
             format!("Mass line: stated mass {stated} kg, difference {difference} % ({limit} %).")
         }
         true => format!(
-            "Mass line: stated mass {stated} kg, difference {difference} % ({limit} %): all FRFs are {} times what they should be; check the calibration of hammer and accelerometers.",
-            significant(mass.gain(), 3)
+            "Mass line: stated mass {stated} kg, difference {difference} % ({limit} %); if the stated mass is right, the FRFs are {} ± {} times what they should be; check mass_kg and attached parts, sensitivities, tip mass of the hammer, suspension.",
+            significant(mass.gain(), 4),
+            significant(mass.gain_std(), 1)
         ),
     }
 }
 
 fn support_line(check: &SupportCheck) -> String {
     let support = check.support;
-    let (Some(rigid_body_hz), Some(elastic_hz)) = (check.rigid_body_hz, check.elastic_hz) else {
-        return match check.is_tested() {
-            true => format!("Support: {support}."),
-            false => format!(
-                "Support: {support}, not tested; state highest_rigid_body_hz in [test.state]."
-            ),
-        };
-    };
-    let (rigid, elastic) = (significant(rigid_body_hz, 3), significant(elastic_hz, 4));
-    let ratio = significant(rigid_body_hz / elastic_hz, 2);
-    let Some(limit) = check.limit else {
+    let below = check.peak_below_hz.map(|hz| significant(hz, 3));
+    let above = check.elastic_hz.map(|hz| significant(hz, 4));
+    match (check.rigid_body_hz, below, above) {
+        (Some(rigid_hz), _, Some(above)) => {
+            stated_support_line(check, &significant(rigid_hz, 3), &above)
+        }
+        (None, Some(below), Some(above)) => format!(
+            "Support: {support}; highest_rigid_body_hz is not stated in [test.state]; highest clear peak below the mass line {below} Hz, first clear peak above {above} Hz."
+        ),
+        (Some(_), _, None) if !check.is_tested() => {
+            format!("Support: {support}, not tested; no clear peak above highest_rigid_body_hz.")
+        }
+        _ if !check.is_tested() => {
+            format!("Support: {support}, not tested; state highest_rigid_body_hz in [test.state].")
+        }
+        _ => format!("Support: {support}."),
+    }
+}
+
+fn stated_support_line(check: &SupportCheck, rigid: &str, above: &str) -> String {
+    let support = check.support;
+    let (Some(ratio), Some(limit)) = (check.ratio(), check.limit) else {
         return format!(
-            "Support: {support}; highest rigid-body mode {rigid} Hz, first elastic mode {elastic} Hz."
+            "Support: {support}; highest rigid-body mode {rigid} Hz, first clear peak above {above} Hz."
         );
     };
-    let limit = significant(limit, 2);
+    let (ratio, limit) = (significant(ratio, 2), significant(limit, 2));
     match check.is_stiff() {
         false => format!(
-            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first elastic mode at {elastic} Hz ({limit})."
+            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first clear peak above at {above} Hz ({limit})."
         ),
         true => format!(
-            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first elastic mode at {elastic} Hz ({limit}): it raises that mode; hang the structure more softly."
+            "Support: {support}; highest rigid-body mode {rigid} Hz, {ratio} of the first clear peak above at {above} Hz ({limit}): it raises that mode; hang the structure more softly."
         ),
     }
 }
@@ -530,10 +595,10 @@ fn item_state(item: &CheckItem) -> State {
             let worst = drift.as_ref().and_then(worst_drift);
             state(worst.is_some(), worst.is_some_and(is_drift))
         }
-        CheckItem::MassLine(check) => state(
-            check.is_some(),
-            check.as_ref().is_some_and(|check| !check.is_right()),
-        ),
+        CheckItem::MassLine(check) => {
+            let wrong = check.is_wrong();
+            state(wrong || check.is_tested(), wrong)
+        }
         CheckItem::Support(check) => state(check.is_tested(), check.is_stiff()),
     }
 }
@@ -553,12 +618,15 @@ fn item_name(item: &CheckItem) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis::Band;
+    use crate::frf::rigid_body::{Inertia, Misfit};
 
     #[test]
     fn suspension_has_its_ratio_and_limit() {
         let mut check = SupportCheck {
             support: "suspended",
             rigid_body_hz: Some(3.5),
+            peak_below_hz: None,
             elastic_hz: Some(100.0),
             limit: Some(0.1),
         };
@@ -571,8 +639,17 @@ mod tests {
         check.rigid_body_hz = Some(20.0);
         assert!(support_line(&check).contains("more softly"));
         assert!(item_state(&CheckItem::Support(check.clone())) == State::Wrong);
-        check.rigid_body_hz = None;
-        assert!(support_line(&check).contains("highest_rigid_body_hz"));
+        // A clear peak is no measurement of the highest rigid-body mode.
+        (check.rigid_body_hz, check.peak_below_hz) = (None, Some(2.0));
+        let unstated = support_line(&check);
+        let peaks = "highest clear peak below the mass line 2 Hz, first clear peak above 100 Hz.";
+        assert!(
+            unstated.contains("not stated") && unstated.ends_with(peaks),
+            "{unstated}"
+        );
+        assert!(item_state(&CheckItem::Support(check.clone())) == State::NotTested);
+        check.peak_below_hz = None;
+        assert!(support_line(&check).contains("state highest_rigid_body_hz"));
         assert!(item_state(&CheckItem::Support(check)) == State::NotTested);
     }
 
@@ -588,8 +665,102 @@ mod tests {
         mass.found_kg = 18.0;
         let line = stated_mass_line(&mass);
         assert!(
-            line.contains("-10 %") && line.contains("1.11 times"),
+            line.contains("-10 %") && line.contains("1.111 ± 0.003 times"),
             "{line}"
         );
+    }
+
+    fn check(misfit: f64, inertia: Result<Inertia, NoMass>) -> MassLineCheck {
+        let body = RigidBody {
+            band: Band::new(10.0, 40.0).unwrap(),
+            sensors: 12,
+            fault: None,
+            misfit: Misfit {
+                value: misfit,
+                limit: 4.0,
+            },
+            inertia,
+        };
+        MassLineCheck {
+            body: Some(body),
+            stated_kg: None,
+        }
+    }
+
+    fn state(check: &MassLineCheck) -> State {
+        item_state(&CheckItem::MassLine(Box::new(check.clone())))
+    }
+
+    #[test]
+    fn sensors_that_are_no_rigid_body_are_wrong() {
+        let wrong = check(900.0, Err(NoMass::SensorsNotRigid));
+        let lines = mass_line_lines(&wrong).join("\n");
+        for part in [
+            "because the sensors",
+            "misfit 900, limit 4",
+            "check signs, axes",
+        ] {
+            assert!(lines.contains(part), "{lines}");
+        }
+        assert!(!lines.contains("hit three points") && !lines.contains("12 sensors"));
+        assert!(state(&wrong) == State::Wrong);
+    }
+
+    #[test]
+    fn missing_mass_has_its_cause_and_the_stated_mass_is_not_compared() {
+        for (cause, text) in [
+            (NoMass::FewMotions, "fewer than six motions"),
+            (NoMass::SuspensionInBand, "modes of the suspension"),
+            (NoMass::FewHits, "hit three points"),
+            (NoMass::Uncertain, "above 20 %"),
+        ] {
+            let mut without = check(1.0, Err(cause));
+            assert!(mass_line_lines(&without)[0].contains(text));
+            assert!(state(&without) == State::Right);
+            without.stated_kg = Some(20.0);
+            let lines = mass_line_lines(&without);
+            assert_eq!(lines[1], "Mass line: stated mass 20 kg not compared.");
+            assert!(state(&without) == State::NotTested);
+        }
+        let none = MassLineCheck {
+            body: None,
+            stated_kg: Some(20.0),
+        };
+        let lines = mass_line_lines(&none);
+        assert!(lines[0].contains("more sensors") && lines[1].contains("not compared"));
+    }
+
+    #[test]
+    fn mass_of_a_repaired_test_has_the_repair() {
+        let dofs: [Dof; 2] = ["5:+X", "6:+Y"].map(|dof| dof.parse().unwrap());
+        let [one, other] = dofs;
+        let lines = |repair: Repair| {
+            let mut check = check(1.0, Ok(inertia()));
+            check.body.as_mut().unwrap().fault = Some(SensorFault {
+                dof: repair.dof().clone(),
+                repair,
+                fall: 4e5,
+            });
+            assert!(state(&check) == State::Wrong);
+            mass_line_lines(&check)
+        };
+        let sign = lines(Repair::Sign(other.clone()));
+        let repaired = "with 6:+Y repaired; the FRFs are unchanged.";
+        assert!(sign[0].ends_with(repaired), "{}", sign[0]);
+        let left_out = lines(Repair::LeftOut(other.clone()));
+        assert!(left_out[0].contains("with 6:+Y left out"));
+        let exchanged = lines(Repair::Exchanged(one, other));
+        assert!(exchanged[0].contains("with 5:+X, 6:+Y repaired"));
+        assert!(exchanged[1].ends_with("check whether their cables or names are exchanged."));
+    }
+
+    fn inertia() -> Inertia {
+        Inertia {
+            mass_kg: 20.0,
+            mass_std_kg: 0.05,
+            centre_m: [0.0; 3],
+            centre_std_m: [0.0; 3],
+            tensor_kg_m2: [0.0; 6],
+        }
     }
 }

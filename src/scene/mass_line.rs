@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::rigid_body::{
-    MassComparison, PlacedSensor, RigidBody, rigid_body, rigid_in_modes, suspension_modes,
+    MIN_FALL, MassComparison, PlacedSensor, Repair, RigidBody, SensorFault, neighbouring_peaks,
+    rigid_body, rigid_in_modes,
 };
 use crate::frf::{
     BeforeYouLeave, CheckItem, FrfSet, HammerTestResult, MassLineCheck, SupportCheck,
@@ -19,20 +20,18 @@ use crate::theory::Support;
 use super::supports::MAX_RIGID_BODY_OVER_ELASTIC;
 use super::test_state::TestState;
 
-/// Findings on the mass line of a set: its mass, a stated mass that differs, and the sensor that
-/// does not move with the body.
+/// The rigid-body behaviour of a set between suspension and first elastic mode.
 ///
-/// Nothing comes back where no points are placed, or no band has a mass line.
-pub fn mass_line_findings(
-    set: &FrfSet,
-    geometry: &Geometry,
-    sensors: &[Sensor],
-    state: &TestState,
-) -> Vec<Finding> {
+/// `None` where no points are placed, or no band has a mass line.
+pub fn test_rigid_body(set: &FrfSet, geometry: &Geometry, sensors: &[Sensor]) -> Option<RigidBody> {
     let set = &set.motions();
-    let placed = placed(set, geometry, sensors);
-    let body = rigid_body(set, &placed, None);
-    body.map_or_else(Vec::new, |body| findings(set, &body, state.mass_kg))
+    rigid_body(set, &placed(set, geometry, sensors))
+}
+
+/// Findings on the mass line of a set: its mass, a stated mass that differs, and the sensors that
+/// do not move as a rigid body.
+pub fn mass_line_findings(set: &FrfSet, body: &RigidBody, state: &TestState) -> Vec<Finding> {
+    findings(&set.motions(), body, state.mass_kg)
 }
 
 /// The sensors that do not move with their body of the model in the lowest modes, in which the body
@@ -53,7 +52,7 @@ pub(super) fn body_findings(modes: &ModalModel, sensors: &[Sensor]) -> Vec<Findi
         let moving = rigid_in_modes(&modes.modes, &placed)?;
         let fault = moving.fault?;
         let location = Location::Function {
-            response: Some(fault.dof),
+            response: Some(fault.dof.clone()),
             reference: None,
         };
         let is_same =
@@ -63,8 +62,7 @@ pub(super) fn body_findings(modes: &ModalModel, sensors: &[Sensor]) -> Vec<Findi
             moving.modes, moving.highest_hz, fault.repair
         );
         let is_known = modes.findings.iter().any(is_same);
-        let finding = Finding::new(Severity::Warning, Code::SensorNotRigid, location);
-        (!is_known).then(|| finding.value(fault.fall, "").detail(detail))
+        (!is_known).then(|| fault_finding(&fault, location, &detail))
     };
     bodies.into_iter().filter_map(of_body).collect()
 }
@@ -84,22 +82,22 @@ fn placed_on_body(target: &Target) -> Option<PlacedSensor> {
 
 /// The list of what to repeat before the structure is gone, with its mass line and its support.
 ///
-/// `state` is that of the test, as a scene states it.
+/// `body` is that of the FRFs, and `state` that of the test as a scene states it.
 pub fn leaving_list(
     result: &HammerTestResult,
-    geometry: &Geometry,
-    sensors: &[Sensor],
+    body: Option<&RigidBody>,
     state: &TestState,
 ) -> BeforeYouLeave {
     let mut list = before_you_leave(result);
-    let set = &result.estimated.set.motions();
-    let body = rigid_body(set, &placed(set, geometry, sensors), None);
-    let mass = body.as_ref().and_then(|body| compared(body, state.mass_kg));
-    let check = body.map(|body| Box::new(MassLineCheck { body, mass }));
+    let check = MassLineCheck {
+        body: body.cloned(),
+        stated_kg: state.mass_kg,
+    };
     let is_suspended = state.support == Some(Support::Suspended);
-    if check.is_some() || is_suspended || state.mass_kg.is_some() {
-        list.items.push(CheckItem::MassLine(check));
+    if body.is_some() || is_suspended || state.mass_kg.is_some() {
+        list.items.push(CheckItem::MassLine(Box::new(check)));
     }
+    let set = &result.estimated.set.motions();
     let support = state
         .support
         .map(|support| support_check(set, support, state));
@@ -109,22 +107,18 @@ pub fn leaving_list(
 
 fn support_check(set: &FrfSet, support: Support, state: &TestState) -> SupportCheck {
     let limit = (support == Support::Suspended).then_some(MAX_RIGID_BODY_OVER_ELASTIC);
-    let modes = match support {
+    let stated_hz = state.highest_rigid_body_hz;
+    let peaks = match support {
         Support::Fixed => None,
-        Support::Suspended | Support::Mounted => {
-            Some(suspension_modes(set, state.highest_rigid_body_hz))
-        }
+        Support::Suspended | Support::Mounted => Some(neighbouring_peaks(set, stated_hz)),
     };
     SupportCheck {
         support: support.name(),
-        rigid_body_hz: modes.and_then(|modes| modes.rigid_body_hz),
-        elastic_hz: modes.and_then(|modes| modes.elastic_hz),
+        rigid_body_hz: peaks.and(stated_hz),
+        peak_below_hz: peaks.and_then(|peaks| peaks.below_hz),
+        elastic_hz: peaks.and_then(|peaks| peaks.above_hz),
         limit,
     }
-}
-
-fn compared(body: &RigidBody, stated_kg: Option<f64>) -> Option<MassComparison> {
-    Some(MassComparison::new(body.inertia.as_ref()?, stated_kg?))
 }
 
 /// Positions and directions of the degrees of freedom of a set: a sensor of the scene at a point of
@@ -167,37 +161,63 @@ fn findings(set: &FrfSet, body: &RigidBody, stated_kg: Option<f64>) -> Vec<Findi
             response: dof(false),
             reference: dof(true),
         };
-        let finding = Finding::new(Severity::Warning, Code::SensorNotRigid, location);
-        let detail = fault.repair.to_string();
-        findings.push(finding.value(fault.fall, "").detail(detail));
+        findings.push(fault_finding(fault, location, &fault.repair.to_string()));
     }
-    if let Some(inertia) = &body.inertia {
+    if !body.is_rigid() {
+        let finding = Finding::new(Severity::Warning, Code::SensorsNotRigid, Location::Whole);
+        let finding = finding
+            .value(body.misfit.value, "")
+            .limit(body.misfit.limit);
+        findings.push(finding.detail(format!(
+            "{} sensors, from {:.1} to {:.1} Hz",
+            body.sensors, body.band.lo_hz, body.band.hi_hz
+        )));
+    }
+    let precaution = body.fault.as_ref().map_or_else(String::new, |fault| {
+        format!(", {}; the FRFs are unchanged", fault.repair.precaution())
+    });
+    if let Ok(inertia) = &body.inertia {
         let finding = Finding::new(Severity::Info, Code::MassOfMassLine, Location::Whole);
         let [x, y, z] = inertia.centre_m;
         findings.push(finding.value(inertia.mass_kg, "kg").detail(format!(
-            "standard deviation {:.1e} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m, from {:.1} to {:.1} Hz",
+            "standard deviation {:.1e} kg, centre of mass at ({x:.4}, {y:.4}, {z:.4}) m, from {:.1} to {:.1} Hz{precaution}",
             inertia.mass_std_kg, body.band.lo_hz, body.band.hi_hz
         )));
-    }
-    if let Some(mass) = compared(body, stated_kg).filter(MassComparison::differs) {
-        let finding = Finding::new(Severity::Warning, Code::MassDiffers, Location::Whole);
-        let finding = finding
-            .value(100.0 * mass.difference(), "%")
-            .limit(100.0 * mass.limit);
-        findings.push(finding.detail(format!(
-            "mass line {:.3} ± {:.3} kg, mass_kg of [test.state] {} kg; all FRFs are {:.3} times what they should be",
-            mass.found_kg, mass.std_kg, mass.stated_kg, mass.gain()
-        )));
+        let mass = stated_kg.map(|stated_kg| MassComparison::new(inertia, stated_kg));
+        findings.extend(mass.filter(MassComparison::differs).map(|mass| {
+            let finding = Finding::new(Severity::Warning, Code::MassDiffers, Location::Whole);
+            let finding = finding
+                .value(100.0 * mass.difference(), "%")
+                .limit(100.0 * mass.limit);
+            finding.detail(format!(
+                "mass line {:.3} ± {:.3} kg{precaution}; mass_kg of [test.state] {} kg; if the stated mass is right, the FRFs are {:.3} ± {:.3} times what they should be",
+                mass.found_kg, mass.std_kg, mass.stated_kg, mass.gain(), mass.gain_std()
+            ))
+        }));
     }
     findings
+}
+
+/// A sensor that does not move with its rigid body, with the fall of the sum of squares by its
+/// repair.
+fn fault_finding(fault: &SensorFault, location: Location, detail: &str) -> Finding {
+    let advice = match fault.repair {
+        Repair::Exchanged(..) => "; check whether their cables or names are exchanged",
+        _ => "",
+    };
+    Finding::new(Severity::Warning, Code::SensorNotRigid, location)
+        .value(fault.fall, "")
+        .limit(MIN_FALL)
+        .detail(format!(
+            "{detail}; value and limit: fall of the sum of squares{advice}"
+        ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::axis::Band;
-    use crate::frf::FrfSet;
-    use crate::frf::rigid_body::Inertia;
+    use crate::frf::rigid_body::{Inertia, Misfit, NoMass};
     use crate::modal::{Mode, ModeShape, Scaling};
     use num_complex::Complex64;
 
@@ -265,28 +285,30 @@ mod tests {
         assert!(detail.contains("4 lowest modes up to 40.00 Hz"), "{detail}");
     }
 
-    #[test]
-    fn stated_mass_that_differs_is_reported_with_the_gain() {
-        let body = RigidBody {
+    fn hung_body() -> RigidBody {
+        RigidBody {
             band: Band::new(10.0, 40.0).unwrap(),
             sensors: 12,
             fault: None,
-            misfit: 1.0,
-            inertia: Some(Inertia {
+            misfit: Misfit {
+                value: 1.0,
+                limit: 4.0,
+            },
+            inertia: Ok(Inertia {
                 mass_kg: 20.0,
                 mass_std_kg: 0.05,
                 centre_m: [0.0; 3],
                 centre_std_m: [0.0; 3],
                 tensor_kg_m2: [0.0; 6],
             }),
-        };
-        let axis = crate::axis::FrequencyAxis {
-            start_hz: 0.0,
-            step_hz: 1.0,
-            len: 2,
-        };
+        }
+    }
+
+    #[test]
+    fn stated_mass_that_differs_is_reported_with_the_gain() {
+        let body = hung_body();
         let codes = |stated_kg| -> Vec<Finding> {
-            let all = findings(&FrfSet::new(axis), &body, stated_kg).into_iter();
+            let all = findings(&empty_set(), &body, stated_kg).into_iter();
             all.filter(|finding| finding.code == Code::MassDiffers)
                 .collect()
         };
@@ -296,12 +318,74 @@ mod tests {
         assert_eq!(found[0].value, Some(25.0));
         assert!((found[0].limit.unwrap() - 3.95).abs() < 0.01);
         let detail = found[0].detail.as_deref().unwrap();
+        let expected = "if the stated mass is right, the FRFs are 0.800 ± 0.002 times";
         assert!(
-            detail.contains("mass_kg") && detail.contains("0.800 times"),
+            detail.contains("mass_kg") && detail.contains(expected),
             "{detail}"
         );
         // Both are in the list before the structure is gone.
-        let mass = compared(&body, Some(16.0));
-        assert!(!MassLineCheck { body, mass }.is_right());
+        let check = |stated_kg| MassLineCheck {
+            body: Some(body.clone()),
+            stated_kg,
+        };
+        assert!(check(Some(16.0)).is_wrong() && !check(Some(20.5)).is_wrong());
+    }
+
+    #[test]
+    fn mass_from_a_repaired_sensor_is_reported_with_the_repair() {
+        let dof: Dof = "6:+Y".parse().unwrap();
+        let body = |repair: Repair| RigidBody {
+            fault: Some(SensorFault {
+                dof: repair.dof().clone(),
+                repair,
+                fall: 4e5,
+            }),
+            ..hung_body()
+        };
+        let found = findings(&empty_set(), &body(Repair::Sign(dof.clone())), Some(20.0));
+        let codes: Vec<Code> = found.iter().map(|finding| finding.code).collect();
+        assert_eq!(codes, [Code::SensorNotRigid, Code::MassOfMassLine]);
+        assert_eq!((found[0].value, found[0].limit), (Some(4e5), Some(30.0)));
+        let detail = |finding: &Finding| finding.detail.clone().unwrap();
+        assert!(detail(&found[0]).contains("fall of the sum of squares"));
+        let mass = detail(&found[1]);
+        assert!(
+            mass.ends_with("with 6:+Y repaired; the FRFs are unchanged"),
+            "{mass}"
+        );
+        let exchanged = body(Repair::Exchanged(dof, "7:+Y".parse().unwrap()));
+        let found = findings(&empty_set(), &exchanged, None);
+        assert!(detail(&found[0]).ends_with("cables or names are exchanged"));
+        assert!(detail(&found[1]).contains("with 6:+Y and 7:+Y repaired"));
+    }
+
+    #[test]
+    fn sensors_that_are_no_rigid_body_are_reported_with_misfit_and_limit() {
+        let body = RigidBody {
+            misfit: Misfit {
+                value: 900.0,
+                limit: 4.0,
+            },
+            inertia: Err(NoMass::SensorsNotRigid),
+            ..hung_body()
+        };
+        let found = findings(&empty_set(), &body, Some(20.0));
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].code, Code::SensorsNotRigid);
+        assert_eq!((found[0].value, found[0].limit), (Some(900.0), Some(4.0)));
+        let stated_kg = Some(20.0);
+        let check = MassLineCheck {
+            body: Some(body),
+            stated_kg,
+        };
+        assert!(check.is_wrong() && !check.is_tested());
+    }
+
+    fn empty_set() -> FrfSet {
+        FrfSet::new(crate::axis::FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 1.0,
+            len: 2,
+        })
     }
 }

@@ -61,7 +61,7 @@ pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
     LimitCheck, Limits, LimitsFile, ModeLimit, check_comparison, check_modes, percent,
 };
-pub use mass_line::{leaving_list, mass_line_findings};
+pub use mass_line::{leaving_list, mass_line_findings, test_rigid_body};
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use model_draft::ModelDraft;
 pub use model_kind::{ModelKind, built_in_name_finding, model_kind};

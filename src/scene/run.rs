@@ -22,7 +22,7 @@ use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, Limits, check_comparison, check_modes};
-use super::mass_line::{body_findings, leaving_list, mass_line_findings};
+use super::mass_line::{body_findings, leaving_list, mass_line_findings, test_rigid_body};
 use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
@@ -326,28 +326,29 @@ fn identify_test(
     let (mut hits, mut list) = (Vec::new(), None);
     let mut geometry = data.geometry.clone();
     geometry.add(&scene.points);
-    let (frfs, band) = match data.recording {
-        None => (data.frfs, test.band),
+    let rigid_body = |set: &FrfSet| test_rigid_body(set, &geometry, &scene.sensors);
+    let (frfs, body, band) = match data.recording {
+        None => {
+            let body = match data.frfs.as_slice() {
+                [set] => rigid_body(set),
+                _ => None,
+            };
+            (data.frfs, body, test.band)
+        }
         Some(mut recording) => {
             let options = test.hammer_options(&scene.hammer);
             let hammer_result = evaluate_test(recording.as_mut(), &options).map_err(of_test)?;
-            let sensors = scene.sensors.as_slice();
-            list = Some(leaving_list(
-                &hammer_result,
-                &geometry,
-                sensors,
-                &test.state,
-            ));
+            let body = rigid_body(&hammer_result.estimated.set);
+            list = Some(leaving_list(&hammer_result, body.as_ref(), &test.state));
             let set = hammer_result.estimated.set;
             let band = search_band(&set, hammer_result.usable, test.band, &mut findings)
                 .map_err(of_test)?;
             hits = hammer_result.hits;
-            (vec![set], Some(band))
+            (vec![set], body, Some(band))
         }
     };
-    if let [set] = frfs.as_slice() {
-        let of_set = mass_line_findings(set, &geometry, &scene.sensors, &test.state);
-        findings.extend(of_set);
+    if let (Some(body), [set]) = (&body, frfs.as_slice()) {
+        findings.extend(mass_line_findings(set, body, &test.state));
     }
     let mut options = IdentifyOptions {
         band,

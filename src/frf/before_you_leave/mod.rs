@@ -33,9 +33,9 @@ pub enum CheckItem {
     DrivingPoints(Option<DrivingPoints>),
     /// A point that was hit again after others; `None` where there is none; absent without hits.
     Drift(Option<Drift>),
-    /// The mass line; `None` where a suspended structure or a stated mass should have one; absent
-    /// where nothing of both is stated and no mass line is there.
-    MassLine(Option<Box<MassLineCheck>>),
+    /// The mass line; absent where none is there and neither a suspended structure nor a mass is
+    /// stated.
+    MassLine(Box<MassLineCheck>),
     /// The support; absent where none is stated.
     Support(SupportCheck),
 }

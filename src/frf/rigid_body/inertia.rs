@@ -7,7 +7,7 @@
 //! the mass lines end it.
 
 use super::rows::{Frame, PlacedSensor, Rows};
-use crate::linalg::{RealMatrix, real_matrix, solve_definite};
+use crate::linalg::{RealMatrix, real_matrix, solve_definite, symmetric_eigen};
 
 /// Parameters: mass, three first moments, six of the tensor (xx, yy, zz, xy, xz, yz).
 const PARAMETERS: usize = 10;
@@ -16,6 +16,9 @@ const MAX_STEPS: usize = 30;
 const TOLERANCE: f64 = 1e-10;
 /// Largest relative standard deviation of a mass that is shown.
 const MAX_MASS_DEVIATION: f64 = 0.2;
+/// Least eigenvalue of the sum of `d dᵀ` over the unit directions of hits in three directions: one
+/// hit at 15° from the plane of all others.
+const MIN_DIRECTION: f64 = 0.067;
 
 /// Inertia of a body, in the frame of the sensors.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,11 +35,56 @@ pub struct Inertia {
     pub tensor_kg_m2: [f64; 6],
 }
 
-/// Fits the parameters; `None` where the hits do not determine them.
-pub(super) fn fit(rows: &Rows) -> Option<Inertia> {
-    if rows.motions.ncols() < 6 {
-        return None;
+/// Why a mass line gives no mass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoMass {
+    /// The sensors do not move as one rigid body.
+    SensorsNotRigid,
+    /// The sensors see fewer than six motions.
+    FewMotions,
+    /// Modes of the suspension without a clear peak are in the band.
+    SuspensionInBand,
+    /// Fewer than three hits in different directions; of a roving hammer, fewer such sensors.
+    FewHits,
+    /// The standard deviation of the mass is too large: the band is narrow, or the FRFs are noisy.
+    Uncertain,
+}
+
+impl NoMass {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SensorsNotRigid => "sensors-not-rigid",
+            Self::FewMotions => "few-motions",
+            Self::SuspensionInBand => "suspension-in-band",
+            Self::FewHits => "few-hits",
+            Self::Uncertain => "uncertain",
+        }
     }
+}
+
+/// Fits the parameters.
+pub(super) fn fit(rows: &Rows) -> Result<Inertia, NoMass> {
+    if rows.motions.ncols() < 6 {
+        return Err(NoMass::FewMotions);
+    }
+    let cause = match are_in_three_directions(rows) {
+        true => NoMass::Uncertain,
+        false => NoMass::FewHits,
+    };
+    fit_parameters(rows).ok_or(cause)
+}
+
+/// Whether the hits are in three directions that differ.
+fn are_in_three_directions(rows: &Rows) -> bool {
+    let directions = rows.hits.iter().map(|(_, hit)| hit.direction);
+    let directions: Vec<[f64; 3]> = directions.collect();
+    let gram = |a: usize, b: usize| directions.iter().map(|d| d[a] * d[b]).sum::<f64>();
+    let eigen = symmetric_eigen(&real_matrix(3, 3, gram));
+    eigen.is_ok_and(|eigen| eigen.values.iter().all(|value| *value > MIN_DIRECTION))
+}
+
+fn fit_parameters(rows: &Rows) -> Option<Inertia> {
     let hit_rows: Vec<[f64; 6]> = rows
         .hits
         .iter()

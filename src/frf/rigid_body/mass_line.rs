@@ -19,24 +19,27 @@ const ABOVE_SUSPENSION: f64 = 3.5;
 /// bias the mass by more than its deviation (`modes_beside_the_band_do_not_bias_the_mass`).
 /// Smaller, at 0.3: few gains are seen (`a_wrong_sensor_is_named_and_repaired`).
 const BELOW_ELASTIC: f64 = 0.45;
-/// Least ratio of the ends of the band.
+/// Least ratio of the ends of the band. Smaller, at 1.2: a band between two modes of the suspension
+/// is taken. Larger, at 3: a suspension at a twentieth of the first elastic mode has no band
+/// (`a_band_between_modes_of_the_suspension_is_no_mass_line`).
 const MIN_BAND_RATIO: f64 = 1.6;
 /// Fewest lines.
 const MIN_LINES: usize = 8;
-/// Height of a peak over the median of the mean accelerance that makes it a mode, as power.
-const PEAK_OVER_MEDIAN: f64 = 4.0;
+/// Height of a peak over the lower quartile of the mean accelerance in the valid band that makes it
+/// a mode, as power. Larger, at 200: of 40 tests one has a mass instead of 15
+/// (`the_mass_has_its_stated_deviation`). Smaller: noise has peaks, at 1 none in
+/// these tests.
+const MIN_PEAK_OVER_LOWER_QUARTILE: f64 = 4.0;
 /// Deviations of the residual over its freedom from 1 beyond which stated variances are too small.
 /// Smaller, at 0: the scatter of the residual alone enlarges half of the variances. Larger, at 100:
 /// variances stated as a third stay (`stated_variances_hold_where_the_residual_agrees`).
 const MAX_EXCESS_DEVIATIONS: f64 = 3.0;
 /// Root mean square of the suspension's terms at the lower end of the band over that of the mass
-/// lines; with the highest mode at `lo_hz / ABOVE_SUSPENSION` it is about a twelfth. Larger, at 1:
-/// a band that begins below a mode without a clear peak gives a mass that is wrong by several
-/// deviations (`a_suspension_without_clear_peaks_does_not_bias_the_mass`). Smaller, at 0.02: bands
-/// are narrowed until few are left (`the_mass_has_its_stated_deviation`).
+/// lines, up to which they give a mass; with the highest mode at `lo_hz / ABOVE_SUSPENSION` it is
+/// about a twelfth. Larger, at 1: a band that begins below a mode without a clear peak gives a mass
+/// that is wrong by four deviations (`a_suspension_without_clear_peaks_does_not_bias_the_mass`).
+/// Smaller, at 0.02: no mass is left (`the_mass_has_its_stated_deviation`).
 const MAX_SUSPENSION_PART: f64 = 0.3;
-/// Factor of the lower end of the band where they are larger.
-const RAISE_OF_BAND: f64 = 1.2;
 /// Terms of the accelerance.
 const TERMS: usize = 5;
 /// Those of the suspension.
@@ -60,16 +63,6 @@ struct MassLineBand {
 }
 
 impl MassLineBand {
-    /// A stated band, with the modes of these FRFs on both sides of it.
-    fn stated(set: &FrfSet, band: Band) -> Self {
-        let peaks = peaks_hz(set).unwrap_or_default();
-        Self {
-            band,
-            suspension_hz: peaks.iter().copied().rfind(|hz| *hz < band.lo_hz),
-            elastic_hz: peaks.iter().copied().find(|hz| *hz > band.hi_hz),
-        }
-    }
-
     /// The terms of the accelerance at a frequency.
     ///
     /// The rigid body gives 1. An elastic mode at `ω_1` gives `ω²/(ω_1² − ω²)`, which is `ω²` and
@@ -116,35 +109,40 @@ fn find_band(set: &FrfSet) -> Option<MassLineBand> {
     None
 }
 
-/// Modes of a suspended structure on both sides of its mass line.
+/// Clear peaks of the mean accelerance on both sides of a mass line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SuspensionModes {
-    /// Highest mode of the suspension, Hz: the stated one, else the highest clear peak below the
-    /// band of the mass line.
-    pub rigid_body_hz: Option<f64>,
-    /// First elastic mode, Hz: the lowest clear peak above.
-    pub elastic_hz: Option<f64>,
+pub struct NeighbouringPeaks {
+    /// The highest below its band, Hz. A mode of the suspension above it may have no clear peak.
+    pub below_hz: Option<f64>,
+    /// The lowest above its band, Hz.
+    pub above_hz: Option<f64>,
 }
 
-/// The modes on both sides of the band.
-pub(super) fn find_suspension_modes(set: &FrfSet) -> SuspensionModes {
+/// The peaks on both sides of the band.
+pub(super) fn find_neighbouring_peaks(set: &FrfSet) -> NeighbouringPeaks {
     let band = find_band(set);
-    SuspensionModes {
-        rigid_body_hz: band.and_then(|band| band.suspension_hz),
-        elastic_hz: band.and_then(|band| band.elastic_hz),
+    NeighbouringPeaks {
+        below_hz: band.and_then(|band| band.suspension_hz),
+        above_hz: band.and_then(|band| band.elastic_hz),
     }
 }
 
-/// Frequencies of the clear peaks of the mean accelerance.
+/// Frequencies of the clear peaks of the mean accelerance, up to the end of the valid band: above
+/// it the force is too weak, and noise has peaks.
 pub(super) fn peaks_hz(set: &FrfSet) -> Option<Vec<f64>> {
     let axis = set.axis();
     let first = (0..axis.len).find(|k| axis.hz(*k) > 0.0)?;
-    let power: Vec<f64> = (first..axis.len)
+    let valid = match set.valid_band {
+        Some(band) => axis.lines(&band),
+        None => first..axis.len,
+    };
+    let (lowest, end) = (valid.start.max(first), valid.end);
+    let power: Vec<f64> = (first..end)
         .map(|k| (0..set.len()).map(|i| accelerance_power(set, i, k)).sum())
         .collect();
-    let mut sorted = power.clone();
+    let mut sorted = power.get(lowest - first..)?.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let floor = PEAK_OVER_MEDIAN * sorted.get(sorted.len() / 4)?;
+    let floor = MIN_PEAK_OVER_LOWER_QUARTILE * sorted.get(sorted.len() / 4)?;
     let peaks = clear_peaks(&power, &vec![floor; power.len()], 0.0);
     let hz = |line: usize| axis.hz(first + line);
     Some(peaks.iter().map(|peak| hz(peak.line)).collect())
@@ -160,29 +158,21 @@ fn accelerance_power(set: &FrfSet, i: usize, k: usize) -> f64 {
 pub(super) struct MassLines {
     pub band: Band,
     pub lines: Vec<MassLine>,
+    /// Whether modes of the suspension without a clear peak are in the band. Sensors move as a
+    /// rigid body in these too, but the mass would be wrong.
+    pub has_suspension: bool,
 }
 
-/// The mass line of every FRF in the band between suspension and first elastic mode. Where modes of
-/// the suspension have no clear peak, its terms are large at the lower end, which is raised until
-/// they are small.
+/// The mass line of every FRF in the band between suspension and first elastic mode. Below the
+/// first mode of a structure that stands on the ground there is none.
 pub(super) fn find_mass_lines(set: &FrfSet) -> Option<MassLines> {
-    let mut band = find_band(set)?;
-    loop {
-        let fitted = fit(set, &band)?;
-        if fitted.suspension_part <= MAX_SUSPENSION_PART {
-            return fitted.checked(band.band);
-        }
-        let lo_hz = RAISE_OF_BAND * band.band.lo_hz;
-        if band.band.hi_hz < MIN_BAND_RATIO * lo_hz {
-            return None;
-        }
-        band.band = Band::new(lo_hz, band.band.hi_hz).ok()?;
-    }
-}
-
-/// The mass line of every FRF in a stated band.
-pub(super) fn stated_mass_lines(set: &FrfSet, band: Band) -> Option<MassLines> {
-    fit(set, &MassLineBand::stated(set, band))?.checked(band)
+    let band = find_band(set)?;
+    let fitted = fit(set, &band)?;
+    fitted.has_mass_line.then_some(MassLines {
+        band: band.band,
+        lines: fitted.lines,
+        has_suspension: fitted.suspension_part > MAX_SUSPENSION_PART,
+    })
 }
 
 /// The terms of the accelerance of every FRF.
@@ -193,14 +183,6 @@ struct Fit {
     suspension_part: f64,
     /// Whether the mass lines are larger than all other terms in the middle of the band.
     has_mass_line: bool,
-}
-
-impl Fit {
-    /// Below the first mode of a structure that stands on the ground there is no mass line.
-    fn checked(self, band: Band) -> Option<MassLines> {
-        let lines = self.lines;
-        self.has_mass_line.then_some(MassLines { band, lines })
-    }
 }
 
 /// Least squares of the real part of the accelerances with the variances of the set, or with those

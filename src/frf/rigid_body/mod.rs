@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `mass_line` | the accelerance of the rigid body in each FRF, with the band that shows it |
 //! | `rows` | sensors as rows of a rigid-body motion, and the motion that fits them |
+//! | `misfit` | how well the sensors fit, with its limit |
 //! | `sensor_faults`, `repair` | the sensor that does not fit, and what would make it fit |
 //! | `inertia` | mass, centre of mass and inertia tensor from hits at several points |
 //! | `moving_bodies` | the sensors of one body of several, in the lowest modes |
@@ -17,6 +18,7 @@
 
 mod inertia;
 mod mass_line;
+mod misfit;
 mod moving_bodies;
 mod repair;
 mod rows;
@@ -35,14 +37,15 @@ use crate::axis::Band;
 use crate::dof::Dof;
 
 use super::FrfSet;
-pub use inertia::Inertia;
+pub use inertia::{Inertia, NoMass};
 use mass_line::MassLines;
-pub use mass_line::SuspensionModes;
+pub use mass_line::NeighbouringPeaks;
+pub use misfit::Misfit;
 pub use moving_bodies::{MovingBody, rigid_in_modes};
 pub use repair::Repair;
 pub use rows::PlacedSensor;
 use rows::Rows;
-pub use sensor_faults::SensorFault;
+pub use sensor_faults::{MIN_FALL, SensorFault};
 pub use stated_mass::MassComparison;
 
 /// The rigid-body behaviour of a test.
@@ -52,43 +55,53 @@ pub struct RigidBody {
     pub band: Band,
     /// Number of sensors whose motions are compared.
     pub sensors: usize,
-    /// The sensor that does not fit, if one alone explains all that does not fit.
+    /// The sensor that does not fit, if the others fit without its fault.
     pub fault: Option<SensorFault>,
-    /// Sum of squares of what does not fit, over its degrees of freedom, without the fault. Errors
-    /// of half a percent, as calibrations and positions have, count as noise.
-    pub misfit: f64,
-    /// Mass, centre and inertia, where the hits determine them.
-    pub inertia: Option<Inertia>,
+    /// How well the sensors fit, without the fault.
+    pub misfit: Misfit,
+    /// Mass, centre and inertia, or why there are none.
+    pub inertia: Result<Inertia, NoMass>,
 }
 
-/// Largest misfit beside which a mass is shown: sensors that do not move as one body have none.
-const MAX_MISFIT: f64 = 4.0;
+impl RigidBody {
+    /// Whether the sensors move as one rigid body, after the repair of a single one.
+    pub fn is_rigid(&self) -> bool {
+        self.misfit.is_small()
+    }
+}
 
 /// Fits the motion of a rigid body to the mass lines of a set.
 ///
 /// `placed` has position and direction of degrees of freedom by their positive name; others are not
-/// used. `band` is that of the mass line, found in the FRFs where it is not stated. `None` where no
-/// band has a mass line, or too few sensors are placed.
-pub fn rigid_body(
-    set: &FrfSet,
-    placed: &BTreeMap<Dof, PlacedSensor>,
-    band: Option<Band>,
-) -> Option<RigidBody> {
-    let MassLines { band, lines } = match band {
-        Some(band) => mass_line::stated_mass_lines(set, band),
-        None => mass_line::find_mass_lines(set),
-    }?;
+/// used. `None` where no band has a mass line, or no more sensors are placed than the motions that
+/// they see.
+pub fn rigid_body(set: &FrfSet, placed: &BTreeMap<Dof, PlacedSensor>) -> Option<RigidBody> {
+    let MassLines {
+        band,
+        lines,
+        has_suspension,
+    } = mass_line::find_mass_lines(set)?;
     let rows = Rows::new(set, placed, &lines)?;
-    let fault = sensor_faults::find(&rows);
-    let repaired = fault
-        .as_ref()
-        .map_or_else(|| rows.clone(), |fault| rows.repaired(&fault.repair));
-    let misfit = repaired.misfit()?;
+    // With two faults the repair of one makes nothing fit.
+    let repaired = |fault: SensorFault| {
+        let repaired = rows.repaired(&fault.repair);
+        let misfit = repaired.misfit().filter(Misfit::is_small)?;
+        Some((repaired, misfit, Some(fault)))
+    };
+    let (repaired, misfit, fault) = match sensor_faults::find(&rows).and_then(repaired) {
+        Some(found) => found,
+        None => (rows.clone(), rows.misfit()?, None),
+    };
+    let inertia = match (misfit.is_small(), has_suspension) {
+        (false, _) => Err(NoMass::SensorsNotRigid),
+        (true, true) => Err(NoMass::SuspensionInBand),
+        (true, false) => inertia::fit(&repaired),
+    };
     Some(RigidBody {
         band,
         sensors: rows.sensors.len(),
         misfit,
-        inertia: inertia::fit(&repaired).filter(|_| misfit <= MAX_MISFIT),
+        inertia,
         fault,
     })
 }
@@ -96,20 +109,21 @@ pub fn rigid_body(
 /// Frequency of a peak over a stated highest rigid-body mode up to which it is that mode. Larger,
 /// at 2: an elastic mode near a stiff suspension is taken for its rigid-body mode. Smaller, at 1:
 /// the rigid-body mode, stated with two digits, is taken for elastic
-/// (`peaks_beside_the_mass_line_are_the_modes_of_the_suspension_and_the_first_elastic_one`).
+/// (`peaks_beside_the_mass_line_are_found`).
 const MAX_OVER_STATED: f64 = 1.1;
 
-/// The modes on both sides of the mass line, from the clear peaks of the mean accelerance.
-pub fn suspension_modes(set: &FrfSet, stated_hz: Option<f64>) -> SuspensionModes {
+/// The clear peaks of the mean accelerance on both sides of the mass line; above a stated highest
+/// rigid-body mode, the lowest one.
+pub fn neighbouring_peaks(set: &FrfSet, stated_hz: Option<f64>) -> NeighbouringPeaks {
     match stated_hz {
         Some(stated_hz) => {
             let peaks = mass_line::peaks_hz(set).unwrap_or_default();
             let is_elastic = |hz: &f64| *hz > MAX_OVER_STATED * stated_hz;
-            SuspensionModes {
-                rigid_body_hz: stated_hz.into(),
-                elastic_hz: peaks.into_iter().find(is_elastic),
+            NeighbouringPeaks {
+                below_hz: None,
+                above_hz: peaks.into_iter().find(is_elastic),
             }
         }
-        None => mass_line::find_suspension_modes(set),
+        None => mass_line::find_neighbouring_peaks(set),
     }
 }

@@ -31,6 +31,33 @@ pub enum Repair {
     LeftOut(Dof),
 }
 
+impl Repair {
+    /// The sensor, the first of two exchanged ones.
+    pub fn dof(&self) -> &Dof {
+        match self {
+            Repair::Sign(dof) | Repair::LeftOut(dof) | Repair::Exchanged(dof, _) => dof,
+            Repair::Gain { dof, .. } | Repair::Direction { dof, .. } => dof,
+        }
+    }
+
+    /// All sensors that it changes.
+    pub fn sensors(&self) -> Vec<&Dof> {
+        match self {
+            Repair::Exchanged(one, other) => vec![one, other],
+            _ => vec![self.dof()],
+        }
+    }
+
+    /// What was done before a mass was computed.
+    pub fn precaution(&self) -> String {
+        match self {
+            Repair::LeftOut(dof) => format!("with {dof} left out"),
+            Repair::Exchanged(one, other) => format!("with {one} and {other} repaired"),
+            _ => format!("with {} repaired", self.dof()),
+        }
+    }
+}
+
 /// Free fall in m/s², the ratio of the two usual units of acceleration.
 const FREE_FALL: f64 = 9.806_65;
 /// Relative distance of a gain from that ratio within which it is named.

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::mass_line::MassLine;
+use super::misfit::Misfit;
 use super::repair::Repair;
 use crate::dof::Dof;
 use crate::frf::FrfSet;
@@ -209,12 +210,12 @@ impl Rows {
         (variance > 0.0).then_some(MassLine { variance, ..line })
     }
 
-    /// Sum of squares of what does not fit over its degrees of freedom.
-    pub fn misfit(&self) -> Option<f64> {
+    /// How well the sensors fit; `None` where they are no more than the motions they see.
+    pub fn misfit(&self) -> Option<Misfit> {
         let motions = self.fit(&self.seen_rows(), &[])?;
         let freedom: f64 = motions.iter().map(|motion| motion.freedom).sum();
         let misfit: f64 = motions.iter().map(|motion| motion.misfit).sum();
-        (freedom > 0.0).then(|| misfit / freedom)
+        (freedom > 0.0).then(|| Misfit::new(misfit, freedom))
     }
 
     /// The rows with a repaired sensor.

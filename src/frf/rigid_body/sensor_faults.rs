@@ -11,7 +11,7 @@ use crate::dof::Dof;
 /// Least fall of the sum of squares by a repair. Some thousand hypotheses are tried; noise alone
 /// makes one of them fall by this less than once in a hundred tests. Larger: a gain of 3 % is not
 /// seen with one hit. Smaller: sound sensors are named (`sound_sensors_are_not_named`).
-const MIN_FALL: f64 = 30.0;
+pub const MIN_FALL: f64 = 30.0;
 /// Least fall by leaving out a sensor that may be wrong; of two exchanged ones each takes a part.
 const MIN_FALL_OF_ONE: f64 = 6.0;
 /// Least part of the sum of squares beyond its freedom that a repair takes away: of two faults the
@@ -86,7 +86,7 @@ pub(super) fn find(rows: &Rows) -> Option<SensorFault> {
     if !explained {
         return None;
     }
-    let dof = repair_dof(&best.repair);
+    let dof = best.repair.dof().clone();
     let is_rival = |other: &&Hypothesis| !is_same(&best.repair, &other.repair);
     let rival = hypotheses.iter().skip(1).find(is_rival);
     let lead = rival.map_or(f64::INFINITY, |other| {
@@ -106,17 +106,10 @@ pub(super) fn find(rows: &Rows) -> Option<SensorFault> {
 fn ambiguous(hypotheses: &[Hypothesis], best: &Hypothesis) -> Option<Repair> {
     let is_near = |other: &&Hypothesis| other.sum_of_squares - best.sum_of_squares < MIN_LEAD;
     let near = hypotheses.iter().filter(is_near);
-    let mut dofs = near.map(|hypothesis| repair_dof(&hypothesis.repair));
+    let mut dofs = near.map(|hypothesis| hypothesis.repair.dof().clone());
     let first = dofs.next()?;
     dofs.all(|dof| dof == first)
         .then_some(Repair::LeftOut(first))
-}
-
-fn repair_dof(repair: &Repair) -> Dof {
-    match repair {
-        Repair::Sign(dof) | Repair::LeftOut(dof) | Repair::Exchanged(dof, _) => dof.clone(),
-        Repair::Gain { dof, .. } | Repair::Direction { dof, .. } => dof.clone(),
-    }
 }
 
 /// Whether two repairs say the same of the same sensor: a gain of −1 is the other sign.

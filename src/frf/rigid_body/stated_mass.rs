@@ -1,5 +1,5 @@
-//! The mass of the mass line against a stated one, which checks the calibration of hammer and
-//! accelerometers.
+//! The mass of the mass line against a stated one: a difference is an error of the stated mass, of
+//! the calibration of hammer and accelerometers, or of the suspension.
 
 use super::inertia::Inertia;
 
@@ -44,9 +44,14 @@ impl MassComparison {
         self.found_kg / self.stated_kg - 1.0
     }
 
-    /// Accelerances over what they should be: a mass line is `1/m`.
+    /// FRFs over what they should be if the stated mass is right: a mass line is `1/m`.
     pub fn gain(&self) -> f64 {
         self.stated_kg / self.found_kg
+    }
+
+    /// Its standard deviation, from that of the mass line.
+    pub fn gain_std(&self) -> f64 {
+        self.gain() * self.std_kg / self.found_kg
     }
 
     /// Whether the difference is above its limit.
@@ -76,6 +81,7 @@ mod tests {
         assert!(hammer.differs());
         assert!((hammer.difference() + 0.08).abs() < 1e-12);
         assert!((hammer.gain() - 1.0 / 0.92).abs() < 1e-12);
+        assert!((hammer.gain_std() - 0.005 / 0.92).abs() < 1e-12);
         // A mass that is uncertain by 5 % is no check.
         let uncertain = Inertia {
             mass_std_kg: 1.0,

@@ -1,11 +1,13 @@
 use std::collections::BTreeMap;
 
+use num_complex::Complex64;
+
 use super::mass_line::{MassLine, find_mass_lines};
 use super::rows::Rows;
 use super::synthetic::{Family, Fault, SuspendedTest, suspended_test};
 use super::synthetic_bodies::spring_mounted_bodies;
 use super::*;
-use crate::frf::FunctionData;
+use crate::frf::{Function, FunctionData};
 use crate::modal::Mode;
 
 /// The fault that the sensors' geometry shows without noise, with the variances of the noise.
@@ -66,7 +68,8 @@ fn family(seed: u64) -> Family {
 fn sound_sensors_are_not_named() {
     let is_sound = |seed: &u64| {
         let test = suspended_test(*seed, Fault::None, &family(*seed));
-        rigid_body(&test.set, &test.placed, None).is_none_or(|body| body.fault.is_none())
+        let body = rigid_body(&test.set, &test.placed);
+        body.is_none_or(|body| body.fault.is_none() && body.is_rigid())
     };
     let sound = draws(0).filter(is_sound).count();
     assert!(is_at_least(sound, draws(0).count(), 0.99), "{sound}");
@@ -82,7 +85,7 @@ fn a_wrong_sensor_is_named_and_repaired() {
             // What falls by half more than the limit without noise falls by the limit with it.
             let without_noise = fault_without_noise(&test).filter(|fault| fault.fall >= 45.0);
             let is_shown = without_noise.is_some_and(|fault| is_right(&fault.repair, truth));
-            let body = rigid_body(&test.set, &test.placed, None);
+            let body = rigid_body(&test.set, &test.placed);
             let found = body.and_then(|body| body.fault).map(|fault| fault.repair);
             let right_one = found.as_ref().is_some_and(|repair| is_right(repair, truth));
             let is_named = found.is_some_and(|repair| !matches!(repair, Repair::LeftOut(_)));
@@ -99,6 +102,66 @@ fn a_wrong_sensor_is_named_and_repaired() {
     }
 }
 
+/// The FRFs with other values, from the function, the angular frequency and the value.
+fn changed(set: &FrfSet, value: impl Fn(&Function, f64, Complex64) -> Complex64) -> FrfSet {
+    let axis = *set.axis();
+    let mut changed = FrfSet::new(axis);
+    for (i, function) in set.functions().iter().enumerate() {
+        let values = set.values(i).iter().enumerate();
+        let data = FunctionData {
+            values: values
+                .map(|(line, of_line)| value(function, axis.rad_s(line), *of_line))
+                .collect(),
+            coherence: None,
+            variance: set.variance(i).map(<[f64]>::to_vec),
+        };
+        changed
+            .push(function.clone(), data)
+            .expect("each pair once");
+    }
+    changed
+}
+
+/// The FRFs with these sensors' signs reversed.
+fn reversed(set: &FrfSet, sensors: &[Dof]) -> FrfSet {
+    changed(set, |function, _, value| {
+        match sensors.contains(&function.response) {
+            true => -value,
+            false => value,
+        }
+    })
+}
+
+#[test]
+fn several_wrong_sensors_are_no_rigid_body() {
+    for count in [2, 3] {
+        let (mut all, mut rigid, mut wrongly_named) = (0, 0, 0);
+        for seed in draws(7000) {
+            let test = suspended_test(seed, Fault::None, &family(seed));
+            let sensors: Vec<Dof> = test.set.responses().into_iter().take(count).collect();
+            let set = reversed(&test.set, &sensors);
+            let Some(body) = rigid_body(&set, &test.placed) else {
+                continue;
+            };
+            // The reversal of a sensor near a node is not seen, and the others are one fault.
+            let is_right = |repair: &Repair| match repair {
+                Repair::Sign(dof) | Repair::LeftOut(dof) => sensors.contains(dof),
+                _ => false,
+            };
+            let repair = body.fault.as_ref().map(|fault| &fault.repair);
+            assert!(body.is_rigid() || (repair.is_none() && body.inertia.is_err()));
+            all += 1;
+            rigid += usize::from(body.is_rigid() && repair.is_none());
+            wrongly_named += usize::from(repair.is_some_and(|repair| !is_right(repair)));
+        }
+        let text = format!("{count} reversed: {rigid} rigid, {wrongly_named} named of {all}");
+        println!("{text}");
+        assert!(2 * all >= draws(7000).count(), "{text}");
+        assert!(is_at_least(all - rigid, all, 0.98), "{text}");
+        assert!(is_at_least(all - wrongly_named, all, 0.95), "{text}");
+    }
+}
+
 #[test]
 fn the_mass_has_its_stated_deviation() {
     let (mut shown, mut near, mut accurate) = (0, 0, 0);
@@ -106,8 +169,8 @@ fn the_mass_has_its_stated_deviation() {
     let (mut intervals, mut inside) = (0, 0);
     for seed in draws(2000) {
         let test = suspended_test(seed, Fault::None, &family(seed));
-        let body = rigid_body(&test.set, &test.placed, None);
-        let Some(inertia) = body.and_then(|body| body.inertia) else {
+        let body = rigid_body(&test.set, &test.placed);
+        let Some(inertia) = body.and_then(|body| body.inertia.ok()) else {
             continue;
         };
         let mass_error = (inertia.mass_kg - test.mass_kg).abs();
@@ -145,7 +208,7 @@ fn the_mass_has_its_stated_deviation() {
 /// Error of the mass without noise over the deviation that the noise has.
 fn bias_of_mass(seed: u64, family: &Family) -> Option<f64> {
     let test = suspended_test(seed, Fault::None, family);
-    let inertia = rigid_body(&test.noise_free, &test.placed, None)?.inertia?;
+    let inertia = rigid_body(&test.noise_free, &test.placed)?.inertia.ok()?;
     Some((inertia.mass_kg - test.mass_kg) / inertia.mass_std_kg)
 }
 
@@ -195,23 +258,74 @@ fn stated_variances_hold_where_the_residual_agrees() {
 #[test]
 fn without_positions_or_a_mass_line_there_is_no_body() {
     let test = suspended_test(1, Fault::None, &Family::CUSTOMARY);
-    assert_eq!(rigid_body(&test.set, &BTreeMap::new(), None), None);
-    let above = Band::new(100.0, 101.0).expect("a band");
-    assert_eq!(rigid_body(&test.set, &test.placed, Some(above)), None);
+    assert_eq!(rigid_body(&test.set, &BTreeMap::new()), None);
+    // A structure on the ground with one mode.
+    let natural = std::f64::consts::TAU * 100.0;
+    let grounded = changed(&test.set, |_, omega, _| {
+        let stiff = natural * natural - omega * omega;
+        -omega * omega / Complex64::new(stiff, 0.02 * natural * omega)
+    });
+    assert!(mass_line::peaks_hz(&grounded).is_some_and(|peaks| peaks.len() == 1));
+    assert_eq!(rigid_body(&grounded, &test.placed), None);
+}
+
+/// A set whose FRFs are the accelerance of a free mass with modes at these frequencies.
+fn with_modes(modes_hz: &[f64]) -> FrfSet {
+    let set = suspended_test(1, Fault::None, &Family::CUSTOMARY).set;
+    changed(&set, |_, omega, _| {
+        let [lowest, others @ ..] = modes_hz else {
+            return Complex64::from(1.0);
+        };
+        let ratio = |hz: &f64| omega / (std::f64::consts::TAU * hz);
+        let square = ratio(lowest).powi(2);
+        let hung = square / Complex64::new(square - 1.0, -0.05 * ratio(lowest));
+        let mode = |hz: &f64| {
+            let square = ratio(hz).powi(2);
+            square / Complex64::new(1.0 - square, 0.05 * ratio(hz))
+        };
+        hung + others.iter().map(mode).sum::<Complex64>()
+    })
 }
 
 #[test]
-fn peaks_beside_the_mass_line_are_the_modes_of_the_suspension_and_the_first_elastic_one() {
+fn a_band_between_modes_of_the_suspension_is_no_mass_line() {
+    let found = neighbouring_peaks(&with_modes(&[4.0, 40.0]), None);
+    assert_eq!((found.below_hz, found.above_hz), (None, None));
+    let found = neighbouring_peaks(&with_modes(&[5.0, 100.0]), None);
+    assert_eq!((found.below_hz, found.above_hz), (Some(5.0), Some(100.0)));
+}
+
+#[test]
+fn noise_above_the_valid_band_hides_no_peak_and_has_none() {
+    let quiet = with_modes(&[2.0, 40.0]);
+    let end = std::f64::consts::TAU * 50.0;
+    let mut noisy = changed(&quiet, |_, omega, value| match omega > end {
+        // Far above the peaks, with peaks between.
+        true => Complex64::from(1e3 * (2.0 + (7.0 * omega).sin())),
+        false => value,
+    });
+    assert!(neighbouring_peaks(&noisy, None).above_hz != Some(40.0));
+    noisy.valid_band = Some(Band::new(0.5, 49.0).expect("a band"));
+    let found = neighbouring_peaks(&noisy, None);
+    assert_eq!((found.below_hz, found.above_hz), (Some(2.0), Some(40.0)));
+    assert_eq!(
+        mass_line::peaks_hz(&noisy).map(|peaks| peaks.len()),
+        Some(2)
+    );
+}
+
+#[test]
+fn peaks_beside_the_mass_line_are_found() {
     let set = suspended_test(1, Fault::None, &Family::CUSTOMARY).set;
-    let found = suspension_modes(&set, None);
-    let (rigid_body_hz, elastic_hz) = (found.rigid_body_hz.unwrap(), found.elastic_hz.unwrap());
-    assert!(rigid_body_hz < 6.0 && elastic_hz > 85.0, "{found:?}");
+    let found = neighbouring_peaks(&set, None);
+    let (below_hz, above_hz) = (found.below_hz.unwrap(), found.above_hz.unwrap());
+    assert!(below_hz < 6.0 && above_hz > 85.0, "{found:?}");
     // Stated with two digits, rounded down.
-    let stated = suspension_modes(&set, Some(0.95 * rigid_body_hz));
-    assert_eq!(stated.elastic_hz, Some(elastic_hz));
+    let stated = neighbouring_peaks(&set, Some(0.95 * below_hz));
+    assert_eq!((stated.below_hz, stated.above_hz), (None, Some(above_hz)));
     // A stiff suspension near the first elastic mode.
-    let stiff = suspension_modes(&set, Some(elastic_hz / 1.5));
-    assert_eq!(stiff.elastic_hz, Some(elastic_hz));
+    let stiff = neighbouring_peaks(&set, Some(above_hz / 1.5));
+    assert_eq!(stiff.above_hz, Some(above_hz));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::frf::rigid_body::MIN_FALL;
 use crate::frf::{
     BeforeYouLeave, Cause, Change, CheckItem, Drift, DrivingPoints, HitAgain, Linearity,
     MassLineCheck, PairFigures, PointCheck, Reason, ResonanceDrift, SupportCheck,
@@ -19,7 +20,7 @@ fn item(item: &CheckItem) -> Value {
         CheckItem::Reciprocity(figures) => reciprocity(figures.as_ref()),
         CheckItem::DrivingPoints(points) => driving_points(points.as_ref()),
         CheckItem::Drift(found) => drift(found.as_ref()),
-        CheckItem::MassLine(check) => mass_line(check.as_deref()),
+        CheckItem::MassLine(check) => mass_line(check),
         CheckItem::Support(check) => support(check),
     }
 }
@@ -94,28 +95,36 @@ fn drift(found: Option<&Drift>) -> Value {
         "first_hits": drift.first_hits, "last_hits": drift.last_hits, "resonances": resonances })
 }
 
-fn mass_line(check: Option<&MassLineCheck>) -> Value {
-    let Some(MassLineCheck { body, mass }) = check else {
-        return json!({ "item": "mass-line", "tested": false });
+fn mass_line(check: &MassLineCheck) -> Value {
+    let comparison = check.comparison();
+    let stated = check.stated_kg.map(|stated_kg| match comparison {
+        Some(mass) => json!({ "mass_kg": stated_kg, "compared": true,
+            "difference": mass.difference(), "limit": mass.limit, "differs": mass.differs(),
+            "gain": mass.gain(), "gain_std": mass.gain_std() }),
+        None => json!({ "mass_kg": stated_kg, "compared": false }),
+    });
+    let Some(body) = &check.body else {
+        return json!({ "item": "mass-line", "tested": false, "stated": stated });
     };
-    let inertia = body.inertia.as_ref();
-    let fault = body
-        .fault
-        .as_ref()
-        .map(|fault| json!({ "sensor": fault.dof, "repair": fault.repair.to_string() }));
-    let stated = mass.as_ref().map(|mass| {
-        json!({ "mass_kg": mass.stated_kg, "difference": mass.difference(), "limit": mass.limit,
-            "differs": mass.differs(), "gain": mass.gain() })
+    let inertia = body.inertia.as_ref().ok();
+    let no_mass = body.inertia.as_ref().err().map(|cause| cause.name());
+    let fault = body.fault.as_ref();
+    let repaired = inertia.and(fault).map(|fault| fault.repair.sensors());
+    let fault = fault.map(|fault| {
+        json!({ "sensor": fault.dof, "repair": fault.repair.to_string(),
+            "fall_of_sum_of_squares": fault.fall, "limit": MIN_FALL })
     });
     json!({ "item": "mass-line", "tested": true, "band_hz": [body.band.lo_hz, body.band.hi_hz],
-        "sensors": body.sensors, "mass_kg": inertia.map(|inertia| inertia.mass_kg),
+        "sensors": body.sensors, "rigid": body.is_rigid(), "misfit": body.misfit.value,
+        "misfit_limit": body.misfit.limit, "not_rigid": fault,
+        "mass_kg": inertia.map(|inertia| inertia.mass_kg),
         "mass_std_kg": inertia.map(|inertia| inertia.mass_std_kg),
         "centre_of_mass_m": inertia.map(|inertia| inertia.centre_m),
-        "not_rigid": fault, "stated": stated })
+        "mass_with_repaired": repaired, "mass_not_determined": no_mass, "stated": stated })
 }
 
 fn support(check: &SupportCheck) -> Value {
     json!({ "item": "support", "tested": check.is_tested(), "support": check.support,
-        "highest_rigid_body_hz": check.rigid_body_hz, "elastic_hz": check.elastic_hz,
-        "ratio": check.ratio(), "limit": check.limit })
+        "highest_rigid_body_hz": check.rigid_body_hz, "peak_below_hz": check.peak_below_hz,
+        "elastic_hz": check.elastic_hz, "ratio": check.ratio(), "limit": check.limit })
 }

@@ -118,3 +118,21 @@ fn a_sensor_that_does_not_fit_the_mass_line_is_named() {
         assert!(fault.contains(text) && fault.contains("7:+Y"), "{fault}");
     }
 }
+
+#[test]
+fn several_reversed_sensors_are_no_rigid_body_and_give_no_mass() {
+    let of = |sensor: i64| {
+        if [2, 7, 9].contains(&sensor) {
+            -1.0
+        } else {
+            1.0
+        }
+    };
+    let ran = on_file("identify", &file(&functions(of)).path(), &["--json"]);
+    let findings = ran.json()["findings"].clone();
+    let all = findings.as_array().unwrap();
+    let found = |code: &str| all.iter().find(|finding| finding["code"] == code);
+    let several = found("sensors-not-rigid").unwrap_or_else(|| panic!("{findings}"));
+    assert!(several["value"].as_f64() > several["limit"].as_f64());
+    assert!(found("sensor-not-rigid").is_none() && found("mass-of-mass-line").is_none());
+}
