@@ -299,6 +299,7 @@ pub(super) static TEXTS: Texts = Texts {
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
         no_limits: "Limits of the scene: none stated.", "限值：未给出。";
         limits_met: "Limits of the scene: all met ({}).", "限值：全部满足 ({})。";
+        limits_met_nearest: "Limits of the scene: all met ({}), nearest {}.", "限值：全部满足 ({})，最接近的是 {}。";
         limits_missed: "Limits of the scene: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
         pairs_in_numbers: "Pairs: {} of {}, {} by shape, {} by frequency{}.", "配对：{} / {}，按振型 {}，仅按频率 {}{}。";
         no_test: "The scene has no test, so that nothing is compared. Next, a test: modalign new DIR FILE... --model MODEL.", "场景中没有试验，因此没有比较。下一步，加入试验：modalign new DIR FILE... --model MODEL。";

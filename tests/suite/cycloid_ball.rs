@@ -232,7 +232,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(screen, 60, 100, "standard output");
     assert_fits(findings, 12, 200, "standard error");
     for said in [
-        "Limits of the scene: all met (5).",
+        "Limits of the scene: all met (5)",
         "The recordings are synthetic: computed from a model and not measured.",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",

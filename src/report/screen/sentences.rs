@@ -24,13 +24,16 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         return "Limits of the scene: none stated.".to_owned();
     }
     if missed.is_empty() {
-        let reserve =
-            |check: &LimitCheck| (check.value.unwrap_or(f64::NAN) / check.limit).ln().abs();
-        let nearest = checks.iter().filter(|check| reserve(check).is_finite());
-        let nearest = nearest.min_by(|a, b| reserve(a).total_cmp(&reserve(b)));
-        let nearest =
-            nearest.map_or_else(String::new, |check| format!("; nearest {}", limit(check)));
-        return format!("Limits of the scene: all met ({}{nearest}).", checks.len());
+        let all = checks.len();
+        return match nearest_limit(checks) {
+            Some(nearest) => {
+                format!(
+                    "Limits of the scene: all met ({all}), nearest {}.",
+                    limit(nearest)
+                )
+            }
+            None => format!("Limits of the scene: all met ({all})."),
+        };
     }
     let named = missed
         .iter()
@@ -45,6 +48,18 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         checks.len(),
         named.join("; ")
     )
+}
+
+/// The limit of a ratio or an error that is nearest to being missed; counts are none.
+fn nearest_limit(checks: &[LimitCheck]) -> Option<&LimitCheck> {
+    let distance = |check: &&LimitCheck| (check.value.unwrap_or(f64::NAN) / check.limit).ln().abs();
+    let is_count = |check: &LimitCheck| {
+        check.limit.fract() <= 0.0 && check.value.is_none_or(|value| value.fract() <= 0.0)
+    };
+    let comparable = checks
+        .iter()
+        .filter(|check| distance(check).is_finite() && !is_count(check));
+    comparable.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// A limit with its value.

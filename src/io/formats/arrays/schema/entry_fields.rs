@@ -25,6 +25,8 @@ pub(super) struct NumberField {
     pub get: fn(&Entry) -> f64,
     /// Takes a number that is not NaN; false for one that cannot be.
     pub set: fn(&mut Entry, f64) -> bool,
+    /// Whether the array is absent where no function has a number.
+    pub is_optional: bool,
 }
 
 /// Texts in the order of writing.
@@ -92,6 +94,7 @@ pub(super) const TEXTS: &[TextField] = &[
 pub(super) const NUMBERS: &[NumberField] = &[
     NumberField {
         name: "to_si",
+        is_optional: false,
         get: |entry| entry.to_si.unwrap_or(f64::NAN),
         set: |entry, value| {
             let usable = value.is_finite() && value != 0.0;
@@ -100,6 +103,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
     },
     NumberField {
         name: "version",
+        is_optional: false,
         get: |entry| entry.identification.version as f64,
         set: |entry, value| {
             whole(value).is_some_and(|version| {
@@ -110,6 +114,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
     },
     NumberField {
         name: "load_case",
+        is_optional: false,
         get: |entry| entry.identification.load_case as f64,
         set: |entry, value| {
             whole(value).is_some_and(|load_case| {
@@ -120,6 +125,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
     },
     NumberField {
         name: "averages",
+        is_optional: false,
         get: |entry| entry.note.averages.map_or(f64::NAN, f64::from),
         set: |entry, value| {
             let count = whole(value).and_then(|count| u32::try_from(count).ok());
@@ -128,16 +134,19 @@ pub(super) const NUMBERS: &[NumberField] = &[
     },
     NumberField {
         name: "added_damping_rad_s",
+        is_optional: false,
         get: |entry| entry.note.added_damping_rad_s.unwrap_or(f64::NAN),
         set: |entry, value| put(&mut entry.note.added_damping_rad_s, Some(value)),
     },
     NumberField {
         name: "record_s",
+        is_optional: false,
         get: |entry| entry.note.record_s.unwrap_or(f64::NAN),
         set: |entry, value| put(&mut entry.note.record_s, Some(value)),
     },
     NumberField {
         name: "interpolated",
+        is_optional: true,
         get: |entry| {
             if entry.note.interpolated {
                 1.0
@@ -152,6 +161,7 @@ pub(super) const NUMBERS: &[NumberField] = &[
     },
     NumberField {
         name: "variance_degrees_of_freedom",
+        is_optional: false,
         get: |entry| entry.note.variance_dof.unwrap_or(f64::NAN),
         set: |entry, value| put(&mut entry.note.variance_dof, Some(value)),
     },

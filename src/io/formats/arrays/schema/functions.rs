@@ -132,8 +132,10 @@ fn describe(source: &dyn Source, group: &Group, put: &mut Put) -> Result<(), IoE
         put(texts(&name(field.name), &[count], values))?;
     }
     for field in NUMBERS {
-        let values = entries.iter().map(|entry| (field.get)(entry)).collect();
-        put(numbers(&name(field.name), &[count], values))?;
+        let values: Vec<f64> = entries.iter().map(|entry| (field.get)(entry)).collect();
+        if !field.is_optional || values.iter().any(|value| !value.is_nan()) {
+            put(numbers(&name(field.name), &[count], values))?;
+        }
     }
     let lines = entries
         .iter()
