@@ -348,3 +348,75 @@ fn unit_mass_factor(
         .map(|(_, v)| scale * v)?;
     Some(if largest.re < 0.0 { -scale } else { scale })
 }
+
+#[cfg(test)]
+mod other_quantity_tests {
+    use super::*;
+
+    const DAMPED_RAD_S: f64 = 120.0;
+
+    fn dof(text: &str) -> Dof {
+        text.parse().unwrap()
+    }
+
+    /// Residues `φ_r φ_k/(2iω_d)` of a shape of unit modal mass.
+    fn residues(responses: &[(&str, f64)], references: &[(&str, f64)]) -> Residues {
+        let pairs = responses.iter().flat_map(|response| {
+            references
+                .iter()
+                .map(move |reference| (response, reference))
+        });
+        let residue = Complex64::new(0.0, 2.0 * DAMPED_RAD_S).inv();
+        pairs
+            .map(|((r, of_r), (k, of_k))| ((dof(r), dof(k)), residue * of_r * of_k))
+            .collect()
+    }
+
+    fn term(residues: Residues) -> ShapedTerm {
+        let scaled = shape_of(&residues, DAMPED_RAD_S);
+        ShapedTerm { residues, scaled }
+    }
+
+    fn assert_values(found: &[ModeShape], expected: &[f64]) {
+        for (shape, expected) in found.iter().zip(expected) {
+            let value = shape.get(&dof("9:+S")).unwrap();
+            assert!((value / expected - 1.0).norm() < 1e-9, "{value} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_pressure_has_the_scale_of_a_shape_over_the_points_of_a_roving_hammer() {
+        let hits = [("1:+Z", 0.5), ("2:+Z", -0.8), ("3:+Z", 0.3)];
+        let motion = term(residues(&[("1:+Z", 0.5)], &hits));
+        assert_eq!(motion.scaled.scaling, Scaling::UnitModalMass);
+        let pressure = residues(&[("9:+S", 7.0)], &hits);
+        // The largest component of a shape is positive.
+        let sign = motion.scaled.shape.get(&dof("1:+Z")).unwrap().re.signum();
+        let found = other_components(&[motion], &pressure, DAMPED_RAD_S);
+        assert_values(&found, &[7.0 * sign]);
+    }
+
+    #[test]
+    fn a_pressure_has_a_value_in_each_mode_of_a_repeated_root() {
+        let sensors = |values: [f64; 3]| {
+            let names = ["1:+Z", "2:+Z", "3:+Z"];
+            std::array::from_fn::<_, 3, _>(|i| (names[i], values[i]))
+        };
+        let (first, second) = (sensors([0.5, -0.8, 0.3]), sensors([0.4, 0.6, 0.7]));
+        let terms = [first, second].map(|shape| term(residues(&shape, &shape[..2])));
+        let mut pressure = residues(&[("9:+S", 7.0)], &first[..2]);
+        for (pair, value) in residues(&[("9:+S", -2.0)], &second[..2]) {
+            *pressure.get_mut(&pair).unwrap() += value;
+        }
+        let signs = terms.each_ref().map(|term| {
+            let first = term.scaled.shape.get(&dof("1:+Z")).unwrap();
+            first.re.signum()
+        });
+        let found = other_components(&terms, &pressure, DAMPED_RAD_S);
+        assert_values(&found, &[7.0 * signs[0], -2.0 * signs[1]]);
+        // One reference does not separate two modes.
+        pressure.retain(|(_, reference), _| *reference == dof("1:+Z"));
+        let found = other_components(&terms, &pressure, DAMPED_RAD_S);
+        assert!(found.iter().all(ModeShape::is_empty));
+    }
+}
