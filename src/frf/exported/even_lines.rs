@@ -405,6 +405,23 @@ mod tests {
     }
 
     #[test]
+    fn real_values_are_interpolated_linearly() {
+        let frequencies: Vec<f64> = (0..60).map(|k| 10.0 * 1.01f64.powi(k)).collect();
+        let lines = EvenLines::new(&frequencies).unwrap();
+        let values: Vec<f64> = frequencies.iter().map(|hz| 1.0 - 0.01 * hz).collect();
+        for (k, value) in lines.linear(&values).iter().enumerate() {
+            let exact = 1.0 - 0.01 * lines.axis.hz(k);
+            assert!((value - exact).abs() < 1e-12, "{k}: {value} {exact}");
+        }
+        // A bend shows which lines a value lies between.
+        let bent: Vec<f64> = (0..60).map(|k| f64::from(u8::from(k >= 30))).collect();
+        for (k, value) in lines.linear(&bent).iter().enumerate() {
+            let part = (lines.axis.hz(k) - frequencies[29]) / (frequencies[30] - frequencies[29]);
+            assert!((value - part.clamp(0.0, 1.0)).abs() < 1e-9, "{k}: {value}");
+        }
+    }
+
+    #[test]
     fn even_lines_in_descending_order_are_reordered() {
         // As printed with six digits.
         let printed = |k: u32| (1e3 * (5.0 + f64::from(k) / 3.0)).round() / 1e3;
