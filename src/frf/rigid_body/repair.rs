@@ -27,7 +27,7 @@ pub enum Repair {
     },
     /// Two sensors have each other's place.
     Exchanged(Dof, Dof),
-    /// The sensor fits nothing that the others determine.
+    /// No sign, gain or axis makes the sensor fit.
     LeftOut(Dof),
 }
 
@@ -86,7 +86,7 @@ impl fmt::Display for Repair {
             Repair::Exchanged(one, other) => {
                 write!(f, "{one} and {other} fit in each other's place")
             }
-            Repair::LeftOut(_) => f.write_str("nothing that the other sensors determine fits it"),
+            Repair::LeftOut(_) => f.write_str("no sign, gain or axis makes it fit"),
         }
     }
 }
