@@ -1,4 +1,5 @@
-//! At Ctrl-C the program finishes the files that it is writing, then ends.
+//! At Ctrl-C the program finishes the files that it is writing, then ends; at a panic it removes
+//! them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write};
@@ -14,6 +15,9 @@ use super::color::is_dumb;
 /// The longest time that an interrupt waits for files that are being written, in hundredths of a
 /// second.
 const MAX_WAIT_HUNDREDTHS_S: u32 = 500;
+
+/// The exit code of a panic, as the standard library has it.
+const PANIC_EXIT_CODE: i32 = 101;
 
 /// Held while files are written.
 #[derive(Clone, Copy)]
@@ -33,12 +37,21 @@ type OpenFolders = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 impl Writing {
     /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a
-    /// stretch of writing.
+    /// stretch of writing, and with exit code 101 at a panic.
     pub fn guarded() -> Self {
         let shared: &'static Shared = Box::leak(Box::default());
         // A signal that is ignored, as `nohup` has it, stays so. Without a handler the system ends
         // the program at once.
         let _ = ctrlc::try_set_handler(move || end_program(shared));
+        let print_message = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            print_message(panic);
+            // The thread that panicked may hold the list itself; then no file has been begun.
+            if let Ok(folders) = shared.folders_in_use.try_lock() {
+                remove_unfinished(&folders);
+            }
+            std::process::exit(PANIC_EXIT_CODE);
+        }));
         Self(shared)
     }
 
@@ -132,6 +145,39 @@ fn end_program(shared: &'static Shared) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Names the folder to the process that panics.
+    const PANICS_IN: &str = "MODALIGN_TEST_PANICS_IN";
+
+    /// Runs alone in a separate process: the test below starts it.
+    #[test]
+    fn a_process_that_panics() {
+        let Some(folder) = std::env::var_os(PANICS_IN) else {
+            return;
+        };
+        let target = Path::new(&folder).join("result.json");
+        let _guard = Writing::guarded().begin([target.as_path()]);
+        std::fs::write(Path::new(&folder).join(".modalign-1"), "x").expect("the folder is there");
+        let panics: Result<(), &str> = Err("on purpose");
+        panics.expect("this panics");
+    }
+
+    #[test]
+    fn a_panic_removes_what_is_unfinished_and_ends_the_program() {
+        let place = tempfile::tempdir().expect("a folder of the test can be written");
+        std::fs::write(place.path().join(".modalign-0"), "x").expect("the folder is there");
+        let test = "cli::interrupt::tests::a_process_that_panics";
+        let program = std::env::current_exe().expect("the test has a program");
+        let ended = std::process::Command::new(program)
+            .args(["--exact", test, "--nocapture"])
+            .env(PANICS_IN, place.path())
+            .output()
+            .expect("the test can start itself");
+        assert_eq!(ended.status.code(), Some(PANIC_EXIT_CODE));
+        assert!(String::from_utf8_lossy(&ended.stderr).contains("on purpose"));
+        let left = temporary_files(place.path());
+        assert_eq!(left, BTreeSet::from([place.path().join(".modalign-0")]));
+    }
 
     #[test]
     fn only_unfinished_files_are_removed() {
