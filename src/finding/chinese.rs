@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use super::{Code, Finding, Location, Severity, format_number, format_with_std};
+use super::{Code, Finding, LimitKind, Location, Severity};
 
 /// Chinese texts of a code.
 #[derive(Deserialize)]
@@ -46,20 +46,12 @@ impl Severity {
 impl Finding {
     /// The sentence in Chinese; [`ToString`] gives the English one.
     pub fn chinese(&self) -> String {
-        let unit = self
-            .unit
-            .as_deref()
-            .map_or_else(String::new, |u| format!(" {u}"));
-        let number = |value: f64| format!("{}{unit}", format_number(value));
-        let numbers = match (self.value, self.limit) {
-            (Some(value), Some(std)) if self.code == Code::CommonFactor => {
-                format!("（{}）", format_with_std(value, std))
-            }
-            (Some(value), Some(limit)) => format!("（{}，限值 {}）", number(value), number(limit)),
-            (Some(value), None) => format!("（{}）", number(value)),
-            (None, Some(limit)) => format!("（限值 {}）", number(limit)),
-            (None, None) => String::new(),
+        let in_words = |kind: Option<LimitKind>, limit: &str| match kind {
+            Some(kind) => kind.chinese(limit),
+            None => format!("限值 {limit}"),
         };
+        let numbers = self.numbers(in_words, "，");
+        let numbers = numbers.map_or_else(String::new, |numbers| format!("（{numbers}）"));
         let detail = self.detail.as_deref();
         let detail = detail.map_or_else(String::new, |detail| format!("；{detail}"));
         format!(
@@ -135,9 +127,9 @@ mod tests {
             text.starts_with("123.46 Hz 处的模态：半功率带宽内"),
             "{text}"
         );
-        assert!(text.ends_with("（2.500 Hz，限值 5 Hz）"), "{text}");
-        let hit = Finding::new(Severity::Info, Code::NotDecayed, Location::Hit(3));
-        assert_eq!(hit.chinese(), "第 3 次锤击：记录结束时响应尚未衰减");
+        assert!(text.ends_with("（2.500 Hz，限值：至少 5 Hz）"), "{text}");
+        let hit = Finding::new(Severity::Info, Code::DeadChannel, Location::Hit(3));
+        assert_eq!(hit.chinese(), "第 3 次锤击：通道没有信号");
         let file = Location::File {
             path: "a.uff".to_owned(),
             line: None,

@@ -26,7 +26,7 @@ fn the_sentence_has_location_value_and_limit() {
         text.starts_with("mode at 123.46 Hz: The half-power band holds too few"),
         "{text}"
     );
-    assert!(text.ends_with("(2.500, limit 5)"), "{text}");
+    assert!(text.ends_with("(2.500, limit at least 5)"), "{text}");
     let pure = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0)).value(0.3, "1");
     assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
     let bare = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0));
@@ -36,6 +36,36 @@ fn the_sentence_has_location_value_and_limit() {
         detailed.ends_with("a damping value; one line"),
         "{detailed}"
     );
+}
+
+#[test]
+fn a_limit_says_what_it_asks_of_the_value() {
+    for (code, english, chinese) in [
+        (Code::ModelMisfit, "limit at most 2 Hz", "限值：至多 2 Hz"),
+        (Code::LowMac, "limit at least 2 Hz", "限值：至少 2 Hz"),
+        (Code::ChannelDelay, "limit ±2 Hz", "限值：±2 Hz"),
+        (Code::ByteCountWrong, "expected 2 Hz", "应为 2 Hz"),
+        (Code::BandCut, "data end at 2 Hz", "数据止于 2 Hz"),
+    ] {
+        let finding = Finding::new(Severity::Warning, code, Location::Whole);
+        let finding = finding.value(1.0, "Hz").limit(2.0);
+        let (text, translated) = (finding.to_string(), finding.chinese());
+        assert!(text.ends_with(&format!("(1 Hz, {english})")), "{text}");
+        assert!(
+            translated.ends_with(&format!("（1 Hz，{chinese}）")),
+            "{translated}"
+        );
+    }
+}
+
+#[test]
+fn truncation_and_decay_state_their_criteria() {
+    let [truncated, decay] = [Code::Truncated, Code::NotDecayed];
+    assert!(!truncated.sentence().contains("decayed"));
+    assert!(truncated.explanation().contains("slowest fall"));
+    for text in [truncated.explanation(), decay.explanation()] {
+        assert!(text.contains("the last eighth of the record"), "{text}");
+    }
 }
 
 #[test]

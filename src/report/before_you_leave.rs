@@ -198,12 +198,12 @@ fn reason_text(reason: &Reason) -> String {
         .map_or_else(String::new, |hit| format!(" in hit {hit}"));
     match reason.cause {
         Cause::Rule(Rule::Overload) => {
-            format!("overload{at}{hit}: {value} samples clipped ({limit})")
+            format!("overload{at}{hit}: {value} samples clipped (limit below {limit})")
         }
         Cause::Rule(Rule::Decay) => {
             let end = percent(reason.value.unwrap_or(0.0));
             let limit = percent(reason.limit.unwrap_or(0.0));
-            format!("response{at} not decayed{hit}: {end} % at the end ({limit} %)")
+            format!("response{at} not decayed{hit}: {end} % at the end (limit at most {limit} %)")
         }
         Cause::Rule(rule) => {
             let name = match rule {
@@ -218,18 +218,20 @@ fn reason_text(reason: &Reason) -> String {
                 Rule::Overload | Rule::Decay => rule.name(),
             };
             match reason.value {
-                Some(_) => format!("{name}{at}{hit}: {value} ({limit})"),
+                Some(_) => format!("{name}{at}{hit}: {value} (limit {limit})"),
                 None => format!("{name}{at}{hit}"),
             }
         }
         Cause::Stated => format!("rejected by the user{hit}"),
-        Cause::WeakForce => format!("hammer force{hit} {value} dB against the others ({limit} dB)"),
+        Cause::WeakForce => {
+            format!("hammer force{hit} {value} dB against the others (limit at least {limit} dB)")
+        }
         Cause::FewHits => format!(
             "{} of {limit}",
             counted(reason.value.unwrap_or(0.0) as usize, "good hit")
         ),
         Cause::LowCoherence { hz } => format!(
-            "coherence{at} {} at {} Hz ({limit})",
+            "coherence{at} {} at {} Hz (limit at least {limit})",
             significant(reason.value.unwrap_or(0.0), 3),
             significant(hz, 4)
         ),

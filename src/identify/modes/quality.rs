@@ -286,11 +286,8 @@ fn quality(mode: &Mode, rank: usize, findings: &[Finding]) -> Quality {
         for (value, grade) in *effects {
             value.lower(&mut quality, *grade);
         }
-        let numbers = match (finding.value, finding.limit) {
-            (Some(value), Some(limit)) => format!(" ({value:.3}; limit {limit:.3})"),
-            (Some(value), None) => format!(" ({value:.3})"),
-            (None, _) => String::new(),
-        };
+        let numbers = finding.numbers_text();
+        let numbers = numbers.map_or_else(String::new, |numbers| format!(" ({numbers})"));
         quality
             .reasons
             .push(format!("{}: {}{numbers}", code.name(), code.sentence()));

@@ -64,7 +64,7 @@ fn padded_trace_lines_are_read() {
     let (code, modes, said) = identified(&(dataset(&lines) + &frfs()), &[]);
     assert_eq!(code, Some(0), "{said}");
     assert!(
-        said.contains("(112, limit 98) [trace-line-count]"),
+        said.contains("(112, expected 98) [trace-line-count]"),
         "{said}"
     );
     assert_right(&modes, &said);
