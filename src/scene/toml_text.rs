@@ -146,8 +146,8 @@ fn toml_fault(text: &str, error: &TomlError) -> TomlFault {
     let offset = error.span.as_ref().map_or(0, |span| span.start);
     let before = text.get(..offset).unwrap_or(text);
     let message = error.message.replace('\n', " ");
-    let hint =
-        nearest_key(&message).map_or_else(String::new, |key| format!("; did you mean `{key}`?"));
+    let hint = nearest_key(&message)
+        .map_or_else(String::new, |key| format!("\nhint: did you mean `{key}`?"));
     TomlFault {
         line: before.matches('\n').count() + 1,
         column: before.rsplit('\n').next().unwrap_or("").chars().count() + 1,
@@ -155,15 +155,65 @@ fn toml_fault(text: &str, error: &TomlError) -> TomlFault {
     }
 }
 
-/// Says `got`/`expected` for an unknown and a missing key, as every other message does.
+/// Says what was got and expected, in the words of TOML for what the deserialiser says in those of
+/// Rust.
 fn got_and_expected(message: &str) -> String {
     if let Some(rest) = message.strip_prefix("unknown field ") {
         return format!("got unknown key {rest}");
     }
-    match message.strip_prefix("missing field ") {
-        Some(key) => format!("got no key {key}, expected it in this table"),
+    if let Some(key) = message.strip_prefix("missing field ") {
+        return format!("got no key {key}, expected it in this table");
+    }
+    if let Some(rest) = message.strip_prefix("unknown variant ") {
+        return format!("got {rest}");
+    }
+    let kinds = ["invalid type: ", "invalid value: ", "invalid length "];
+    let parts = kinds.iter().find_map(|kind| message.strip_prefix(kind));
+    match parts.and_then(|parts| parts.rsplit_once(", expected ")) {
+        Some((got, expected)) => {
+            format!(
+                "got {}, expected {}",
+                value_found(got),
+                value_expected(expected)
+            )
+        }
         None => message.to_owned(),
     }
+}
+
+/// A value, or the length of an array.
+fn value_found(got: &str) -> String {
+    let numbers = ["integer ", "floating point "];
+    if let Some(number) = numbers.iter().find_map(|kind| got.strip_prefix(kind)) {
+        return format!("the number {}", number.trim_matches('`'));
+    }
+    match (got.split_once(' '), got) {
+        (Some(("string", text)), _) => format!("the text {text}"),
+        (Some(("boolean", value)), _) => value.trim_matches('`').to_owned(),
+        (_, "sequence") => "an array".to_owned(),
+        (_, "map") => "a table".to_owned(),
+        (None, length) => format!("{length} values"),
+        (Some(_), other) => other.to_owned(),
+    }
+}
+
+fn value_expected(expected: &str) -> String {
+    let lengths = ["an array of length ", "a tuple of size "];
+    if let Some(length) = lengths.iter().find_map(|kind| expected.strip_prefix(kind)) {
+        return format!("an array of {length} values");
+    }
+    let text = match expected {
+        "f64" => "a number",
+        "usize" | "u8" | "u32" | "u64" => "a whole number, 0 or more",
+        "i32" | "i64" => "a whole number",
+        "a string" => "a text in quotes",
+        "a boolean" => "true or false",
+        "a sequence" => "an array, [...]",
+        "a map" => "a table",
+        table if table.starts_with("struct ") => "a table",
+        other => other,
+    };
+    text.to_owned()
 }
 
 /// The known key closest to the unknown one that the message is about.
@@ -219,6 +269,7 @@ mod tests {
         let error = parse::<Sample>("sampling_rate_hz = \"fast\"\n", "s.toml")
             .unwrap_err()
             .to_string();
-        assert!(error.starts_with("s.toml:1:20: invalid type"), "{error}");
+        let expected = "s.toml:1:20: got the text \"fast\", expected a number";
+        assert_eq!(error, expected);
     }
 }

@@ -81,7 +81,7 @@ const CASES: &[Case] = &[
         &[
             "3 faults",
             "scene.toml:1:1: got no key `title`",
-            "scene.toml:4:9: invalid type: string \"hits.csv\", expected a sequence",
+            "scene.toml:4:9: got the text \"hits.csv\", expected an array, [...]",
             "scene.toml:5:1: got unknown key `samplng_rate_hz`",
             "did you mean `sampling_rate_hz`?",
         ],
@@ -97,7 +97,7 @@ const CASES: &[Case] = &[
             "3 faults",
             "scene.toml:3:1: got no key `name`",
             "scene.toml:9:7: got degree of freedom `1:+Q`, expected a point with a direction",
-            "scene.toml:10:8: invalid type: integer `3`, expected a string",
+            "scene.toml:10:8: got the number 3, expected a text in quotes",
         ],
     ),
     (
@@ -127,9 +127,9 @@ const CASES: &[Case] = &[
         &[
             "4 faults",
             "model.toml:3:1: got no key `nominal`",
-            "model.toml:8:10: unknown variant `guessed`, expected one of `printed`",
+            "model.toml:8:10: got `guessed`, expected one of `printed`",
             "model.toml:11:1: got unknown key `mass`",
-            "did you mean `mass_kg`?",
+            "\n    hint: did you mean `mass_kg`?",
             "model.toml:27:1: got no key `to`",
         ],
     ),
@@ -163,8 +163,20 @@ const CASES: &[Case] = &[
         &[
             "3 faults",
             "model.toml:17:11: ",
-            "model.toml:18:8: invalid length 2, expected an array of length 3",
-            "model.toml:32:13: invalid type: integer `3`",
+            "model.toml:18:8: got 2 values, expected an array of 3 values",
+            "model.toml:32:13: got the number 3, expected an array of 3 values",
+        ],
+    ),
+    (
+        Scene,
+        &[(
+            "title = \"a table\"",
+            "title = \"a table\"\n[[identify]]\nmethod = \"ml\"\n[pair]\nmin_mac = \"high\"",
+        )],
+        &[
+            "2 faults",
+            ":3:1: got an array, expected a table",
+            ":6:11: got the text \"high\", expected a number",
         ],
     ),
     // Scenes.
@@ -326,7 +338,7 @@ const CASES: &[Case] = &[
     (
         Model,
         &[("free = [\"z\"]\n[[body]]", "free = [\"w\"]\n[[body]]")],
-        &["model.toml:14:9: unknown variant `w`, expected one of `x`, `y`, `z`"],
+        &["model.toml:14:9: got `w`, expected one of `x`, `y`, `z`"],
     ),
     (
         Model,
