@@ -40,6 +40,9 @@ impl Renderer for Latex {
         if !text.chars().all(is_set_by_pdflatex) {
             head += "% pdflatex lacks characters of this text: use XeLaTeX or LuaLaTeX and a font that has them.\n";
         }
+        if text.chars().any(|c| ('\u{4e00}'..='\u{9fff}').contains(&c)) {
+            head += "% Chinese text: \\usepackage{ctex}\n";
+        }
         head + &text
     }
 }
@@ -320,6 +323,10 @@ mod tests {
         assert!(!written.contains("XeLaTeX"), "{written}");
         let chinese = Latex.render(&[Block::Text("模态".to_owned())]);
         assert!(chinese.contains("XeLaTeX"), "{chinese}");
+        assert!(
+            chinese.contains("% Chinese text: \\usepackage{ctex}\n"),
+            "{chinese}"
+        );
     }
 
     #[test]
