@@ -393,11 +393,23 @@ fn check_new_files(args: &NewArgs, opened: &[NamedFile]) -> Result<(), Error> {
     let drafted = names.map(|name| args.folder.join(name));
     match drafted.chain(raws).find(|path| path.exists()) {
         None => Ok(()),
-        Some(path) => Err(argument_error(
-            "DIR",
-            format!("{}, which exists", path.display()),
-            "a folder without files of a scene: nothing is written over, so name another folder",
-        )),
+        Some(path) => {
+            let again = args.folder.with_file_name(format!(
+                "{}-2",
+                args.folder
+                    .file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+            ));
+            let drafted = NEW_FILES.map(|name| shell_quoted(&args.folder.join(name)));
+            let expected = format!(
+                "a folder without files of a scene: nothing is written over. Name another folder (modalign new {} ...), or remove an unedited draft first (rm {})",
+                shell_quoted(&again),
+                drafted.join(" ")
+            );
+            let got = format!("{}, which exists", path.display());
+            Err(argument_error("DIR", got, &expected))
+        }
     }
 }
 

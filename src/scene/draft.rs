@@ -10,7 +10,7 @@ use crate::geometry::{Geometry, Node};
 use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::Quantity;
 
-use super::draft_columns::arrays_text;
+use super::draft_columns::{TableContent, arrays_text};
 use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
@@ -71,6 +71,13 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         .iter()
         .for_each(|file| geometry.add(&file.catalog.geometry));
     text += &sensors_text(&dofs, &geometry, plan);
+    let has_hits = files
+        .iter()
+        .any(|file| match TableContent::of(file.catalog) {
+            Some(table) => !table.is_functions,
+            None => Content::of(file.catalog) == Content::Records,
+        });
+    text += if has_hits { HIT_TABLES } else { "" };
     text += OPTIONAL_TABLES;
     let is_open = |line: &&str| !line.starts_with('#') && line.contains(FILL_IN);
     let open_lines = text.lines().filter(is_open).count();
@@ -419,10 +426,12 @@ fn points_text(dofs: &BTreeSet<Dof>, points: &Geometry) -> String {
     text
 }
 
-const OPTIONAL_TABLES: &str = "
+const HIT_TABLES: &str = "
 # [frf]
 # force_window_s = 0.02      # hold the force this long after its pulse; its noise counts without it
+";
 
+const OPTIONAL_TABLES: &str = "
 # [identify]
 # method = \"ml\"             # the default; `modalign identify --help` has the others
 

@@ -327,7 +327,9 @@ fn nothing_is_written_over() {
         );
         let error = fail(["new", &path(&scene), &path("hits.uff"), "--copy"]);
         assert!(
-            error.contains(name) && error.contains("nothing is written over"),
+            error.contains(name)
+                && error.contains("nothing is written over")
+                && error.contains(&format!("modalign new {}-2 ...", path(&scene))),
             "{error}"
         );
         let files = std::fs::read_dir(folder.path().join(&scene))
@@ -527,6 +529,8 @@ fn arrays_that_are_frfs_by_their_names_are_drafted_alone() {
         assert!(text.contains(&wanted), "{wanted}: {text}");
     }
     assert_eq!(text.matches("[[test.channel]]").count(), 5);
+    // FRFs have no hits: keys of hits mean nothing there.
+    assert!(!text.contains("force_window_s"), "{text}");
     assert!(
         text.contains("# Not used below: X1, X2, S1_1, G1_1"),
         "{text}"
