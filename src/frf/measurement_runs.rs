@@ -2,9 +2,23 @@
 //! at one position.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use crate::dof::Dof;
 use crate::frf::Function;
+
+/// The resonance and the run, by one of its functions, that a finding on a shifted frequency is
+/// about.
+pub(crate) fn shifted_run(functions: &[Function], function: usize, resonance_rad_s: f64) -> String {
+    let (runs, roving_sensor) = measurement_runs(functions);
+    let function = &functions[function];
+    let (kind, dof) = match roving_sensor {
+        true => ("sensor", &function.response),
+        false => ("excitation point", &function.reference),
+    };
+    let (hz, count) = (resonance_rad_s / TAU, runs.len());
+    format!("resonance at {hz:.2} Hz; run of {kind} {dof}, one of {count} runs")
+}
 
 /// Functions by run, and whether the sensor roves.
 ///

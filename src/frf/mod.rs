@@ -82,7 +82,7 @@ pub(crate) use exported::usable_set;
 pub use hammer_options::{Excitation, HammerOptions, ResponseWindow};
 pub use hammer_test::{HammerTestResult, evaluate_hammer_test};
 pub use hit_report::HitReport;
-pub(crate) use measurement_runs::measurement_runs;
+pub(crate) use measurement_runs::{measurement_runs, shifted_run};
 pub use options::EstimateOptions;
 pub use selection::Selection;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};

@@ -9,7 +9,7 @@ use super::channel_delay::{MIN_LINES_PER_BANDWIDTH, fit_lines};
 use super::driving_point::CLEAR_PEAK_OVER_NOISE;
 use super::mobility::Mobilities;
 use crate::frf::local_pole::{LocalPole, ResonanceLines};
-use crate::frf::measurement_runs::measurement_runs;
+use crate::frf::measurement_runs::{measurement_runs, shifted_run};
 use crate::frf::peaks::{Peak, clear_peaks};
 
 /// Half-power widths between an isolated resonance and the next; the slope of its fit then holds
@@ -92,6 +92,7 @@ pub(super) fn findings(data: &Mobilities) -> Vec<Finding> {
         Finding::new(Severity::Warning, code, location)
             .value(percent * resonance.shift(run), "%")
             .limit(percent * resonance.shift_limit(run))
+            .detail(shifted_run(data.functions(), run.function, resonance.omega))
     };
     worst.map(finding).into_iter().collect()
 }
@@ -285,6 +286,11 @@ mod tests {
             assert_eq!(findings[0].code, Code::RunsDisagree);
             let place = if hammer { "1:+Z|5:+Z" } else { "5:+Z|1:+Z" };
             assert_eq!(findings[0].location.to_string(), place);
+            let detail = findings[0].detail.as_deref().unwrap();
+            let kind = if hammer { "excitation point" } else { "sensor" };
+            assert!(detail.starts_with("resonance at "), "{detail}");
+            let run = format!("; run of {kind} 5:+Z, one of 8 runs");
+            assert!(detail.ends_with(&run), "{detail}");
             let value = findings[0].value.unwrap();
             assert!((0.3..0.5).contains(&value), "{value}");
         }

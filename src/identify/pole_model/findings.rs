@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::FrfSet;
+use crate::frf::{FrfSet, shifted_run};
 use crate::modal::Pole;
 
 use crate::identify::data::model_pole::ModelPole;
@@ -178,7 +178,8 @@ impl FindingContext<'_> {
         Some(
             finding
                 .value(100.0 * away.shift, "%")
-                .limit(100.0 * away.limit),
+                .limit(100.0 * away.limit)
+                .detail(shifted_run(self.set.functions(), away.function, away.omega)),
         )
     }
 

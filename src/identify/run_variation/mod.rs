@@ -94,6 +94,8 @@ struct Grouping {
 pub(in crate::identify) struct OutlyingRun {
     /// Index of its FRF with the largest residue.
     pub function: usize,
+    /// Frequency of the mode, rad/s.
+    pub omega: f64,
     /// Shift and limit, over the frequency.
     pub shift: f64,
     pub limit: f64,
@@ -243,6 +245,7 @@ impl RunShifts {
             .max_by(|a, b| size(a).total_cmp(&size(b)))?;
         Some(OutlyingRun {
             function,
+            omega: mode.lambda.im,
             shift: mode.shifts[run].im / mode.lambda.im,
             limit: OUTLYING_STDS * mode.stds[run] / mode.lambda.im,
         })
