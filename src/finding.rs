@@ -547,6 +547,22 @@ codes! {
 }
 
 impl Code {
+    /// Codes that put the verdict of a comparison in question, in this order.
+    pub const ON_THE_VERDICT: [Code; 5] = [
+        Code::SupportDiffers,
+        Code::ModelSupportContradicted,
+        Code::SuspensionStiff,
+        Code::MassDiffers,
+        Code::CommonFactor,
+    ];
+
+    /// Its rank among the findings of one severity: those on the verdict come first.
+    pub fn rank(self) -> usize {
+        let mut codes = Self::ON_THE_VERDICT.iter();
+        let position = codes.position(|code| *code == self);
+        position.unwrap_or(Self::ON_THE_VERDICT.len())
+    }
+
     /// The code as written in JSON and on the command line.
     pub fn name(self) -> String {
         serde_json::to_value(self)

@@ -61,20 +61,24 @@ pub(super) fn screen_lines(findings: &[NamedFinding], language: Language) -> Vec
         let (severity, names) = (language.severity(Severity::Info), names(&notes));
         let plural = if count == 1 { "" } else { "s" };
         lines.push(cut(&match language {
-            Language::English => format!("{severity}: {count} note{plural} (all: --full): {names}"),
-            Language::Chinese => format!("{severity}: {count} 条，类别 (全部：--full)：{names}"),
+            Language::English => format!(
+                "{severity}: {count} note{plural} (all: --full; meaning: --explain CODE): {names}"
+            ),
+            Language::Chinese => {
+                format!("{severity}: {count} 条 (全部：--full；含义：--explain CODE)：{names}")
+            }
         }));
     }
     lines
 }
 
-/// The findings by severity, the worst first, and code.
+/// The findings by severity, the worst first, then those on the verdict, and code.
 fn kinds(findings: &[NamedFinding], language: Language) -> Vec<Kind<'_>> {
-    let mut kinds: BTreeMap<(Reverse<Severity>, Code), Kind<'_>> = BTreeMap::new();
+    let mut kinds: BTreeMap<(Reverse<Severity>, usize, Code), Kind<'_>> = BTreeMap::new();
     for named in findings {
         let Finding { severity, code, .. } = named.1;
         let kind = kinds
-            .entry((Reverse(severity), code))
+            .entry((Reverse(severity), code.rank(), code))
             .or_insert_with(|| Kind {
                 severity,
                 code,
@@ -256,7 +260,10 @@ mod tests {
         assert!(close.contains(": disc 10.00 Hz, 20.00 Hz; ring 30.00 Hz [close-modes]"));
         let few = lines.iter().find(|line| line.contains("few-lines"));
         assert!(few.is_some_and(|line| line.contains("ring: mode at 40.00 Hz")));
-        assert_eq!(lines[2], "info: 1 note (all: --full): repeated-root");
+        assert_eq!(
+            lines[2],
+            "info: 1 note (all: --full; meaning: --explain CODE): repeated-root"
+        );
         assert_eq!(all_lines(&findings, Language::English).len(), 5);
     }
 
@@ -321,7 +328,10 @@ mod tests {
             for line in &lines {
                 assert!(line.chars().count() <= MAX_LINE_CHARS, "{line}");
             }
-            for (line, code) in lines[..MAX_SCREEN_KINDS].iter().zip(Code::ALL) {
+            let others = Code::ALL.iter();
+            let others = others.filter(|code| !Code::ON_THE_VERDICT.contains(code));
+            let codes = Code::ON_THE_VERDICT.iter().chain(others);
+            for (line, code) in lines[..MAX_SCREEN_KINDS].iter().zip(codes) {
                 assert!(line.ends_with(&format!("[{}]", code.name())), "{line}");
             }
             assert_eq!(all_lines(&findings, language).len(), findings.len());

@@ -180,11 +180,13 @@ impl<'a> TestColumn<'a> {
             } => (competitor, cost_difference),
         };
         let who = self.competitor_name(competitor)?;
-        Some(if *cost_difference < 0.0 {
-            format!("{who} alone would fit better (cost {cost_difference:+.3})")
-        } else {
-            format!("{who} fits as well (cost {cost_difference:+.3})")
-        })
+        let fits = match *cost_difference < 0.0 {
+            true => "alone would fit better",
+            false => "fits as well",
+        };
+        Some(format!(
+            "{who} {fits} (cost by frequency error and MAC {cost_difference:+.3})"
+        ))
     }
 
     fn competitor_name(&self, competitor: &Competitor) -> Option<String> {
@@ -325,8 +327,16 @@ impl PairedTest<'_> {
         })
     }
 
-    /// Findings of the identification on these modes, as reasons.
+    /// [`Self::doubts`] as reasons.
     fn warnings(&self, indices: &[usize]) -> Vec<String> {
+        let doubts = self.doubts(indices).into_iter();
+        doubts
+            .map(|code| format!("the test mode is marked {}", code.name()))
+            .collect()
+    }
+
+    /// Findings of the identification that make these modes doubtful.
+    fn doubts(&self, indices: &[usize]) -> Vec<Code> {
         let at_one = |location: &Location| {
             let frequencies = indices.iter().map(|&i| self.model.modes[i].frequency_hz);
             let near =
@@ -335,9 +345,9 @@ impl PairedTest<'_> {
         };
         let doubtful = |finding: &&Finding| DOUBTFUL_MODES.contains(&finding.code);
         let findings = self.model.findings.iter().filter(doubtful);
-        let all: BTreeSet<String> = findings
+        let all: BTreeSet<Code> = findings
             .filter(|finding| at_one(&finding.location))
-            .map(|finding| format!("the test mode is marked {}", finding.code.name()))
+            .map(|finding| finding.code)
             .collect();
         all.into_iter().collect()
     }
@@ -376,6 +386,7 @@ impl PairedTest<'_> {
             uncorrelated: false,
             angles_deg: None,
             status,
+            doubts: self.doubts(indices),
             reasons: Vec::new(),
             observability: None,
         }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::finding::Code;
 use crate::frf::FrfSet;
 use crate::modal::ModalModel;
 
@@ -77,6 +78,8 @@ pub struct TestCell {
     pub angles_deg: Option<Vec<f64>>,
     /// Status of the root in the test.
     pub status: Status,
+    /// Findings of the identification that make its modes doubtful.
+    pub doubts: Vec<Code>,
     /// Reasons of the status; clauses without a full stop.
     pub reasons: Vec<String>,
     /// Observability of the root by the test; `None` where that is unknown, and for an extra mode.

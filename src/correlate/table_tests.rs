@@ -263,7 +263,7 @@ fn doubts_and_refusals_have_their_reason() {
     );
     assert_eq!(
         cell.reasons,
-        ["test mode 2 at 100.40 Hz fits as well (cost +0.001)"]
+        ["test mode 2 at 100.40 Hz fits as well (cost by frequency error and MAC +0.001)"]
     );
     assert_eq!(
         table.rows[1].tests[0].reasons[0],

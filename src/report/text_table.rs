@@ -194,6 +194,7 @@ pub(super) static TEXTS: Texts = Texts {
         quality_of_frequency: "quality of f", "频率质量";
         quality_of_damping: "quality of damping", "阻尼质量";
         quality_of_shape: "quality of shape", "振型质量";
+        is_mode: "is a mode", "是否模态";
         uncertain: "uncertain", "不可靠的量";
         good: "good", "可信";
         doubtful: "doubtful", "存疑";
@@ -277,6 +278,12 @@ pub(super) static TEXTS: Texts = Texts {
         update_modes: "Modes used in the update", "参与修正的模态";
         before_hz: "before (Hz)", "修正前 (Hz)";
         after_hz: "after (Hz)", "修正后 (Hz)";
+        mac_before: "MAC before", "修正前 MAC";
+        mac_after: "MAC after", "修正后 MAC";
+        error_of_theory_before: "before\n(test−theory)/theory (%)", "修正前\n(试验−理论)/理论 (%)";
+        error_of_theory_after: "after\n(test−theory)/theory (%)", "修正后\n(试验−理论)/理论 (%)";
+        error_of_test_before: "before\n(theory−test)/test (%)", "修正前\n(理论−试验)/试验 (%)";
+        error_of_test_after: "after\n(theory−test)/test (%)", "修正后\n(理论−试验)/试验 (%)";
         methods_of_scene: "Methods on the FRFs of the scene", "各方法在本场景频响函数上的结果";
         cpu_time_s: "CPU time\n(s)", "CPU 时间\n(s)";
         largest_frequency_error: "frequency\nerror (%)", "频率\n误差 (%)";
@@ -303,15 +310,18 @@ pub(super) static TEXTS: Texts = Texts {
         limits_missed: "Limits of the scene: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
         pairs_in_numbers: "Pairs: {} of {}, {} by shape, {} by frequency{}.", "配对：{} / {}，按振型 {}，仅按频率 {}{}。";
         no_test: "The scene has no test, so that nothing is compared. Next, a test: modalign new DIR FILE... --model MODEL.", "场景中没有试验，因此没有比较。下一步，加入试验：modalign new DIR FILE... --model MODEL。";
-        all_synthetic: "The recordings are synthetic: computed from a model and not measured.", "记录为合成：由模型计算，并非实测。";
-        synthetic_recordings: "Synthetic recordings, computed from a model and not measured: {}.", "合成记录，由模型计算，并非实测：{}。";
+        all_synthetic: "The recordings are synthetic, not measured: computed from {}.", "记录为合成，并非实测：由 {} 计算。";
+        synthetic_recordings: "Synthetic recordings, not measured: {}; computed from {}.", "合成记录，并非实测：{}；由 {} 计算。";
         assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
         published_frequencies: "Published frequencies: {} compared, rms error {} %, largest {} % at {}.", "文献频率：比较 {}，均方根误差 {} %，最大 {} % (位于 {})。";
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
+        statements_not_reproduced: "Not reproduced: {}.", "未复现：{}。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";
         next_update: "Next, the parameters that bring the model to the test: modalign update {}.", "下一步，使模型与试验一致的参数：modalign update {}。";
         rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
         rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
+        near_band_edge: "Near the edge of the band: {}. Widen the band: --band LO:HI, or band_hz of the scene.", "靠近频带边缘：{}。请加宽频带：--band LO:HI，或场景中的 band_hz。";
+        peaks_without_mode: "Peaks without a mode: {}. Try a narrow band around each, or another method.", "没有模态的峰：{}。请在各峰附近取较窄的频带，或换用其他方法。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
         rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";
@@ -375,6 +385,14 @@ pub(super) static TEXTS: Texts = Texts {
         pairs_of_test_with_ambiguous: "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
     },
     labels: &[
+        (
+            "is_mode",
+            group! {
+                is_a_mode: "yes", "是";
+                doubtful_mode: "doubtful", "存疑";
+                no_mode: "no", "否";
+            },
+        ),
         (
             "uncertain",
             group! {
@@ -735,6 +753,8 @@ page! {
     model_hz: "model (Hz)", "模型 (Hz)";
     error_before_percent: "error before (%)", "修正前误差 (%)";
     error_after_percent: "error after (%)", "修正后误差 (%)";
+    mac_before: "MAC before", "修正前 MAC";
+    mac_after: "MAC after", "修正后 MAC";
     update_explains: "The update explains the test: χ²/ν = {}, and noise alone reaches {}.", "修正能解释试验：χ²/ν = {}，仅噪声可达 {}。";
     update_does_not_explain: "The update does not explain the test: χ²/ν = {}, and noise alone reaches {}.", "修正不能解释试验：χ²/ν = {}，仅噪声可达 {}。";
     further_sentence: " {}.", "{}。";

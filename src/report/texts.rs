@@ -47,11 +47,15 @@ mod tests {
     use super::*;
 
     /// Headings and labels that the code composes of several literals.
-    const COMPOSED: [&str; 4] = [
+    const COMPOSED: [&str; 8] = [
         "Hits: {}",
         "Points to hit again: {}",
         "{}: (test−theory)/theory (%)",
         "{}: (theory−test)/test (%)",
+        "before\n(test−theory)/theory (%)",
+        "after\n(test−theory)/theory (%)",
+        "before\n(theory−test)/test (%)",
+        "after\n(theory−test)/test (%)",
     ];
 
     /// The groups whose texts the code finds by their English text.

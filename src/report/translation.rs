@@ -1,6 +1,8 @@
 //! Translation of captions, column heads, row labels and verdicts. Definitions and reasons under
 //! the tables remain English.
 
+use crate::finding::{Code, Severity};
+
 use super::texts::{Group, TEXTS, labels_of, translate};
 use super::{Block, Cell, Language, Table};
 
@@ -10,7 +12,9 @@ impl Language {
         match self {
             Language::English => text,
             Language::Chinese => {
-                let lines = text.lines().map(|line| best_match(TEXTS.paragraphs, line));
+                let lines = text.lines().map(|line| {
+                    warning(line).unwrap_or_else(|| best_match(TEXTS.paragraphs, line))
+                });
                 lines.collect::<Vec<_>>().join("\n")
             }
         }
@@ -36,6 +40,17 @@ fn block(block: Block) -> Block {
             language: Language::Chinese,
         },
     }
+}
+
+/// A line on a finding that puts the verdict in question; `None` of other lines.
+fn warning(line: &str) -> Option<String> {
+    let line = line.strip_prefix("Warning: ")?;
+    let translated = |code: &Code| {
+        let places = line.strip_prefix(code.sentence().trim_end_matches('.'))?;
+        let (severity, sentence) = (Severity::Warning.chinese(), code.chinese_sentence());
+        Some(format!("{severity}：{sentence}{places}"))
+    };
+    Code::ON_THE_VERDICT.iter().find_map(translated)
 }
 
 fn translated_table(mut table: Table) -> Table {
@@ -111,6 +126,17 @@ fn names<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
 mod tests {
     use super::*;
     use crate::report::Column;
+
+    #[test]
+    fn warnings_on_the_verdict_are_translated() {
+        for code in Code::ON_THE_VERDICT {
+            let sentence = code.sentence().trim_end_matches('.');
+            let line = format!("Warning: {sentence}: disc; ring.");
+            let translated = Language::Chinese.translated_text(line);
+            let expected = format!("警告：{}: disc; ring.", code.chinese_sentence());
+            assert_eq!(translated, expected);
+        }
+    }
 
     #[test]
     fn headings_are_translated_and_keep_their_names() {

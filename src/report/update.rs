@@ -3,6 +3,7 @@
 
 use crate::correlate::ComparisonTable;
 use crate::scene::{SceneUpdate, Theory};
+use crate::study::counted;
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
 use super::comparison::{comparison_of_all_tests, error_head};
@@ -195,6 +196,7 @@ fn combinations_block(result: &UpdateResult) -> Block {
 fn fits_block(scene_update: &SceneUpdate) -> Block {
     let (before, after) = (&scene_update.result.before, &scene_update.result.after);
     let error = error_head(scene_update.options.pair.error_reference);
+    let (error_before, error_after) = (format!("before\n{error}"), format!("after\n{error}"));
     let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
         vec![
             Cell::text(&b.label),
@@ -211,12 +213,12 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
     let heads = [
         "test (Hz)",
         "before (Hz)",
-        error,
-        "MAC",
+        &error_before,
+        "MAC before",
         "after (Hz)",
         "std (Hz)",
-        error,
-        "MAC",
+        &error_after,
+        "MAC after",
     ];
     let mut columns = vec![Column::text("mode")];
     columns.extend(heads.map(Column::number));
@@ -275,10 +277,10 @@ pub(super) fn convergence_text(result: &UpdateResult) -> String {
     text += ".";
     if let Some(first) = result.starts.others.first() {
         text += &format!(
-            " Others end in {} other optima; the lowest has an objective of {:.4} ({} starts)",
+            " Others end in {} other optima; the lowest has an objective (chi-square of data and prior) of {:.4} ({})",
             result.starts.others.len(),
             first.objective,
-            first.count
+            counted(first.count, "start")
         );
         let best = result.history.last().filter(|_| result.frfs.is_none());
         text += &best.map_or(".".to_owned(), |step| {

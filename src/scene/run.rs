@@ -233,11 +233,8 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
                 dofs: Vec::new(),
             };
             let mut ingested = ingest_bytes(recording.uff.clone(), &name)?;
-            ingested.findings.push(Finding::new(
-                Severity::Info,
-                Code::Synthetic,
-                Location::Whole,
-            ));
+            let finding = Finding::new(Severity::Info, Code::Synthetic, Location::Whole);
+            ingested.findings.push(finding.detail(spec.truth.source()));
             Ok(TestData {
                 ingested,
                 inputs: vec![input],

@@ -83,6 +83,19 @@ pub struct TruthModeTable {
 }
 
 impl TruthTable {
+    /// The model and, after a colon, what was changed in it.
+    pub fn source(&self) -> String {
+        let model = [&self.modes, &self.file, &self.name].into_iter().flatten();
+        let model = model.map(String::as_str).next().unwrap_or("a model");
+        let names = self.parameters.keys().map(String::as_str);
+        let frequencies = (!self.mode.is_empty()).then_some("natural frequencies");
+        let changed: Vec<&str> = names.chain(frequencies).collect();
+        match changed.is_empty() {
+            true => model.to_owned(),
+            false => format!("{model}: {} changed", changed.join(", ")),
+        }
+    }
+
     /// The model part, as a scene would state it.
     pub fn model(&self) -> ModelTable {
         ModelTable {

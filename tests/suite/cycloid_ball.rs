@@ -233,7 +233,10 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(findings, 12, 200, "standard error");
     for said in [
         "Limits of the scene: all met (5)",
-        "The recordings are synthetic: computed from a model and not measured.",
+        "The recordings are synthetic, not measured: computed from cycloid-ball with changes",
+        "Warning: The supports of test and model differ: large cylinder; small cylinder; centre",
+        "!: doubtful mode, see",
+        "Not reproduced: 14 single roots, counted in …; 37 natural frequencies in all …; 10 more",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",
         "f10, large cylinder: from housing.1:+S to output.3:+Y its peak would stand 75.3 dB",
@@ -249,7 +252,12 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
         row(" f10 ")
     );
     assert!(row(" f6 (4-fold) ").contains("-5.470 ~"), "{}", row(" f6 "));
-    assert!(findings.starts_with("warning: "), "{findings}");
+    assert!(row(" f13 ").contains("-5.482 ~!"), "{}", row(" f13 "));
+    // What changes the verdict comes first.
+    assert!(
+        findings.starts_with("warning: 3× The supports of test and model differ"),
+        "{findings}"
+    );
 }
 
 #[test]

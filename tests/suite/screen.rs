@@ -159,6 +159,43 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
     }
 }
 
+#[test]
+fn many_assumed_parameters_are_counted() {
+    let screen = succeed(["run", "measurements/helical-planetary"]);
+    assert!(
+        screen.contains("11 parameters (m_c, j_c, m_s, j_s, 7 more)"),
+        "{screen}"
+    );
+}
+
+#[test]
+fn both_mac_of_an_update_say_which_they_are() {
+    let (text, ..) = full_and_json(&["update", BEAM]);
+    let table = &text[text.find("Modes used in the update").unwrap()..];
+    let head = table.lines().take(4).collect::<Vec<_>>().join("\n");
+    assert!(
+        head.contains("MAC before") && head.contains("MAC after"),
+        "{head}"
+    );
+    let page = std::fs::read_to_string(Files::made().path("out/report.html")).unwrap();
+    assert!(page.contains("MAC before") && page.contains("MAC after"));
+}
+
+#[test]
+fn a_mode_is_told_from_its_uncertain_values_and_the_band_edge_is_named() {
+    let circle = ["identify", "{}/frfs.uff", "--method", "circle"];
+    let text = succeed(arguments(&circle, &Files::made().folder));
+    let row = row(&text, "5");
+    assert!(row.contains("yes") && row.contains("damping"), "{text}");
+    assert!(text.contains("uncertain: its values to check"), "{text}");
+    let edge = [&circle[..], &["--band", "142.8:600"]].concat();
+    let text = succeed(arguments(&edge, &Files::made().folder));
+    assert!(
+        text.contains("Near the edge of the band: 143.19 Hz. Widen the band"),
+        "{text}"
+    );
+}
+
 /// Text of `--full` and JSON of the same command.
 fn full_and_json(example: &[&str]) -> (String, String, Value) {
     let files = Files::made();

@@ -254,6 +254,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
             Cell::number(value(after, "model_hz"), 2),
             Cell::signed(value(before, "error_percent"), 3),
             Cell::signed(value(after, "error_percent"), 3),
+            Cell::number(value(before, "mac"), 3),
             Cell::number(value(after, "mac"), 3),
         ]
     };
@@ -267,7 +268,8 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
         &[
             &texts.error_before_percent,
             &texts.error_after_percent,
-            &texts.mac,
+            &texts.mac_before,
+            &texts.mac_after,
         ],
     ));
     fragment(

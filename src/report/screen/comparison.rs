@@ -22,13 +22,20 @@ const NAME_WIDTH: usize = 10;
 /// Counts and errors of every test; the modes with their errors, MAC and verdicts; and why a mode
 /// is unmatched or ambiguous.
 pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
+    let mut blocks = comparison_tables(table, width);
+    let reasons = reasons(table);
+    blocks.extend((!reasons.is_empty()).then(|| Block::Text(reasons.join("\n"))));
+    blocks
+}
+
+/// Counts and errors of every test, and the modes.
+pub(super) fn comparison_tables(table: &ComparisonTable, width: usize) -> Vec<Block> {
     let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
     let mut blocks = vec![Block::Table(counts_table(table, width))];
     blocks.extend(empty_band_block(table));
     let form = Form::Screen;
     let tables = ModeTables { table, width, form }.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
-    blocks.extend(reasons_block(table));
     blocks
 }
 
@@ -192,7 +199,7 @@ impl ModeTables<'_> {
                     Cell::signed(cell.error_percent, 3),
                     Cell::measured(percent(cell.damping_ratio), percent(cell.damping_std)),
                     Cell::mac(cell.mac, MAC_DECIMALS),
-                    Cell::text(verdict(cell)),
+                    Cell::text(verdict_with_doubt(cell)),
                 ]
             }));
             cells
@@ -389,6 +396,11 @@ const MARKS: &[Mark] = &[
         applies: |cell| cell.status == Status::Ambiguous,
     },
     Mark {
+        text: "!",
+        meaning: "doubtful mode, see warning",
+        applies: |cell| !cell.doubts.is_empty() && cell.basis.is_some(),
+    },
+    Mark {
         text: "unmatched",
         meaning: "no partner, should have been seen",
         applies: |cell| cell.status == Status::MissedUnexpected && cell.is_status_certain(),
@@ -415,6 +427,14 @@ const MARKS: &[Mark] = &[
     },
 ];
 
+/// The verdict on a mode of one test, and whether the mode itself is doubtful.
+fn verdict_with_doubt(cell: &TestCell) -> String {
+    match cell.doubts.first() {
+        None => verdict(cell).to_owned(),
+        Some(code) => format!("{}; doubtful: {}", verdict(cell), code.name()),
+    }
+}
+
 /// The verdict on a mode of one test.
 fn verdict(cell: &TestCell) -> &'static str {
     match (cell.status, cell.basis) {
@@ -431,7 +451,7 @@ fn verdict(cell: &TestCell) -> &'static str {
 }
 
 /// Why modes are unmatched or ambiguous, the unmatched first.
-fn reasons_block(table: &ComparisonTable) -> Option<Block> {
+pub(super) fn reasons(table: &ComparisonTable) -> Vec<String> {
     let of_status = |status: Status| {
         let cells = table
             .rows
@@ -451,7 +471,7 @@ fn reasons_block(table: &ComparisonTable) -> Option<Block> {
     let statuses = [Status::MissedUnexpected, Status::Extra, Status::Ambiguous];
     let mut all: Vec<String> = statuses.into_iter().flat_map(of_status).collect();
     all.truncate(MAX_REASONS);
-    (!all.is_empty()).then(|| Block::Text(all.join("\n")))
+    all
 }
 
 /// A name in lines of at most this width.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
+use crate::finding::{Code, Location};
 use crate::modal::{Grade, ModalModel, Mode};
 use crate::report::modes::{largest_energy_fractions, remarks, root_labels};
 use crate::report::{Block, Cell, Column, Table};
@@ -12,6 +13,8 @@ use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Number of roots on the screen where no band is stated.
 const MAX_ROOTS: usize = 20;
+/// Frequencies that a line of advice names.
+const MAX_NAMED_FREQUENCIES: usize = 4;
 /// Widths at which remarks are wrapped, without and with a column of uncertain values.
 const REMARK_WIDTHS: [usize; 2] = [32, 20];
 /// Width at which the uncertain values are wrapped.
@@ -20,10 +23,51 @@ const UNCERTAIN_WIDTH: usize = 9;
 /// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks, of
 /// at most so many modes. Without modes the advice says what to try.
 pub fn modes_screen(test: &str, model: &ModalModel, advice: &str, width: usize) -> Vec<Block> {
-    listed_modes(test, model, advice, width, MAX_ROWS)
+    modes_and_advice(test, model, advice, width, MAX_ROWS)
 }
 
 /// As [`modes_screen`], with this number of modes.
+pub(super) fn modes_and_advice(
+    test: &str,
+    model: &ModalModel,
+    advice: &str,
+    width: usize,
+    most: usize,
+) -> Vec<Block> {
+    let mut blocks = listed_modes(test, model, advice, width, most);
+    let on_band = advice_on_band(model);
+    blocks.extend((!on_band.is_empty()).then(|| Block::Text(on_band.join("\n"))));
+    blocks
+}
+
+/// What to try where a mode depends on the band.
+fn advice_on_band(model: &ModalModel) -> Vec<String> {
+    let frequencies = |code: Code| {
+        let findings = model.findings.iter();
+        let of_code = findings.filter(|finding| finding.code == code);
+        let mut hz: Vec<String> = of_code
+            .filter_map(|finding| match finding.location {
+                Location::Mode(hz) => Some(format!("{hz:.2} Hz")),
+                _ => None,
+            })
+            .collect();
+        let further = hz.len().saturating_sub(MAX_NAMED_FREQUENCIES);
+        hz.truncate(MAX_NAMED_FREQUENCIES);
+        hz.extend((further > 0).then(|| format!("{further} more")));
+        (!hz.is_empty()).then(|| hz.join(", "))
+    };
+    let edge = frequencies(Code::NearBandEdge).map(|hz| {
+        format!(
+            "Near the edge of the band: {hz}. Widen the band: --band LO:HI, or band_hz of the scene."
+        )
+    });
+    let peaks = frequencies(Code::PeakWithoutMode).map(|hz| {
+        format!("Peaks without a mode: {hz}. Try a narrow band around each, or another method.")
+    });
+    edge.into_iter().chain(peaks).collect()
+}
+
+/// The table of [`modes_screen`], with this number of modes.
 pub(super) fn listed_modes(
     test: &str,
     model: &ModalModel,
@@ -51,9 +95,14 @@ pub(super) fn listed_modes(
             Cell::measured(damping, damping_std),
             Cell::std(damping_std, 0),
             Cell::mac(mode.mpc, MAC_DECIMALS),
-            mode.quality
-                .as_ref()
-                .map_or(Cell::Missing, |quality| Cell::text(quality.verdict.name())),
+            mode.quality.as_ref().map_or(Cell::Missing, |quality| {
+                // Other words than those of its values, which may be uncertain where it is a mode.
+                Cell::text(match quality.verdict {
+                    Grade::Good => "yes",
+                    Grade::Doubtful => "doubtful",
+                    Grade::Bad => "no",
+                })
+            }),
             Cell::text(textwrap::fill(uncertain_values(mode), UNCERTAIN_WIDTH)),
             Cell::text(textwrap::fill(&remarks(model, mode), remark_width)),
         ]
@@ -67,13 +116,15 @@ pub(super) fn listed_modes(
         "MPC",
     ];
     let mut columns: Vec<Column> = numbers.map(Column::number).to_vec();
-    columns.extend(["quality", "uncertain", "remark"].map(Column::text));
+    columns.extend(["is a mode", "uncertain", "remark"].map(Column::text));
     let omitted = model.modes.get(most).map(|first| {
         let modes = counted(model.modes.len() - most, "further mode");
         format!("{modes} from {:.2} Hz: --full.", first.frequency_hz)
     });
-    let meaning = has_uncertain
-        .then(|| "quality: whether it is a mode; uncertain: to be checked before use.".to_owned());
+    let meaning = has_uncertain.then(|| {
+        "is a mode: of the structure, not of noise; uncertain: its values to check before use."
+            .to_owned()
+    });
     let table = Table {
         caption: format!("Identified modes: {test}"),
         columns,
@@ -86,7 +137,7 @@ pub(super) fn listed_modes(
             "std (Hz)",
             "std (%)",
             "MPC",
-            "quality",
+            "is a mode",
             "uncertain",
             "remark",
         ],

@@ -4,9 +4,11 @@ use crate::report::{Block, before_you_leave_line};
 use crate::scene::{Scene, SceneResult, TestResult};
 
 use super::MAX_ROWS;
-use super::comparison::comparison_screen;
-use super::modes::{listed_modes, roots_screen};
-use super::sentences::{assumptions, limits, next_points, pairs, published, synthetic};
+use super::comparison::{comparison_tables, reasons};
+use super::modes::{modes_and_advice, roots_screen};
+use super::sentences::{
+    assumptions, limits, next_points, pairs, published, synthetic, verdict_warnings,
+};
 
 /// What to try where a test has no modes.
 const ADVICE: &str = "Try another band (band_hz of [[test]]) or method or order ([identify]); check units and coherence.";
@@ -24,10 +26,11 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
         synthetic(&result.tests),
         assumptions(&result.theory),
     ];
-    let verdict: Vec<String> = verdict.into_iter().flatten().collect();
+    let warnings = verdict_warnings(&result.findings_by_test());
+    let verdict: Vec<String> = verdict.into_iter().flatten().chain(warnings).collect();
     blocks.push(Block::Text(verdict.join("\n")));
     match &result.table {
-        Some(table) => blocks.extend(comparison_screen(table, width)),
+        Some(table) => blocks.extend(comparison_tables(table, width)),
         None if result.tests.is_empty() => {
             let sentence = "The scene has no test, so that nothing is compared. Next, a test: modalign new DIR FILE... --model MODEL.";
             blocks.push(Block::Text(sentence.to_owned()));
@@ -46,7 +49,7 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
             blocks.push(Block::Text(sentence.to_owned()));
             let most = (MAX_ROWS / result.tests.len()).max(MIN_MODES_OF_TEST);
             let of_test =
-                |test: &TestResult| listed_modes(&test.name, &test.modes, ADVICE, width, most);
+                |test: &TestResult| modes_and_advice(&test.name, &test.modes, ADVICE, width, most);
             blocks.extend(result.tests.iter().flat_map(of_test));
         }
     }
@@ -60,7 +63,9 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
     let published = result.expected.iter().flat_map(published);
     let points = result.placements.iter();
     let points = points.filter_map(|placed| next_points(placed, result.table.as_ref()));
-    let last: Vec<String> = published.chain(lists).chain(points).collect();
+    let reasons = result.table.iter().flat_map(reasons);
+    let last = reasons.chain(published).chain(lists).chain(points);
+    let last: Vec<String> = last.collect();
     blocks.push(Block::Text(last.join("\n")));
     blocks
 }

@@ -1,8 +1,11 @@
 //! Sentences of a screen: limits, synthetic recordings, assumptions, published results and the
 //! points to measure next.
 
+use std::collections::BTreeSet;
+
 use crate::correlate::published::ClaimVerdict;
 use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell, TestSummary};
+use crate::finding::{Code, Finding, Severity};
 use crate::report::Cell;
 use crate::report::placement::label;
 use crate::report::table::significant;
@@ -78,6 +81,11 @@ fn limit(check: &LimitCheck) -> String {
     format!("{} {value} ({relation} {limit})", check.what)
 }
 
+/// Maximum number of published statements that a sentence names, and of characters of one.
+const MAX_NAMED_STATEMENTS: usize = 2;
+const MAX_STATEMENT_CHARS: usize = 32;
+/// Maximum number of assumed parameters that a sentence names.
+const MAX_NAMED_PARAMETERS: usize = 4;
 /// Maximum number of unmatched modes that a sentence names.
 const MAX_NAMED_MODES: usize = 4;
 
@@ -167,20 +175,53 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
     )
 }
 
-/// The tests whose recordings are synthetic; `None` without any.
+/// The tests whose recordings are synthetic, and the models that they were computed from; `None`
+/// without any.
 pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
     let synthetic = tests.iter().filter(|test| test.is_synthetic());
-    let names: Vec<&str> = synthetic.map(|test| test.name.as_str()).collect();
+    let names: Vec<&str> = synthetic.clone().map(|test| test.name.as_str()).collect();
+    let findings = synthetic.flat_map(|test| &test.modes.findings);
+    let findings = findings.filter(|finding| finding.code == Code::Synthetic);
+    let details: Vec<&str> = findings
+        .filter_map(|finding| finding.detail.as_deref())
+        .collect();
+    let models = details.iter().filter_map(|detail| detail.split(':').next());
+    let models: BTreeSet<&str> = models.collect();
+    let changes = match details.iter().any(|detail| detail.contains(':')) {
+        true => " with changes (--full)",
+        false => "",
+    };
+    let models: Vec<&str> = models.into_iter().collect();
+    let sources = format!("{}{changes}", models.join(" and "));
     match names.len() {
         0 => None,
-        all if all == tests.len() => {
-            Some("The recordings are synthetic: computed from a model and not measured.".to_owned())
-        }
+        all if all == tests.len() => Some(format!(
+            "The recordings are synthetic, not measured: computed from {sources}."
+        )),
         _ => Some(format!(
-            "Synthetic recordings, computed from a model and not measured: {}.",
+            "Synthetic recordings, not measured: {}; computed from {sources}.",
             names.join(", ")
         )),
     }
+}
+
+/// A line for each warning that puts the verdict of a comparison in question, with the tests that
+/// it is about.
+pub(super) fn verdict_warnings(findings: &[(String, Vec<Finding>)]) -> Vec<String> {
+    let of_code = |code: &Code| {
+        let tests = findings.iter().filter(|(_, findings)| {
+            let mut of_test = findings.iter();
+            of_test.any(|finding| finding.code == *code && finding.severity > Severity::Info)
+        });
+        let tests: Vec<&str> = tests.map(|(test, _)| test.as_str()).collect();
+        let names = match tests.join("; ") {
+            none if none.is_empty() => none,
+            names => format!(": {names}"),
+        };
+        let sentence = code.sentence().trim_end_matches('.');
+        (!tests.is_empty()).then(|| format!("Warning: {sentence}{names}."))
+    };
+    Code::ON_THE_VERDICT.iter().filter_map(of_code).collect()
 }
 
 /// What the model assumes beyond printed or measured values; `None` where it assumes nothing.
@@ -194,9 +235,23 @@ pub(super) fn assumptions(theory: &Theory) -> Option<String> {
     }
     if !assumed.is_empty() {
         let parameters = counted(assumed.len(), "parameter");
-        parts.push(format!("{parameters} ({})", assumed.join(", ")));
+        let further = assumed.len().saturating_sub(MAX_NAMED_PARAMETERS);
+        let further = (further > 0).then(|| format!("{further} more"));
+        let named = assumed.into_iter().take(MAX_NAMED_PARAMETERS);
+        let named: Vec<String> = named.map(str::to_owned).chain(further).collect();
+        parts.push(format!("{parameters} ({})", named.join(", ")));
     }
     (!parts.is_empty()).then(|| format!("Assumed in the model: {}.", parts.join(" and ")))
+}
+
+/// A text cut between words.
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= MAX_STATEMENT_CHARS {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(MAX_STATEMENT_CHARS).collect();
+    let end = kept.rfind(' ').unwrap_or(kept.len());
+    format!("{} …", kept[..end].trim_end_matches([',', ':', ';']))
 }
 
 /// Published results against the model and one another.
@@ -228,7 +283,18 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
             count(None)
         )
     });
-    roots.into_iter().chain(claims).collect()
+    let not_reproduced = expected
+        .verdicts
+        .iter()
+        .filter(|claim| claim.confirmed == Some(false));
+    let further = not_reproduced.clone().count();
+    let further = further.saturating_sub(MAX_NAMED_STATEMENTS);
+    let further = (further > 0).then(|| format!("{further} more (--full)"));
+    let named = not_reproduced.map(|claim| shortened(&claim.text));
+    let named = named.take(MAX_NAMED_STATEMENTS).chain(further);
+    let named: Vec<String> = named.collect();
+    let named = (!named.is_empty()).then(|| format!("Not reproduced: {}.", named.join("; ")));
+    roots.into_iter().chain(claims).chain(named).collect()
 }
 
 /// The points to measure next, or why they are unknown; `None` where none makes a further mode

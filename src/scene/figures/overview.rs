@@ -154,6 +154,7 @@ mod tests {
             uncorrelated: false,
             angles_deg: None,
             status: Status::Paired,
+            doubts: Vec::new(),
             reasons: Vec::new(),
             observability: None,
         };
