@@ -63,9 +63,15 @@ pub fn main() -> ExitCode {
     let result = check_features(&matches)
         .and_then(|()| in_pool(&cli.global, || dispatch(&cli, &mut output)));
     output.end_progress();
-    match result.and_then(|outcome| output.finish().map(|()| outcome)) {
+    let result = result.and_then(|outcome| match output.finish() {
+        // The reader of standard output has gone away: the outcome stays.
+        Err(error) if !error.is_broken_pipe() => Err(error),
+        _ => Ok(outcome),
+    });
+    match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Missed) => ExitCode::from(1),
+        // The reader of a verb that watches, which has no outcome before its end.
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             let line = format!("error: {error}{}", hint(&error));

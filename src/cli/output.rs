@@ -274,7 +274,8 @@ impl Output {
             .map_err(Error::Output)
     }
 
-    /// Writes the files, prints the result, then the findings.
+    /// Writes the files, prints the result, then the findings, these also where standard output
+    /// cannot be written.
     ///
     /// # Errors
     /// [`Error::Io`] when a file cannot be written, [`Error::Output`] when standard output cannot.
@@ -287,10 +288,9 @@ impl Output {
             write_all_whole(&self.files)?;
         }
         let mut stdout = std::io::stdout().lock();
-        stdout
+        let printed = stdout
             .write_all(self.result.as_bytes())
-            .and_then(|()| stdout.flush())
-            .map_err(Error::Output)?;
+            .and_then(|()| stdout.flush());
         if !self.quiet {
             let stderr = std::io::stderr();
             let paints = self.color.is_enabled_on(&stderr);
@@ -318,7 +318,7 @@ impl Output {
                 let _ = writeln!(std::io::stderr(), "{line}");
             }
         }
-        Ok(())
+        printed.map_err(Error::Output)
     }
 }
 

@@ -188,20 +188,28 @@ fn an_unwritable_target_is_reported() {
     assert_eq!(std::fs::read_dir(path("folder.json")).unwrap().count(), 0);
 }
 
+/// A script in the project's folder; `PROGRAM` is the path of the program.
+#[cfg(target_os = "linux")]
+fn bash(script: &str) -> std::process::Output {
+    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let script = script.replace("PROGRAM", &program.display().to_string());
+    let mut shell = Command::new("bash");
+    let output = shell.current_dir(root()).args(["-c", &script]).output();
+    output.unwrap()
+}
+
+/// Standard error, with the exit code as its last line, of a verb whose reader is gone before
+/// anything is written.
+#[cfg(target_os = "linux")]
+fn without_reader(verb: &str) -> String {
+    let piped = bash(&format!("(sleep 0.2; PROGRAM {verb}; echo $? >&2) | true"));
+    String::from_utf8(piped.stderr).unwrap()
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_output_is_an_error_and_a_closed_one_is_not() {
-    let run = |script: &str| {
-        let program = assert_cmd::cargo::cargo_bin("modalign");
-        let script = script.replace("modalign", &program.display().to_string());
-        let mut shell = Command::new("bash");
-        shell
-            .current_dir(root())
-            .args(["-c", &script])
-            .output()
-            .unwrap()
-    };
-    let full = run("modalign theory cycloid-ball > /dev/full");
+    let full = bash("PROGRAM theory cycloid-ball > /dev/full");
     assert_eq!(full.status.code(), Some(2));
     assert!(
         String::from_utf8_lossy(&full.stderr).contains("standard output"),
@@ -213,14 +221,39 @@ fn a_full_standard_output_is_an_error_and_a_closed_one_is_not() {
         "--help",
         "theory cycloid-ball --json",
     ] {
-        // The reader is gone before anything is written.
-        let piped = run(&format!("(sleep 0.2; modalign {verb}; echo $? >&2) | true"));
-        assert_eq!(
-            String::from_utf8_lossy(&piped.stderr).lines().last(),
-            Some("0"),
-            "{verb}: {piped:?}"
-        );
+        let error = without_reader(verb);
+        assert_eq!(error.lines().last(), Some("0"), "{verb}: {error}");
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_standard_output_keeps_the_verdict_and_the_findings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mode = "[[limits.mode]]\nfrequency_hz = 1\nmax_frequency_error_percent = 1\n";
+    let table = "frequency_hz,1:+Z/1:+Z re,1:+Z/1:+Z im\n1,1,0\n2,1,x\n";
+    write(
+        folder.path(),
+        &[("missed.toml", mode), ("damaged.csv", table)],
+    );
+    succeed(["theory", "cycloid-ball", "-o", &path("modes.json")]);
+    let (modes, missed) = (path("modes.json"), path("missed.toml"));
+    for (verb, code) in [
+        (format!("check {modes} --against {missed}"), "1"),
+        (format!("check {modes} --against {missed} --json"), "1"),
+        (format!("check {modes} --against {modes}"), "0"),
+        (format!("inspect {}", path("absent.uff")), "2"),
+    ] {
+        let error = without_reader(&verb);
+        assert_eq!(error.lines().last(), Some(code), "{verb}: {error}");
+    }
+    let verb = format!("inspect {}", path("damaged.csv"));
+    let read = modalign(verb.split(' '));
+    let expected = String::from_utf8(read.stderr).unwrap();
+    assert_eq!(read.status.code(), Some(1), "{expected}");
+    assert!(!expected.is_empty());
+    assert_eq!(without_reader(&verb), format!("{expected}1\n"));
 }
 
 /// The program in a folder, running.
