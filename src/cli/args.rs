@@ -484,7 +484,7 @@ pub struct CheckArgs {
     pub damping_percent: Option<f64>,
     /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a
     /// baseline comparison; by default from the uncertainties of the shapes, else 0.01.
-    #[arg(long, value_name = "MAC", value_parser = positive)]
+    #[arg(long, value_name = "MAC", value_parser = fraction)]
     pub mac: Option<f64>,
     /// False-alarm probability: how often a result that differs from the baseline only within the
     /// stated uncertainties may be refused.
@@ -561,6 +561,11 @@ fn positive(text: &str) -> Result<f64, String> {
     value
         .filter(|value| value.is_finite() && *value > 0.0)
         .ok_or_else(|| format!("got `{text}`, expected a number above 0"))
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let value = positive(text).ok().filter(|value| *value < 1.0);
+    value.ok_or_else(|| format!("got `{text}`, expected a number between 0 and 1"))
 }
 
 fn probability(text: &str) -> Result<f64, String> {

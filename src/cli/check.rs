@@ -13,9 +13,9 @@ use crate::report::json::{
 };
 use crate::report::{regression_check_block, regression_check_screen};
 use crate::scene::{
-    AllowedChange, Change, ChangeLimits, LimitCheck, LimitsFile, MAX_MAC_CHANGE, Measure,
-    RowVerdict, UncertainValue, check_changes, check_comparison, check_modes, mode_changes, parse,
-    percent, read_text, relative_change,
+    AllowedChange, Change, ChangeLimits, LimitCheck, LimitedResult, LimitsUse, MAX_MAC_CHANGE,
+    Measure, RowVerdict, UncertainValue, check_changes, check_comparison, check_modes,
+    limits_from_toml, mode_changes, percent, read_text, relative_change,
 };
 
 use super::args::CheckArgs;
@@ -123,7 +123,26 @@ fn argument_error(got: &str, expected: &str) -> Error {
 }
 
 fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, Error> {
-    let limits = parse::<LimitsFile>(&read_text(path)?, &path.display().to_string())?.limits;
+    let used = match result {
+        ResultFile::Comparison(_) => LimitsUse {
+            decided_by: &[LimitedResult::Comparison],
+            result: "a comparison.json",
+            expected: "limits on a comparison alone; state [[limits.mode]] in another file and check \
+                       the modes.json of a test against it",
+        },
+        ResultFile::Modes(_) => LimitsUse {
+            decided_by: &[LimitedResult::Modes],
+            result: "a modes.json",
+            expected: "[[limits.mode]] alone or with max_extra; state limits on a comparison in \
+                       another file and check comparison.json against it",
+        },
+        ResultFile::Update(_) => LimitsUse {
+            decided_by: &[],
+            result: "an update.json",
+            expected: "an earlier update.json",
+        },
+    };
+    let limits = limits_from_toml(&read_text(path)?, &path.display().to_string(), used)?;
     let checks = match result {
         ResultFile::Comparison(file) => check_comparison(&limits, &file.summary.tests),
         ResultFile::Modes(model) => {

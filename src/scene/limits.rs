@@ -1,8 +1,12 @@
 //! A result is checked against stated limits.
 
 use serde::{Deserialize, Serialize};
+use toml::de::DeTable;
 
 use crate::correlate::TestSummary;
+
+use super::error::{SceneError, value_error};
+use super::toml_text::parse;
 
 /// Absolute limits; `None` is not checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,6 +46,160 @@ pub struct ModeLimit {
     pub max_damping_error_percent: Option<f64>,
 }
 
+/// A result that decides limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitedResult {
+    /// A comparison of tests with a model.
+    Comparison,
+    /// The modes of tests, which decide `[[limits.mode]]`, with `max_extra`.
+    Modes,
+}
+
+/// Whether and by which results the limits are decided.
+#[derive(Clone, Copy, Debug)]
+pub struct LimitsUse<'a> {
+    /// The results at hand.
+    pub decided_by: &'a [LimitedResult],
+    /// They in words, such as `a scene without [model]`.
+    pub result: &'a str,
+    /// The accepted limits, or what to do about the others.
+    pub expected: &'a str,
+}
+
+impl Limits {
+    /// Checks that a result can miss each limit by its value, and that a result decides it.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`] with the keys of the limits.
+    pub fn check(&self, used: LimitsUse<'_>, path: &str) -> Result<(), SceneError> {
+        let table = |key: &str| format!("[limits] {key}");
+        let percent = "max_frequency_error_percent";
+        check_percent(self.max_frequency_error_percent, path, &table(percent))?;
+        let is_mac = |mac: f64| (0.0..=1.0).contains(&mac);
+        check_value(
+            self.min_mac,
+            is_mac,
+            path,
+            &table("min_mac"),
+            "a MAC from 0 to 1",
+        )?;
+        for (number, mode) in (1..).zip(&self.mode) {
+            mode.check(path, &format!("[[limits.mode]] {number}"))?;
+        }
+        let undecided = self.undecided(used.decided_by);
+        if undecided.is_empty() {
+            return Ok(());
+        }
+        let got = format!("limits that {} does not decide", used.result);
+        Err(value_error(
+            path,
+            &undecided.join(", "),
+            &got,
+            used.expected,
+        ))
+    }
+
+    /// Keys of the stated limits that no result of these kinds decides.
+    fn undecided(&self, by: &[LimitedResult]) -> Vec<&'static str> {
+        let compared = by.contains(&LimitedResult::Comparison);
+        let modes = by.contains(&LimitedResult::Modes);
+        let has_mode = !self.mode.is_empty();
+        let limits = [
+            (
+                "[limits] max_frequency_error_percent",
+                self.max_frequency_error_percent.is_some(),
+                compared,
+            ),
+            ("[limits] min_mac", self.min_mac.is_some(), compared),
+            ("[limits] min_paired", self.min_paired.is_some(), compared),
+            ("[limits] max_missed", self.max_missed.is_some(), compared),
+            (
+                "[limits] max_not_observable",
+                self.max_not_observable.is_some(),
+                compared,
+            ),
+            (
+                "[limits] max_extra",
+                self.max_extra.is_some(),
+                compared || (modes && has_mode),
+            ),
+            (
+                "[limits] max_ambiguous",
+                self.max_ambiguous.is_some(),
+                compared,
+            ),
+            ("[[limits.mode]]", has_mode, modes),
+        ];
+        let undecided = limits
+            .iter()
+            .filter(|(_, stated, decided)| *stated && !decided);
+        undecided.map(|(key, ..)| *key).collect()
+    }
+}
+
+impl ModeLimit {
+    fn check(&self, path: &str, table: &str) -> Result<(), SceneError> {
+        let key = |name: &str| format!("{table} {name}");
+        let is_positive = |value: f64| value.is_finite() && value > 0.0;
+        let (hz, ratio) = ("a finite frequency above 0 Hz", "a finite ratio above 0");
+        check_value(
+            Some(self.frequency_hz),
+            is_positive,
+            path,
+            &key("frequency_hz"),
+            hz,
+        )?;
+        check_value(
+            self.damping_ratio,
+            is_positive,
+            path,
+            &key("damping_ratio"),
+            ratio,
+        )?;
+        let percent = key("max_frequency_error_percent");
+        check_percent(Some(self.max_frequency_error_percent), path, &percent)?;
+        let percent = key("max_damping_error_percent");
+        check_percent(self.max_damping_error_percent, path, &percent)?;
+        let expected = "both, or none";
+        match (self.damping_ratio, self.max_damping_error_percent) {
+            (Some(_), None) => {
+                let got = "`damping_ratio` without `max_damping_error_percent`";
+                Err(value_error(path, table, got, expected))
+            }
+            (None, Some(_)) => {
+                let got = "`max_damping_error_percent` without `damping_ratio`";
+                Err(value_error(path, table, got, expected))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn check_percent(value: Option<f64>, path: &str, key: &str) -> Result<(), SceneError> {
+    let is_percent = |value: f64| value.is_finite() && value >= 0.0;
+    check_value(
+        value,
+        is_percent,
+        path,
+        key,
+        "a finite percentage, 0 or more",
+    )
+}
+
+/// Checks the value of a limit that is stated.
+fn check_value(
+    value: Option<f64>,
+    is_valid: impl Fn(f64) -> bool,
+    path: &str,
+    key: &str,
+    expected: &str,
+) -> Result<(), SceneError> {
+    match value.filter(|value| !is_valid(*value)) {
+        None => Ok(()),
+        Some(value) => Err(value_error(path, key, &value.to_string(), expected)),
+    }
+}
+
 /// One limit with the value that it is checked against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCheck {
@@ -69,10 +227,29 @@ impl LimitCheck {
 }
 
 /// A file with `[limits]`, such as a scene, whose other tables are ignored.
-#[derive(Clone, Debug, Deserialize)]
-pub struct LimitsFile {
-    /// The limits.
-    pub limits: Limits,
+#[derive(Deserialize)]
+struct LimitsFile {
+    limits: Limits,
+}
+
+/// The limits of a file with `[limits]`, such as a scene, for these results.
+///
+/// # Errors
+/// [`SceneError`] with the place in the file, or as [`Limits::check`].
+pub fn limits_from_toml(text: &str, path: &str, used: LimitsUse<'_>) -> Result<Limits, SceneError> {
+    let limits = parse::<LimitsFile>(text, path)?.limits;
+    // A limit above the head of its table is a key of the document.
+    let keys = DeTable::parse(text).map(|table| table.into_inner());
+    for key in keys.iter().flat_map(|table| table.keys()) {
+        let key = key.get_ref();
+        let is_limit = key == "mode" || key.starts_with("min_") || key.starts_with("max_");
+        if is_limit {
+            let got = "a limit outside of the table [limits]";
+            return Err(value_error(path, key, got, "it below the line [limits]"));
+        }
+    }
+    limits.check(used, path)?;
+    Ok(limits)
 }
 
 /// Checks every stated absolute limit on a comparison for every test.
@@ -231,6 +408,110 @@ mod tests {
             dofs_used: 11,
             ..TestSummary::default()
         }
+    }
+
+    const COMPARED: LimitsUse<'_> = LimitsUse {
+        decided_by: &[LimitedResult::Comparison],
+        result: "a comparison.json",
+        expected: "limits on a comparison",
+    };
+    const MODES: LimitsUse<'_> = LimitsUse {
+        decided_by: &[LimitedResult::Modes],
+        result: "a modes.json",
+        expected: "[[limits.mode]]",
+    };
+
+    /// Asserts that a text of limits is refused with the key, the value got and the file.
+    fn assert_refused(text: &str, used: LimitsUse<'_>, parts: &[&str]) {
+        let error = limits_from_toml(text, "l.toml", used).unwrap_err();
+        let error = error.to_string();
+        let named = parts.iter().all(|part| error.contains(part));
+        assert!(named && error.starts_with("l.toml: "), "{text}: {error}");
+    }
+
+    #[test]
+    fn limits_that_no_result_misses_are_refused() {
+        for (limit, key) in [
+            (
+                "max_frequency_error_percent = inf",
+                "max_frequency_error_percent",
+            ),
+            (
+                "max_frequency_error_percent = nan",
+                "max_frequency_error_percent",
+            ),
+            (
+                "max_frequency_error_percent = -1",
+                "max_frequency_error_percent",
+            ),
+            ("min_mac = -0.5", "min_mac"),
+            ("min_mac = nan", "min_mac"),
+            ("min_mac = 1.01", "min_mac"),
+        ] {
+            let value = limit.rsplit(' ').next().unwrap();
+            let got = format!("got {}", value.replace("nan", "NaN"));
+            let text = format!("[limits]\n{limit}\n");
+            assert_refused(&text, COMPARED, &[key, &got]);
+        }
+        let text = "[limits]\nmin_mac = 1\nmax_frequency_error_percent = 0\n";
+        assert!(limits_from_toml(text, "l.toml", COMPARED).is_ok());
+    }
+
+    #[test]
+    fn limits_of_a_mode_are_finite_and_those_of_damping_complete() {
+        let mode = |keys: &str| format!("[[limits.mode]]\nfrequency_hz = 100\n{keys}\n");
+        let percent = "max_frequency_error_percent = 1\n";
+        for (keys, key) in [
+            (
+                "max_frequency_error_percent = inf",
+                "max_frequency_error_percent",
+            ),
+            (
+                "max_frequency_error_percent = -1",
+                "max_frequency_error_percent",
+            ),
+            (
+                &format!("{percent}damping_ratio = 0.01"),
+                "without `max_damping",
+            ),
+            (
+                &format!("{percent}max_damping_error_percent = 5"),
+                "without `damping_ratio`",
+            ),
+            (
+                &format!("{percent}damping_ratio = 0\nmax_damping_error_percent = 5"),
+                "damping_ratio",
+            ),
+            (
+                &format!("{percent}damping_ratio = 0.01\nmax_damping_error_percent = inf"),
+                "max_damping_error_percent",
+            ),
+        ] {
+            assert_refused(&mode(keys), MODES, &["[[limits.mode]] 1", key]);
+        }
+        let nan = mode(percent).replace("100", "nan");
+        assert_refused(&nan, MODES, &["[[limits.mode]] 1 frequency_hz", "got NaN"]);
+        let whole = format!("{percent}damping_ratio = 0.01\nmax_damping_error_percent = 5");
+        assert!(limits_from_toml(&mode(&whole), "l.toml", MODES).is_ok());
+    }
+
+    #[test]
+    fn limits_that_a_result_does_not_decide_are_named() {
+        let mode = "[[limits.mode]]\nfrequency_hz = 100\nmax_frequency_error_percent = 1\n";
+        let both = format!("[limits]\nmin_mac = 0.9\nmax_extra = 0\n{mode}");
+        assert_refused(&both, COMPARED, &["[[limits.mode]]", "a comparison.json"]);
+        assert_refused(&both, MODES, &["[limits] min_mac", "a modes.json"]);
+        assert_refused("[limits]\nmax_extra = 0\n", MODES, &["[limits] max_extra"]);
+        let neither = LimitsUse {
+            decided_by: &[],
+            ..MODES
+        };
+        let names = ["[limits] min_mac", "[limits] max_extra", "[[limits.mode]]"];
+        assert_refused(&both, neither, &names);
+        let extra = format!("[limits]\nmax_extra = 0\n{mode}");
+        assert!(limits_from_toml(&extra, "l.toml", MODES).is_ok());
+        let outside = "min_mac = 0.9\n[limits]\nmax_missed = 0\n";
+        assert_refused(outside, COMPARED, &["min_mac", "outside of the table"]);
     }
 
     #[test]

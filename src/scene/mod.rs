@@ -59,7 +59,8 @@ pub use expected::{EXPECTED_SCHEMA, Expected, ExpectedResult, Source, load_expec
 pub use figures::*;
 pub use ingest::{IngestOptions, Ingested, ingest_files, open_test};
 pub use limits::{
-    LimitCheck, Limits, LimitsFile, ModeLimit, check_comparison, check_modes, percent,
+    LimitCheck, LimitedResult, Limits, LimitsUse, ModeLimit, check_comparison, check_modes,
+    limits_from_toml, percent,
 };
 pub use mass_line::{leaving_list, mass_line_findings, test_rigid_body};
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};

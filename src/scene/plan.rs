@@ -12,7 +12,7 @@ use crate::signal::{ForceWindow, Offset};
 use super::SceneError;
 use super::error::value_error;
 use super::expected::{Expected, published_results};
-use super::limits::Limits;
+use super::limits::{LimitedResult, Limits, LimitsUse};
 use super::model::sensors;
 use super::model_name::named_model;
 use super::placement::{PlacementPlan, placement_plans};
@@ -114,6 +114,8 @@ impl Scene {
             .map(|test| test_plan(test, &folder, &name))
             .collect::<Result<Vec<_>, _>>()?;
         check_tests(&tests, typed.model.is_some(), &name)?;
+        let limits_use = limits_use(!tests.is_empty(), typed.model.is_some());
+        typed.limits.check(limits_use, &name)?;
         typed.pair.validate().map_err(|error| match error {
             CorrelateError::Option {
                 name: option,
@@ -267,6 +269,27 @@ fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneE
         }
     }
     Ok(())
+}
+
+/// Results of a scene that decide its limits.
+fn limits_use(has_tests: bool, has_model: bool) -> LimitsUse<'static> {
+    match (has_tests, has_model) {
+        (true, true) => LimitsUse {
+            decided_by: &[LimitedResult::Comparison, LimitedResult::Modes],
+            result: "a scene with [[test]] and [model]",
+            expected: "any limits",
+        },
+        (true, false) => LimitsUse {
+            decided_by: &[LimitedResult::Modes],
+            result: "a scene without [model]",
+            expected: "a [model], or [[limits.mode]] alone or with max_extra",
+        },
+        (false, _) => LimitsUse {
+            decided_by: &[],
+            result: "a scene without [[test]]",
+            expected: "a [[test]], or no limits",
+        },
+    }
 }
 
 fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneError> {

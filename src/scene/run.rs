@@ -18,10 +18,9 @@ use crate::modal::{InputFile, ModalModel, Mode};
 use crate::theory::{ModeOptions, ModelRoot, Support};
 
 use super::SceneError;
-use super::error::value_error;
 use super::expected::ExpectedResult;
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
-use super::limits::{LimitCheck, Limits, check_comparison, check_modes};
+use super::limits::{LimitCheck, check_comparison, check_modes};
 use super::mass_line::{body_findings, leaving_list, mass_line_findings, test_rigid_body};
 use super::model::{Theory, theory};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
@@ -149,20 +148,6 @@ fn tests_only_result(
     tests: Vec<TestResult>,
     limits: Vec<LimitCheck>,
 ) -> Result<SceneResult, SceneError> {
-    let stated = Limits {
-        mode: Vec::new(),
-        max_extra: None,
-        ..scene.limits.clone()
-    };
-    if stated != Limits::default() {
-        let got = "limits on a comparison in a scene without [model]";
-        return Err(value_error(
-            &scene.path,
-            "[limits]",
-            got,
-            "[[limits.mode]] alone, or a [model]",
-        ));
-    }
     Ok(SceneResult {
         tests,
         limits,

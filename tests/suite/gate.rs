@@ -160,3 +160,63 @@ fn theory_and_test_modes_are_compared_without_a_scene() {
             .contains(".md or .csv or .tex or .txt or .html or .json")
     );
 }
+
+/// The beam's scene after a change to its text, in a folder with its model and recording.
+fn beam(folder: &std::path::Path, change: impl Fn(&str) -> String) -> String {
+    let source = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
+    let scene = change(&text("scene.toml"));
+    write(
+        folder,
+        &[
+            ("scene.toml", &scene),
+            ("model.toml", &text("model.toml")),
+            ("synth.toml", &text("synth.toml")),
+        ],
+    );
+    folder.to_str().unwrap().to_owned()
+}
+
+/// The text without the lines from the head of a table to the head of the next one.
+fn without_table(text: &str, head: &str) -> String {
+    let (before, table) = text.split_once(&format!("\n{head}\n")).unwrap();
+    let end = table.find("\n[").unwrap();
+    format!("{before}\n{}", &table[end + 1..])
+}
+
+#[test]
+fn limits_of_a_scene_without_its_test_or_its_model_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |change: &dyn Fn(&str) -> String, parts: &[&str]| {
+        let error = fail(["run", &beam(folder.path(), change)]);
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    };
+    let without_test = |text: &str| {
+        let text = without_table(text, "[[test]]");
+        without_table(&text, "[test.state]")
+    };
+    let limits = [
+        "[limits] min_mac",
+        "[limits] max_missed",
+        "without [[test]]",
+    ];
+    refused(&without_test, &limits);
+    let mode = "\n[[limits.mode]]\nfrequency_hz = 143\nmax_frequency_error_percent = 1\n\n[pair]\n";
+    let mode_alone = |text: &str| {
+        let text = without_table(&without_test(text), "[limits]");
+        text.replace("\n[pair]\n", mode)
+    };
+    refused(&mode_alone, &["[[limits.mode]]", "without [[test]]"]);
+    let without_model = |text: &str| without_table(text, "[model]");
+    refused(&without_model, &["[limits] min_mac", "without [model]"]);
+    let extra_alone = |text: &str| {
+        let text = without_table(&without_model(text), "[limits]");
+        text.replace("\n[pair]\n", "\n[limits]\nmax_extra = 0\n\n[pair]\n")
+    };
+    refused(&extra_alone, &["[limits] max_extra", "without [model]"]);
+    let infinite = |text: &str| text.replace("percent = 5.0", "percent = inf");
+    refused(
+        &infinite,
+        &["[limits] max_frequency_error_percent", "got inf"],
+    );
+}
