@@ -2,24 +2,25 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::Error;
 use crate::io::{MODES_SCHEMA, modes_from_json};
 use crate::modal::ModalModel;
 use crate::report::json::{
-    COMPARISON_SCHEMA, ComparisonFile, TestFile, UPDATE_SCHEMA, comparison_from_json,
+    COMPARISON_SCHEMA, ComparisonFile, JsonError, TestFile, UPDATE_SCHEMA, comparison_from_json,
 };
-use crate::report::{regression_check_block, regression_check_screen};
+use crate::report::{regression_check_blocks, regression_check_screen};
 use crate::scene::{
-    AllowedChange, Change, ChangeLimits, LimitCheck, LimitedResult, LimitsUse, MAX_MAC_CHANGE,
-    Measure, RowVerdict, UncertainValue, check_changes, check_comparison, check_modes,
-    limits_from_toml, mode_changes, percent, read_text, relative_change,
+    Change, ChangeLimits, LimitCheck, LimitedResult, LimitsUse, MAX_MAC_CHANGE, Measure,
+    RowVerdict, UncertainValue, check_changes, check_comparison, check_modes, limits_from_toml,
+    mode_changes, percent, read_text, relative_change, std_change,
 };
 
 use super::args::CheckArgs;
+use super::check_update::{self, UpdateResult, update_changes};
 use super::junit::junit;
+use super::not_compared::not_compared;
 use super::outcome::Outcome;
 use super::output::Output;
 use super::targets::{check_targets, targets};
@@ -28,48 +29,58 @@ use super::targets::{check_targets, targets};
 /// rounding.
 const MAX_THEORY_CHANGE_PERCENT: f64 = 1e-4;
 
-/// Allowed change of a parameter: by its posterior standard deviations; none for a value of 0.
-const PARAMETER_CHANGE: AllowedChange = AllowedChange {
-    percent: None,
-    unstated_percent: 0.0,
-    floor: 0.0,
-};
-
 /// A result of any kind.
 enum ResultFile {
     Comparison(ComparisonFile),
     Modes(ModalModel),
-    Update(Vec<UpdatedParameter>),
+    Update(UpdateResult),
 }
 
-/// The compared parts of an update's parameter.
-#[derive(Deserialize)]
-struct UpdatedParameter {
-    name: String,
-    updated: f64,
-    std: f64,
-    verdict: String,
-}
-
-/// The parameters of `update.json`.
-#[derive(Deserialize)]
-struct UpdateResult {
-    parameters: Vec<UpdatedParameter>,
+impl ResultFile {
+    /// Keys whose values are compared with those of a baseline.
+    fn compared_keys(&self) -> &'static [&'static str] {
+        match self {
+            ResultFile::Comparison(_) => &[
+                "rows.theory.hz",
+                "rows.tests.hz",
+                "rows.tests.hz_std",
+                "rows.tests.error_hz",
+                "rows.tests.normalised_error",
+                "rows.tests.damping_ratio",
+                "rows.tests.damping_std",
+                "rows.tests.mac",
+            ],
+            ResultFile::Modes(_) => &[
+                "modes.frequency_hz",
+                "modes.frequency_std_hz",
+                "modes.frequency_bias_hz",
+                "modes.damping_ratio",
+                "modes.damping_std",
+                "modes.damping_bias",
+                "modes.pole_rad_s",
+                "modes.shape",
+                "modes.shape_std",
+            ],
+            ResultFile::Update(_) => check_update::COMPARED_KEYS,
+        }
+    }
 }
 
 /// Exit code 0 when every limit is met, 1 when one is missed.
 pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     let read = [args.result.clone(), args.against.clone()];
     check_targets(&targets([("--junit", args.junit.as_ref())]), &read)?;
-    let result = read_result(&args.result)?;
+    let (result, _) = read_result(&args.result)?;
     let is_json = args
         .against
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    let rows = if is_json {
-        against_baseline(&result, &read_result(&args.against)?, args)?
+    let (rows, not_compared) = if is_json {
+        let (baseline, value) = read_result(&args.against)?;
+        let not_compared = not_compared(&value, baseline.compared_keys());
+        (against_baseline(&result, &baseline, args)?, not_compared)
     } else {
-        against_limits(&result, &args.against)?
+        (against_limits(&result, args)?, Vec::new())
     };
     if rows.is_empty() {
         return Err(Error::Argument {
@@ -84,25 +95,27 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
         output.add_file(path, junit(&suite, &against, &rows));
     }
     output.add_result(
-        |width| regression_check_screen(&rows, width),
-        || vec![regression_check_block(&rows)],
+        |width| regression_check_screen(&rows, &not_compared, width),
+        || regression_check_blocks(&rows, &not_compared),
     );
-    output.add_json(|| checks_json(&rows));
+    output.add_json(|| checks_json(&rows, &not_compared));
     Ok(Outcome::missed_if(rows.iter().any(|row| !row.is_met())))
 }
 
-fn read_result(path: &Path) -> Result<ResultFile, Error> {
+/// A result, with all values of its file.
+fn read_result(path: &Path) -> Result<(ResultFile, Value), Error> {
     let (text, name) = (read_text(path)?, path.display().to_string());
     let value: Value = serde_json::from_str(&text)
         .map_err(|error| argument_error(&format!("{name}: {error}"), "JSON"))?;
     let schema = value.get("schema").and_then(Value::as_str);
-    match schema {
+    let result = match schema {
         Some(COMPARISON_SCHEMA) => comparison_from_json(&text)
             .map(ResultFile::Comparison)
-            .map_err(|error| argument_error(&format!("{name}: {error}"), COMPARISON_SCHEMA)),
+            .map_err(|error| json_error(&name, error)),
         Some(MODES_SCHEMA) => Ok(ResultFile::Modes(modes_from_json(&text, &name)?)),
         Some(UPDATE_SCHEMA) => serde_json::from_str::<UpdateResult>(&text)
-            .map(|update| ResultFile::Update(update.parameters))
+            .map_err(|error| error.to_string())
+            .and_then(|update| update.check().map(|()| ResultFile::Update(update)))
             .map_err(|error| argument_error(&format!("{name}: {error}"), UPDATE_SCHEMA)),
         other => {
             let got = format!("{name} with schema {}", other.unwrap_or("none"));
@@ -111,7 +124,8 @@ fn read_result(path: &Path) -> Result<ResultFile, Error> {
                 &format!("{COMPARISON_SCHEMA}, {MODES_SCHEMA} or {UPDATE_SCHEMA}"),
             ))
         }
-    }
+    };
+    Ok((result?, value))
 }
 
 fn argument_error(got: &str, expected: &str) -> Error {
@@ -122,7 +136,17 @@ fn argument_error(got: &str, expected: &str) -> Error {
     }
 }
 
-fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, Error> {
+/// The error of a comparison.json of this name.
+fn json_error(name: &str, error: JsonError) -> Error {
+    match error {
+        JsonError::Value { key, got, expected } => {
+            argument_error(&format!("{name}: {key}: {got}"), &expected)
+        }
+        other => argument_error(&format!("{name}: {other}"), COMPARISON_SCHEMA),
+    }
+}
+
+fn against_limits(result: &ResultFile, args: &CheckArgs) -> Result<Vec<RowVerdict>, Error> {
     let used = match result {
         ResultFile::Comparison(_) => LimitsUse {
             decided_by: &[LimitedResult::Comparison],
@@ -142,9 +166,15 @@ fn against_limits(result: &ResultFile, path: &Path) -> Result<Vec<RowVerdict>, E
             expected: "an earlier update.json",
         },
     };
+    let path = &args.against;
     let limits = limits_from_toml(&read_text(path)?, &path.display().to_string(), used)?;
     let checks = match result {
-        ResultFile::Comparison(file) => check_comparison(&limits, &file.summary.tests),
+        ResultFile::Comparison(file) => {
+            let name = args.result.display().to_string();
+            file.check_summary()
+                .map_err(|error| json_error(&name, error))?;
+            check_comparison(&limits, &file.summary.tests)
+        }
         ResultFile::Modes(model) => {
             let found: Vec<_> = model
                 .modes
@@ -196,7 +226,7 @@ fn against_baseline(
             comparison_changes(now, before, &limits)
         }
         (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),
-        (ResultFile::Update(now), ResultFile::Update(before)) => parameter_changes(now, before),
+        (ResultFile::Update(now), ResultFile::Update(before)) => update_changes(now, before),
         _ => {
             return Err(argument_error(
                 "results of two kinds",
@@ -205,37 +235,6 @@ fn against_baseline(
         }
     };
     Ok(check_changes(&changes, limits.false_refusals))
-}
-
-/// Every parameter of the baseline's update: its value by both posterior deviations, and its
-/// verdict.
-fn parameter_changes(now: &[UpdatedParameter], before: &[UpdatedParameter]) -> Vec<Change> {
-    let has =
-        |all: &[UpdatedParameter], name: &str| all.iter().any(|parameter| parameter.name == name);
-    let change = |name: &str, what: &str, measure| Change {
-        row: format!("parameter {name}"),
-        what: what.to_owned(),
-        measure,
-    };
-    let uncertain = |parameter: &UpdatedParameter| UncertainValue {
-        value: parameter.updated,
-        std: Some(parameter.std),
-    };
-    let mut changes = Vec::new();
-    for old in before {
-        let new = now.iter().find(|parameter| parameter.name == old.name);
-        let changed = new.map(|new| f64::from(u8::from(new.verdict != old.verdict)));
-        let verdict = Measure::AtMost(changed, 0.0);
-        changes.push(change(&old.name, "verdict changed", verdict));
-        let value = relative_change(new.map(uncertain), uncertain(old), PARAMETER_CHANGE);
-        changes.push(change(&old.name, "value change (%)", value));
-    }
-    let added = now.iter().filter(|parameter| !has(before, &parameter.name));
-    changes.extend(added.map(|parameter| {
-        let measure = Measure::AtLeast(0.0, 1.0);
-        change(&parameter.name, "in the baseline", measure)
-    }));
-    changes
 }
 
 /// Changes of every cell of the baseline's table; a row or test that only one side has is missed.
@@ -289,6 +288,9 @@ fn added_rows(now: &ComparisonFile, before: &ComparisonFile) -> Vec<String> {
     names
 }
 
+/// A value of a cell, where it has one.
+type ValueOf = fn(&TestFile) -> Option<UncertainValue>;
+
 fn cell_changes(
     name: &str,
     now: Option<&TestFile>,
@@ -312,6 +314,28 @@ fn cell_changes(
         let measure = relative_change(new, old, limits.damping());
         change("damping change (%)", measure)
     }));
+    let stds = [
+        (
+            "frequency std change (factor)",
+            frequency_of as ValueOf,
+            limits.frequency_floor,
+        ),
+        (
+            "hz_std change (factor)",
+            noise_frequency_of,
+            limits.frequency_floor,
+        ),
+        (
+            "damping std change (factor)",
+            damping_of,
+            limits.damping_floor,
+        ),
+    ];
+    for (what, value_of, floor) in stds {
+        let old = value_of(before);
+        let measure = old.and_then(|old| std_change(now.and_then(value_of), old, floor));
+        changes.extend(measure.map(|measure| change(what, measure)));
+    }
     changes.extend(before.mac.map(|old| {
         let difference = now.and_then(|field| field.mac).map(|new| (new - old).abs());
         let limit = limits.mac.unwrap_or(MAX_MAC_CHANGE);
@@ -333,6 +357,14 @@ fn frequency_of(field: &TestFile) -> Option<UncertainValue> {
     })
 }
 
+/// The frequency with its standard deviation by noise alone.
+fn noise_frequency_of(field: &TestFile) -> Option<UncertainValue> {
+    Some(UncertainValue {
+        value: field.hz?,
+        std: field.hz_std,
+    })
+}
+
 fn damping_of(field: &TestFile) -> Option<UncertainValue> {
     Some(UncertainValue {
         value: field.damping_ratio?,
@@ -340,7 +372,7 @@ fn damping_of(field: &TestFile) -> Option<UncertainValue> {
     })
 }
 
-fn checks_json(rows: &[RowVerdict]) -> String {
+fn checks_json(rows: &[RowVerdict], not_compared: &[String]) -> String {
     let check = |row: &RowVerdict, check: &LimitCheck| {
         serde_json::json!({ "row": row.row, "what": check.what, "value": check.value, "limit": check.limit,
             "bound": if check.upper { "upper" } else { "lower" }, "met": check.is_met() })
@@ -359,6 +391,7 @@ fn checks_json(rows: &[RowVerdict]) -> String {
         .collect();
     format!(
         "{:#}",
-        serde_json::json!({ "schema": "modalign-check/1", "missed": missed.count(), "rows": verdicts, "checks": checks })
+        serde_json::json!({ "schema": "modalign-check/1", "missed": missed.count(), "rows": verdicts, "checks": checks,
+            "not_compared": not_compared })
     )
 }

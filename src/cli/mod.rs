@@ -3,6 +3,7 @@
 mod args;
 mod breakdown;
 mod check;
+mod check_update;
 mod color;
 mod completions;
 mod convert;
@@ -22,6 +23,7 @@ mod left_out;
 mod man;
 mod meter;
 mod new;
+mod not_compared;
 #[cfg(test)]
 mod option_names_tests;
 mod order;

@@ -66,5 +66,5 @@ pub use partner::{Basis, Competitor, NearMiss, Pair, PairVerdict, Partner, Unpai
 pub use placement::{Placement, PlannedRoot, RankedHit, Step, placement};
 pub use placement_candidates::Candidates;
 pub use subspace::{principal_angles_deg, subspace_mac};
-pub use table::{ComparisonTable, TestSummary, compare};
+pub use table::{ComparisonTable, SummedCell, TestSummary, compare, summary_of_cells};
 pub use table_row::{PairedTest, Row, Status, TestCell, TheoryCell};

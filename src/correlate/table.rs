@@ -189,10 +189,48 @@ fn extra_rows(tests: &[PairedTest<'_>]) -> Vec<Row> {
 }
 
 fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
-    let cells = || {
-        let all = rows.iter().flat_map(|row| &row.tests);
-        all.filter(|cell| cell.test == test.name)
-    };
+    let all = rows.iter().flat_map(|row| &row.tests);
+    let cells = all.filter(|cell| cell.test == test.name);
+    let cells: Vec<SummedCell> = cells.map(SummedCell::from).collect();
+    summary_of_cells(test.name, test.pairing.map.len(), &cells)
+}
+
+/// The part of a cell that the summary of its test contains.
+#[derive(Clone, Copy, Debug)]
+pub struct SummedCell {
+    /// Status of the root in the test.
+    pub status: Status,
+    /// Whether the status is certain.
+    pub is_status_certain: bool,
+    /// Evidence on which a pair rests.
+    pub basis: Option<Basis>,
+    /// Whether the MAC of a pair is below its chance level.
+    pub uncorrelated: bool,
+    /// Frequency error, percent.
+    pub error_percent: Option<f64>,
+    /// Frequency error, Hz.
+    pub error_hz: Option<f64>,
+    /// MAC.
+    pub mac: Option<f64>,
+}
+
+impl From<&TestCell> for SummedCell {
+    fn from(cell: &TestCell) -> Self {
+        Self {
+            status: cell.status,
+            is_status_certain: cell.is_status_certain(),
+            basis: cell.basis,
+            uncorrelated: cell.uncorrelated,
+            error_percent: cell.error_percent,
+            error_hz: cell.error_hz,
+            mac: cell.mac,
+        }
+    }
+}
+
+/// The summary of a test by its cells.
+pub fn summary_of_cells(test: &str, dofs_used: usize, cells: &[SummedCell]) -> TestSummary {
+    let cells = || cells.iter();
     let count = |status| cells().filter(|cell| cell.status == status).count();
     let on = |basis| {
         let paired = cells().filter(|cell| cell.status == Status::Paired);
@@ -203,14 +241,14 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
     let hz = || cells().filter_map(|cell| cell.error_hz).map(f64::abs);
     let squares = errors.iter().map(|error| error * error).collect();
     TestSummary {
-        test: test.name.to_owned(),
+        test: test.to_owned(),
         paired: count(Status::Paired),
         paired_by_shape: on(Basis::Shape),
         paired_by_frequency: on(Basis::Frequency),
         ambiguous: count(Status::Ambiguous),
         uncorrelated: cells().filter(|cell| cell.uncorrelated).count(),
         missed: count(Status::MissedExpected) + count(Status::MissedUnexpected),
-        not_judged: cells().filter(|cell| !cell.is_status_certain()).count(),
+        not_judged: cells().filter(|cell| !cell.is_status_certain).count(),
         not_observable: count(Status::NotObservable),
         outside_band: count(Status::OutsideBand),
         extra: count(Status::Extra),
@@ -220,6 +258,6 @@ fn summarise(test: &PairedTest<'_>, rows: &[Row]) -> TestSummary {
         mean_error_percent: mean(magnitudes().collect()),
         rms_error_percent: mean(squares).map(f64::sqrt),
         min_mac: cells().filter_map(|cell| cell.mac).reduce(f64::min),
-        dofs_used: test.pairing.map.len(),
+        dofs_used,
     }
 }

@@ -72,7 +72,7 @@ pub use plot::{
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,
 };
-pub use regression_check::regression_check_block;
+pub use regression_check::regression_check_blocks;
 pub use response::response_blocks;
 pub use screen::{
     abridged, breakdown_screen, comparison_page, comparison_page_of_all_tests, comparison_screen,

@@ -5,8 +5,21 @@ use crate::scene::{LimitCheck, RowVerdict};
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
+/// The table of all checks, then the values that the baseline has and that are not compared.
+pub fn regression_check_blocks(rows: &[RowVerdict], not_compared: &[String]) -> Vec<Block> {
+    let mut blocks = vec![regression_check_block(rows)];
+    blocks.extend(not_compared_block(not_compared));
+    blocks
+}
+
+/// Keys of the baseline whose values are not compared.
+pub(super) fn not_compared_block(keys: &[String]) -> Option<Block> {
+    let text = format!("Not compared with the baseline: {}.", keys.join(", "));
+    (!keys.is_empty()).then_some(Block::Text(text))
+}
+
 /// A row for each check; the first check of a result has the name of the result and its verdict.
-pub fn regression_check_block(rows: &[RowVerdict]) -> Block {
+pub(super) fn regression_check_block(rows: &[RowVerdict]) -> Block {
     let missed = rows.iter().filter(|row| !row.is_met()).count();
     let caption = match missed {
         0 => format!("{} rows, all met", rows.len()),

@@ -381,6 +381,7 @@ pub(super) static TEXTS: Texts = Texts {
         suspension_is_stiff: "Support: {}; highest rigid-body mode {} Hz, {} of the first clear peak above at {} Hz ({}): it raises that mode; hang the structure more softly.", "支承：{}；最高刚体模态 {} Hz，为其上首个明显峰值之 {} 倍 (位于 {} Hz，限值 {})：该模态因此升高；请采用更软的悬挂。";
         watching: "Watching {} until Ctrl-C.", "正在监视 {}，按 Ctrl-C 结束。";
         not_used: "Not used: {}: {}.", "未采用：{}：{}。";
+        not_compared: "Not compared with the baseline: {}.", "未与基线比较：{}。";
         rows_met: "{} of {} met, {} in all.", "{} / {} 满足，共 {}。";
         pairs_of_test_with_ambiguous: "{}: {} paired: {} by shape, {} by frequency alone; {} ambiguous", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
     },

@@ -74,7 +74,7 @@ pub use recording::{SyntheticRecording, hammer_test, load_synth, record};
 pub use regression_check::{
     AllowedChange, Change, ChangeLimits, MAX_DAMPING_CHANGE_PERCENT, MAX_FREQUENCY_CHANGE_PERCENT,
     MAX_MAC_CHANGE, Measure, RowVerdict, UncertainValue, check_changes, mode_changes,
-    relative_change,
+    relative_change, std_change,
 };
 pub use result::SceneResult;
 #[cfg(feature = "cli")]

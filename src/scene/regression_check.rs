@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use num_complex::Complex64;
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 use crate::correlate::{assign, subspace_mac};
 use crate::dof::Dof;
@@ -20,6 +20,11 @@ pub const MAX_DAMPING_CHANGE_PERCENT: f64 = 5.0;
 /// MAC.
 pub const MAX_MAC_CHANGE: f64 = 0.01;
 
+/// Maximum factor between the standard deviations of a value in the result and in its baseline.
+/// Larger: a result of no certainty passes with wrong values, which its deviations excuse. Smaller:
+/// recordings of the same machine fail, whose deviations are estimates; they differ by a factor of
+/// 1.2 at most in `check_command::another_recording_of_the_same_machine_passes`.
+const MAX_STD_CHANGE: f64 = 3.0;
 /// Minimum relative change above rounding: the same input gives the same result to 1e-9 on another
 /// machine.
 const MIN_RELATIVE_CHANGE: f64 = 1e-6;
@@ -92,6 +97,17 @@ pub enum Measure {
         /// Degrees of freedom.
         degrees: f64,
     },
+    /// The ratio of two variances with the same number of degrees of freedom, tested two-sided by
+    /// the F distribution. Where they contain a model error besides noise, their ratio scatters
+    /// less.
+    VarianceRatio {
+        /// The variance of the result.
+        now: f64,
+        /// That of the baseline.
+        before: f64,
+        /// Degrees of freedom, above 0.
+        degrees: f64,
+    },
     /// A value that may not exceed a limit.
     AtMost(Option<f64>, f64),
     /// A value that may not fall below a limit.
@@ -127,7 +143,7 @@ pub fn check_changes(changes: &[Change], false_refusals: f64) -> Vec<RowVerdict>
     let by_uncertainty = |change: &&Change| {
         matches!(
             change.measure,
-            Measure::Normal { .. } | Measure::ChiSquared { .. }
+            Measure::Normal { .. } | Measure::ChiSquared { .. } | Measure::VarianceRatio { .. }
         )
     };
     let count = changes.iter().filter(by_uncertainty).count().max(1);
@@ -165,6 +181,20 @@ fn check_change(change: &Change, level: f64) -> LimitCheck {
                 distribution.inverse_cdf(1.0 - level)
             });
             check(Some(sum / degrees), largest / degrees, true)
+        }
+        Measure::VarianceRatio {
+            now,
+            before,
+            degrees,
+        } => {
+            let largest = FisherSnedecor::new(degrees, degrees).map_or(1.0, |distribution| {
+                distribution.inverse_cdf(1.0 - 0.5 * level)
+            });
+            check(
+                Some(factor(now, before)),
+                largest.max(1.0 + MIN_RELATIVE_CHANGE),
+                true,
+            )
         }
         Measure::AtMost(value, limit) => check(value, limit, true),
         Measure::AtLeast(value, limit) => check(Some(value), limit, false),
@@ -232,13 +262,38 @@ pub fn relative_change(
     }
 }
 
+/// The change of a standard deviation, to which both sides add the floor as a fraction of the
+/// baseline's value: a factor, which a result exceeds that states none. `None` where the baseline
+/// states none.
+pub fn std_change(
+    now: Option<UncertainValue>,
+    before: UncertainValue,
+    floor: f64,
+) -> Option<Measure> {
+    let whole = |std: f64| std.hypot(floor * before.value);
+    let old = whole(before.std?);
+    let new = now.and_then(|now| now.std).map(whole);
+    Some(Measure::AtMost(
+        new.map(|new| factor(new, old)),
+        MAX_STD_CHANGE,
+    ))
+}
+
+/// The larger of two positive values over the smaller one; 1 for equal ones.
+fn factor(one: f64, other: f64) -> f64 {
+    if one == other {
+        return 1.0;
+    }
+    one.max(other) / one.min(other)
+}
+
 /// Changes of the modes of a baseline: each must be found with its frequency, damping and shape,
 /// and no other.
 ///
 /// Modes are assigned one to one, by frequency (within 2 %) and MAC. A shape is compared after its
 /// best complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components
 /// where both sides state their deviations, else by 1 − MAC and the number of components of the
-/// opposite sign.
+/// opposite sign. Standard deviations may change by a factor of [`MAX_STD_CHANGE`].
 pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
     let partner = partners(now, before);
     let mut changes = Vec::new();
@@ -263,9 +318,17 @@ pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits
             limits.frequency(),
         );
         push("frequency change (%)", measure);
+        let now_hz = Some(frequency_of(mode_now));
+        if let Some(measure) = std_change(now_hz, frequency_of(mode), limits.frequency_floor) {
+            push("frequency std change (factor)", measure);
+        }
         if let Some(ratio) = damping_of(mode) {
             let measure = relative_change(damping_of(mode_now), ratio, limits.damping());
             push("damping change (%)", measure);
+            let std = std_change(damping_of(mode_now), ratio, limits.damping_floor);
+            if let Some(measure) = std {
+                push("damping std change (factor)", measure);
+            }
         }
         for (what, measure) in shape_changes(mode_now, mode, limits, &root_of(before, mode)) {
             push(what, measure);
@@ -404,6 +467,14 @@ fn shape_changes(
         ));
         return changes;
     }
+    let stated = |(dof, _): (&Dof, Complex64)| std_at(&before.shape_std, dof).is_some();
+    if before.shape.iter().all(stated) {
+        let largest = stds
+            .as_ref()
+            .map(|stds| largest_std_change(&new_shape, &other, stds, limits.shape_floor));
+        let measure = Measure::AtMost(largest, MAX_STD_CHANGE);
+        changes.push(("shape std change (factor)", measure));
+    }
     if let (None, Some(stds)) = (limits.mac, stds) {
         let sum = chi_square(&new_shape, &other, &stds, limits.shape_floor);
         let degrees = 2.0 * (new_shape.len() - 1) as f64;
@@ -429,12 +500,36 @@ fn values_at_common_dofs(mode: &Mode, now: &Mode, before: &Mode) -> Vec<Complex6
         .collect()
 }
 
+/// The largest factor between the deviations of a component, with the floor, after the scale of
+/// the shapes.
+fn largest_std_change(
+    measured: &[Complex64],
+    other: &[Complex64],
+    stds: &[(f64, f64)],
+    floor: f64,
+) -> f64 {
+    let floor_std = floor * root_mean_square(measured);
+    let scale = root_mean_square(measured) / root_mean_square(other);
+    let change = |(new_std, other): &(f64, f64)| {
+        factor(new_std.hypot(floor_std), (scale * other).hypot(floor_std))
+    };
+    // A factor that is no number is the largest.
+    stds.iter()
+        .map(change)
+        .max_by(f64::total_cmp)
+        .unwrap_or(1.0)
+}
+
+fn root_mean_square(values: &[Complex64]) -> f64 {
+    let square: f64 = values.iter().map(|value| value.norm_sqr()).sum();
+    (square / values.len() as f64).sqrt()
+}
+
 /// `Σ |measured − s other|²/(σ² + |s|² σ₀² + (floor rms)²)`, with the scale `s` that makes it
 /// smallest for the weights of its plain value; the deviations are those of real and imaginary part
 /// each.
 fn chi_square(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], floor: f64) -> f64 {
-    let square: f64 = measured.iter().map(|value| value.norm_sqr()).sum();
-    let floor_std = floor.max(MIN_RELATIVE_CHANGE) * (square / measured.len() as f64).sqrt();
+    let floor_std = floor.max(MIN_RELATIVE_CHANGE) * root_mean_square(measured);
     let plain = modal_scale_factor(other, measured).unwrap_or_default();
     let deviation = |(new_std, other): &(f64, f64)| {
         let stated = new_std.hypot(plain.norm() * other);

@@ -184,6 +184,48 @@ fn a_wrong_value_is_detected_in_its_row() {
 }
 
 #[test]
+fn deviations_may_change_by_their_scatter_and_no_more() {
+    for seed in 0..50 {
+        let assert_missed = |number: usize, harm: &dyn Fn(&mut Mode)| {
+            let rows = missed_after(seed, |now| harm(&mut now.modes[number - 1]));
+            let row = format!("mode {number} at ");
+            assert!(rows.len() == 1 && rows[0].starts_with(&row), "{rows:?}");
+        };
+        // Wrong values that the deviation would excuse.
+        assert_missed(2, &|mode| {
+            mode.frequency_hz *= 1.01;
+            mode.frequency_std_hz = Some(1e9);
+        });
+        assert_missed(3, &|mode| {
+            mode.damping_ratio = Some(0.02);
+            mode.damping_bias = Some(1.0);
+        });
+        assert_missed(4, &|mode| {
+            for std in mode.shape_std.iter_mut().flat_map(|stds| stds.values_mut()) {
+                *std *= 1e6;
+            }
+        });
+        assert_missed(4, &|mode| {
+            let stds = mode.shape_std.as_mut().unwrap();
+            stds.insert(dof(2), 1e6);
+        });
+        assert_missed(5, &|mode| mode.shape_std = None);
+        assert_missed(5, &|mode| mode.frequency_std_hz = None);
+        assert_missed(6, &|mode| mode.frequency_std_hz = Some(1.0));
+        // Twice as many impacts, or half of them.
+        for factor in [0.7, 1.4] {
+            let rows = missed_after(seed, |now| {
+                for mode in &mut now.modes {
+                    mode.frequency_std_hz = mode.frequency_std_hz.map(|std| factor * std);
+                    mode.damping_std = mode.damping_std.map(|std| factor * std);
+                }
+            });
+            assert!(rows.is_empty(), "{rows:?}");
+        }
+    }
+}
+
+#[test]
 fn without_stated_deviations_absolute_limits_hold() {
     let mut before = truth();
     for mode in &mut before.modes {

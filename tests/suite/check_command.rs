@@ -219,10 +219,221 @@ fn an_update_keeps_its_parameters_within_their_deviations() {
     let verdict =
         rows_after(&|parameter| parameter["verdict"] = "not supported by the data".into());
     assert_eq!(verdict, ["parameter youngs_modulus"]);
+    // Values that the deviation would excuse.
+    let uncertain = rows_after(&|parameter| {
+        parameter["updated"] = (1.5 * parameter["updated"].as_f64().unwrap()).into();
+        parameter["std"] = 1e12.into();
+    });
+    assert_eq!(uncertain, ["parameter youngs_modulus"]);
+    let changed = folder.path().join("changed.json");
+    for std in [0.0, -1.0] {
+        let mut file = json(&before);
+        file["parameters"][0]["std"] = std.into();
+        std::fs::write(&changed, file.to_string()).unwrap();
+        let paths = [&changed, &before].map(|path| path.to_str().unwrap());
+        let error = fail(["check", paths[0], "--against", paths[1]]);
+        assert!(error.contains("\"youngs_modulus\" std: got"), "{error}");
+    }
+    let fit_after = |key: &str, change: &dyn Fn(&Value) -> Value| {
+        let mut file = json(&before);
+        file[key] = change(&file[key]);
+        std::fs::write(&changed, file.to_string()).unwrap();
+        missed(&changed, &before, &[])
+    };
+    let times = |factor: f64| move |value: &Value| (factor * value.as_f64().unwrap()).into();
+    assert!(fit_after("reduced_chi_square", &times(1.1)).is_empty());
+    for (key, change) in [
+        (
+            "stop_reason",
+            &(|_: &Value| "diverged".into()) as &dyn Fn(&Value) -> Value,
+        ),
+        ("stop_reason", &|_| "iteration-limit".into()),
+        ("fits", &|fits| (!fits.as_bool().unwrap()).into()),
+        ("reduced_chi_square", &|_| 1e6.into()),
+        ("reduced_chi_square", &times(5.0)),
+        ("reduced_chi_square", &|_| 0.into()),
+        ("degrees_of_freedom", &times(0.9)),
+        ("after", &|after| {
+            let mut after = after.clone();
+            after["paired"] = 5.into();
+            after
+        }),
+    ] {
+        assert_eq!(fit_after(key, change), ["fit"], "{key}");
+    }
     let modes = folder.path().join(MODES);
     let paths = [&before, &modes].map(|path| path.to_str().unwrap());
     let error = fail(["check", paths[0], "--against", paths[1]]);
     assert!(error.contains("two results of the same kind"), "{error}");
+}
+
+#[test]
+fn wrong_values_are_not_excused_by_their_deviations() {
+    let folder = tempfile::tempdir().unwrap();
+    results(folder.path(), 1, str::to_owned);
+    let changed_rows = |name: &str, list: &str, change: &dyn Fn(&mut Value)| {
+        let before = folder.path().join(name);
+        let mut file = json(&before);
+        change(&mut file[list]);
+        let path = folder.path().join("changed.json");
+        std::fs::write(&path, file.to_string()).unwrap();
+        missed(&path, &before, &[])
+    };
+    let modes = |change: &dyn Fn(&mut Value)| {
+        let rows = changed_rows(MODES, "modes", &|modes| change(&mut modes[1]));
+        assert!(
+            rows.len() == 1 && rows[0].starts_with("mode 2 at"),
+            "{rows:?}"
+        );
+    };
+    modes(&|mode| {
+        mode["frequency_hz"] = (1.01 * mode["frequency_hz"].as_f64().unwrap()).into();
+        mode["pole_rad_s"] = Value::Null;
+        mode["frequency_std_hz"] = 1e12.into();
+    });
+    modes(&|mode| {
+        mode["damping_ratio"] = (2.0 * mode["damping_ratio"].as_f64().unwrap()).into();
+        mode["pole_rad_s"] = Value::Null;
+        mode["damping_std"] = 1e3.into();
+    });
+    for key in ["frequency_std_hz", "damping_std"] {
+        modes(&|mode| mode[key] = Value::Null);
+    }
+    let cells = |change: &dyn Fn(&mut Value)| {
+        let rows = changed_rows(COMPARISON, "rows", &|rows| change(&mut rows[2]["tests"][0]));
+        assert_eq!(rows, ["f3 roving hammer"]);
+    };
+    cells(&|cell| {
+        cell["hz"] = (1.1 * cell["hz"].as_f64().unwrap()).into();
+        cell["normalised_error"] = 1e-12.into();
+    });
+    cells(&|cell| {
+        cell["damping_ratio"] = (2.0 * cell["damping_ratio"].as_f64().unwrap()).into();
+        cell["damping_std"] = 1e3.into();
+    });
+    for key in ["hz_std", "damping_std"] {
+        cells(&|cell| cell[key] = Value::Null);
+        cells(&|cell| cell[key] = 1e3.into());
+    }
+    for (name, list, path) in [
+        (MODES, "modes", "/1/frequency_std_hz"),
+        (MODES, "modes", "/1/damping_std"),
+        (COMPARISON, "rows", "/2/tests/0/hz_std"),
+        (COMPARISON, "rows", "/2/tests/0/damping_std"),
+    ] {
+        let before = folder.path().join(name);
+        let mut file = json(&before);
+        *file[list].pointer_mut(path).unwrap() = (-1.0).into();
+        let changed = folder.path().join("changed.json");
+        std::fs::write(&changed, file.to_string()).unwrap();
+        let error = fail([
+            "check",
+            changed.to_str().unwrap(),
+            "--against",
+            before.to_str().unwrap(),
+        ]);
+        let key = path
+            .split('/')
+            .find(|part| part.ends_with("_hz") || part.ends_with("_std"));
+        assert!(
+            error.contains(key.unwrap()) && error.contains("-1"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_summary_that_contradicts_its_rows_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    results(folder.path(), 1, str::to_owned);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let refused = |change: &dyn Fn(&mut Value), part: &str| {
+        let mut file = json(&folder.path().join(COMPARISON));
+        change(&mut file);
+        write(folder.path(), &[("changed.json", &file.to_string())]);
+        let error = fail([
+            "check",
+            &path("changed.json"),
+            "--against",
+            &path("scene.toml"),
+        ]);
+        assert!(
+            error.contains("changed.json: ") && error.contains(part),
+            "{error}"
+        );
+    };
+    let summary = "summary test \"roving hammer\"";
+    refused(&|file| file["rows"] = serde_json::json!([]), summary);
+    refused(
+        &|file| drop(file["rows"].as_array_mut().unwrap().remove(2)),
+        summary,
+    );
+    let cell = |key: &'static str, value: Value| {
+        move |file: &mut Value| file["rows"][2]["tests"][0][key] = value.clone()
+    };
+    refused(&cell("mac", 0.1.into()), "min_mac");
+    refused(
+        &cell("error_percent", 10.0.into()),
+        "rows \"f3\" test \"roving hammer\" error_percent",
+    );
+    refused(&cell("hz", 10.0.into()), "_percent");
+    refused(&cell("error_percent", Value::Null), "error_percent");
+    refused(&cell("status", "missed-unexpected".into()), summary);
+    refused(&cell("status", "ambiguous".into()), summary);
+    refused(&cell("test", "other".into()), "other");
+    refused(
+        &|file| file["summary"]["tests"][0]["missed"] = 1.into(),
+        "missed: 1",
+    );
+    refused(
+        &|file| file["summary"]["tests"] = serde_json::json!([]),
+        "no test",
+    );
+    refused(
+        &|file| {
+            let row = file["rows"][0].clone();
+            file["rows"].as_array_mut().unwrap().push(row);
+        },
+        "\"f1\" twice",
+    );
+}
+
+#[test]
+fn numbers_of_a_baseline_are_compared_or_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    results(folder.path(), 1, str::to_owned);
+    let listed = |name: &str| -> Vec<String> {
+        let path = folder.path().join(name);
+        let path = path.to_str().unwrap();
+        let check = ["check", path, "--against", path];
+        let result: Value =
+            serde_json::from_str(&succeed(check.iter().chain(&["--json"]))).unwrap();
+        let keys: Vec<String> = serde_json::from_value(result["not_compared"].clone()).unwrap();
+        let text = succeed(check.iter().chain(&["--full"]));
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(&keys.join(", ")), "{text}");
+        keys
+    };
+    let modes = listed(MODES);
+    for (key, is_listed) in [
+        ("modes.residues", true),
+        ("modes.modal_mass_kg", true),
+        ("modes.mpc", true),
+        ("modes.frequency_hz", false),
+        ("modes.shape_std", false),
+    ] {
+        assert_eq!(
+            modes.iter().any(|name| name == key),
+            is_listed,
+            "{key}: {modes:?}"
+        );
+    }
+    let comparison = listed(COMPARISON);
+    assert!(comparison.contains(&"summary".to_owned()), "{comparison:?}");
+    assert!(
+        comparison.contains(&"rows.theory.modes".to_owned()),
+        "{comparison:?}"
+    );
 }
 
 /// An element of an XML text.

@@ -1,12 +1,15 @@
 //! `comparison.json`, schema `modalign-comparison/1`, holds the pairs of test and model modes.
 
+use std::collections::BTreeSet;
+
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::correlate::measures::{Measures, ReversedSensor};
 use crate::correlate::{
-    Alignment, Basis, ComparisonTable, Row, Status, TestCell, TestSummary, TheoryCell,
+    Alignment, Basis, ComparisonTable, Row, Status, SummedCell, TestCell, TestSummary, TheoryCell,
+    summary_of_cells,
 };
 use crate::scene::{LimitCheck, PlacedTest, SceneResult};
 
@@ -39,6 +42,26 @@ pub enum JsonError {
         /// The one of the file that was asked for.
         expected: &'static str,
     },
+    /// A value that contradicts others or cannot be meant.
+    #[error("{key}: got {got}, expected {expected}")]
+    Value {
+        /// The key, with its row and test.
+        key: String,
+        /// The value found.
+        got: String,
+        /// The accepted ones.
+        expected: String,
+    },
+}
+
+impl JsonError {
+    fn value(key: &str, got: impl ToString, expected: impl ToString) -> Self {
+        JsonError::Value {
+            key: key.to_owned(),
+            got: got.to_string(),
+            expected: expected.to_string(),
+        }
+    }
 }
 
 /// The file.
@@ -195,10 +218,17 @@ pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> Str
 /// Reads `comparison.json`.
 ///
 /// # Errors
-/// [`JsonError`] with line and column, or the schema that was found.
+/// [`JsonError`] with line and column, the schema that was found, rows or tests of the same name,
+/// or a standard deviation below 0.
 pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
     let mut file: ComparisonFile = parsed(text)?;
     if file.schema == COMPARISON_SCHEMA {
+        check_names(&file)?;
+        for row in &file.rows {
+            for cell in &row.tests {
+                check_stds(row, cell)?;
+            }
+        }
         count_pairs(&mut file);
         return Ok(file);
     }
@@ -215,6 +245,172 @@ fn count_pairs(file: &mut ComparisonFile) {
         let cells = file.rows.iter().flat_map(|row| &row.tests);
         let paired = cells.filter(|cell| cell.test == test.test && cell.status == Status::Paired);
         test.paired = paired.count();
+    }
+}
+
+/// Checks that each row has another label, and each test of a row or of the summary another name.
+fn check_names(file: &ComparisonFile) -> Result<(), JsonError> {
+    let labels = file.rows.iter().map(|row| row.label.as_str());
+    check_distinct("rows label", labels)?;
+    for row in &file.rows {
+        let tests = row.tests.iter().map(|cell| cell.test.as_str());
+        check_distinct(&format!("rows {:?} tests", row.label), tests)?;
+    }
+    let tests = file.summary.tests.iter().map(|test| test.test.as_str());
+    check_distinct("summary tests", tests)
+}
+
+fn check_distinct<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), JsonError> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(JsonError::value(
+                key,
+                format!("{name:?} twice"),
+                "each name once",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn cell_key(row: &RowFile, cell: &TestFile, key: &str) -> String {
+    format!("rows {:?} test {:?} {key}", row.label, cell.test)
+}
+
+fn check_stds(row: &RowFile, cell: &TestFile) -> Result<(), JsonError> {
+    for (key, std) in [("hz_std", cell.hz_std), ("damping_std", cell.damping_std)] {
+        if let Some(std) = std.filter(|std| *std < 0.0) {
+            return Err(JsonError::value(
+                &cell_key(row, cell, key),
+                std,
+                "0 or more",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Relative difference of two numbers that are equal but for rounding.
+const ROUNDING: f64 = 1e-9;
+
+fn are_equal(one: f64, other: f64) -> bool {
+    (one - other).abs() <= ROUNDING * one.abs().max(other.abs())
+}
+
+impl ComparisonFile {
+    /// Checks that the summary of each test is that of its rows, and the error of each pair that
+    /// of its frequencies.
+    ///
+    /// # Errors
+    /// [`JsonError::Value`] with the key of the first value that contradicts the others.
+    pub fn check_summary(&self) -> Result<(), JsonError> {
+        for row in &self.rows {
+            for cell in &row.tests {
+                self.check_error(row, cell)?;
+                if !self.summary.tests.iter().any(|test| test.test == cell.test) {
+                    let got = format!("no test {:?}", cell.test);
+                    let expected = format!("the tests of row {:?}", row.label);
+                    return Err(JsonError::value("summary tests", got, expected));
+                }
+            }
+        }
+        self.summary
+            .tests
+            .iter()
+            .try_for_each(|test| self.check_test(test))
+    }
+
+    fn check_test(&self, stated: &TestSummary) -> Result<(), JsonError> {
+        let all = self.rows.iter().flat_map(|row| &row.tests);
+        let cells: Vec<&TestFile> = all.filter(|cell| cell.test == stated.test).collect();
+        let summed: Vec<SummedCell> = cells.iter().map(|cell| summed_cell(cell)).collect();
+        let by_rows = summary_of_cells(&stated.test, stated.dofs_used, &summed);
+        let (stated_values, by_rows) = (json_values(stated), json_values(&by_rows));
+        // The chance level of a repeated root is that of one of its modes.
+        let has_repeated = cells.iter().any(|cell| cell.modes.len() > 1);
+        for (key, got) in &stated_values {
+            let expected = by_rows.get(key).unwrap_or(&Value::Null);
+            let is_equal = match (got.as_f64(), expected.as_f64()) {
+                (Some(got), Some(_)) if key == "uncorrelated" && has_repeated => {
+                    got <= stated.ambiguous as f64
+                }
+                (Some(got), Some(expected)) => are_equal(got, expected),
+                _ => got == expected,
+            };
+            if !is_equal {
+                let key = format!("summary test {:?} {key}", stated.test);
+                return Err(JsonError::value(
+                    &key,
+                    got,
+                    format!("{expected}, as in the rows"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The error of a pair: of one mode that of its frequency; of a repeated root the largest one,
+    /// at least that of the mean.
+    fn check_error(&self, row: &RowFile, cell: &TestFile) -> Result<(), JsonError> {
+        let is_pair = matches!(cell.status, Status::Paired | Status::Ambiguous);
+        let key = |name: &str| cell_key(row, cell, name);
+        let Some((theory, hz)) = row.theory.as_ref().zip(cell.hz).filter(|_| is_pair) else {
+            return match is_pair {
+                true => Err(JsonError::value(&key("hz"), "none", "frequencies of both")),
+                false => Ok(()),
+            };
+        };
+        let (error_hz, reference) = match self.error_reference.as_str() {
+            "test" => (theory.hz - hz, hz),
+            _ => (hz - theory.hz, theory.hz),
+        };
+        let error_percent = 100.0 * error_hz / reference;
+        let values = [
+            (
+                "error_percent",
+                cell.error_percent,
+                error_percent,
+                reference / 100.0,
+            ),
+            // Files of earlier versions do not have it.
+            ("error_hz", cell.error_hz.or(Some(error_hz)), error_hz, 1.0),
+        ];
+        for (name, stated, computed, unit_hz) in values {
+            // The difference of the frequencies is as exact as these.
+            let is_right = |stated: f64| match cell.modes.len() {
+                0 | 1 => (stated - computed).abs() * unit_hz <= ROUNDING * reference,
+                _ if self.error_reference == "test" => true,
+                _ => (stated.abs() - computed.abs()) * unit_hz >= -ROUNDING * reference,
+            };
+            if !stated.is_some_and(is_right) {
+                let got = stated.map_or("none".to_owned(), |stated| stated.to_string());
+                let expected = format!("{computed}, by the frequencies");
+                return Err(JsonError::value(&key(name), got, expected));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn summed_cell(cell: &TestFile) -> SummedCell {
+    let is_below = |(mac, level): (f64, f64)| mac < level;
+    SummedCell {
+        status: cell.status,
+        is_status_certain: cell.judged != Some(false),
+        basis: cell.basis,
+        uncorrelated: cell.mac.zip(cell.chance_level).is_some_and(is_below),
+        error_percent: cell.error_percent,
+        error_hz: cell.error_hz,
+        mac: cell.mac,
+    }
+}
+
+/// The values of a summary by key.
+fn json_values(summary: &TestSummary) -> serde_json::Map<String, Value> {
+    match serde_json::to_value(summary) {
+        Ok(Value::Object(values)) => values,
+        _ => serde_json::Map::new(),
     }
 }
 

@@ -297,7 +297,24 @@ fn frequency_and_damping(mode: &ModeJson) -> Result<(f64, Option<f64>), String> 
     Ok((frequency, damping))
 }
 
+/// Checks that no standard deviation is below 0.
+fn check_stds(mode: &ModeJson) -> Result<(), String> {
+    let stated = [
+        ("frequency_std_hz", mode.frequency_std_hz),
+        ("damping_std", mode.damping_std),
+    ];
+    let shape = mode.shape_std.iter().flatten();
+    let shape = shape.map(|(_, std)| ("shape_std", Some(*std)));
+    for (key, std) in stated.into_iter().chain(shape) {
+        if let Some(std) = std.filter(|std| *std < 0.0) {
+            return Err(format!("{key} {std}, which is below 0"));
+        }
+    }
+    Ok(())
+}
+
 fn read_mode(mode: ModeJson) -> Result<Mode, String> {
+    check_stds(&mode)?;
     let (frequency_hz, damping_ratio) = frequency_and_damping(&mode)?;
     let scaling = mode.scaling.as_deref().unwrap_or("unknown");
     let scaling = Scaling::from_name(scaling).ok_or_else(|| {
