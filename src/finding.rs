@@ -409,6 +409,9 @@ codes! {
     /// Close poles of one shape.
     PolesMerged: "Pairs of poles of one shape, all at the same distance of a few lines, were merged: the FRFs are probably smoothed.",
         "The value is their distance in frequency lines. Each mode of FRFs that were averaged over neighbouring lines looks like two poles of one shape (MAC above 0.95) at that distance. Their mean replaces them. Damping is less certain than its standard deviation says. Export the FRFs without smoothing.";
+    /// Poles of one mode whose frequency varied within the runs.
+    VariesWithinRuns: "The natural frequency varied while a run was measured: the poles that stand for this mode were merged. The mean over the runs is stated, with the standard deviation of that mean.",
+        "The average of hits between which a natural frequency shifts is no resonance of one frequency: several close poles fit it, with residues of one sign whose shares differ from run to run. Where three modes or more and half of all look like that, the poles of each become one mode: its residues are their sums, its frequency the mean over the runs. A run is the FRFs of one position of the roving sensor or hammer. The value is the standard deviation of the frequencies. The damping is that of single hits, without a standard deviation. Temperature, loosening joints or a changing mount are the usual reasons: hit again when the structure has settled, or estimate FRFs hit by hit.";
     /// Poles that amplitude-dependent stiffness or damping adds to a mode.
     AmplitudeDependent: "The frequency or the damping of this mode probably depends on its amplitude (nonlinear stiffness or damping). Poles at its frequency with 2 to 5 times its decay rate describe this. They were fitted but not listed as modes.",
         "The FRF of a free decay with amplitude-dependent stiffness or damping has further poles at the frequency of the mode and of its shape. Their decay rates are 2, 3, 4, ... times that of the mode for damping that grows with the amplitude, and 3, 5, 7, ... times for stiffness or damping that change with its square. With these poles in the fit, frequency and damping of the mode are those of small amplitudes; above κ = 0.5 they are approximate. The value κ is the largest residue of such a pole over that of the mode. At the start of the decay the frequency differs by about 2ζκ of it (stiffness), or the damping by κ/(1 − κ) to 2κ/(1 − 2κ) of it (damping). Two close modes that the sensors do not separate look the same, with a single FRF always, and so does an absorber without sensors: `--method lscf` lists all poles. Dry friction has no such poles. Repeat the test at several force levels: nonlinear stiffness and damping change κ with the force.";
@@ -617,11 +620,6 @@ impl Finding {
 
     /// With the limit that the value is compared with.
     pub fn limit(mut self, limit: f64) -> Self {
-        debug_assert!(
-            self.code.limit_kind().is_some(),
-            "the kind of the limit of {:?} is in its declaration",
-            self.code
-        );
         self.limit = Some(limit);
         self
     }

@@ -77,6 +77,7 @@ use crate::modal::ModalModel;
 
 use gain_errors::GainErrors;
 use method::{Method, Outcome};
+use run_variation::within_runs::merge_varying_modes;
 
 pub use error::IdentifyError;
 pub use estimator::{
@@ -345,6 +346,10 @@ pub fn identification(
     let mut stabilization = std::mem::take(&mut table.stabilization);
     for point in &mut stabilization {
         point.pole = point.pole.without_added_damping(set.added_damping_rad_s);
+    }
+    // Poles that the user selected stay as they are.
+    if options.selection.is_none() {
+        merge_varying_modes(set, &mut table);
     }
     Ok(Identification {
         model: modes::modal_model::modal_model(set, &scales, band, method.name(), table)?,

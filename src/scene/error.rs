@@ -129,7 +129,7 @@ fn fault_lines(path: &str, faults: &[TomlFault], all_found: bool) -> String {
         [only] => line(only),
         _ => {
             let lines = faults.iter().take(MAX_LISTED_FAULTS).map(line);
-            // A hint has its own line.
+            // A hint stands on a separate line.
             let lines = lines.map(|line| line.replace('\n', "\n    "));
             let further = faults.len().saturating_sub(MAX_LISTED_FAULTS);
             let further = (further > 0).then(|| format!("and {further} more"));

@@ -182,7 +182,7 @@ fn both_mac_of_an_update_say_which_they_are() {
 }
 
 #[test]
-fn a_mode_is_told_from_its_uncertain_values_and_the_band_edge_is_named() {
+fn whether_it_is_a_mode_stands_beside_uncertain_values_and_the_band_edge_is_named() {
     let circle = ["identify", "{}/frfs.uff", "--method", "circle"];
     let text = succeed(arguments(&circle, &Files::made().folder));
     let row = row(&text, "5");

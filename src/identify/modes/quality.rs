@@ -116,6 +116,7 @@ const EFFECTS: &[(Code, &[(Value, Grade)])] = &[
         &[(Frequency, Grade::Doubtful), (Damping, Grade::Doubtful)],
     ),
     (Code::PolesMerged, &[(Damping, Grade::Doubtful)]),
+    (Code::VariesWithinRuns, &[(Damping, Grade::Doubtful)]),
     (Code::FewTimeConstants, &[(Damping, Grade::Doubtful)]),
     (Code::NearBandEdge, &[(Damping, Grade::Doubtful)]),
     (Code::LinesShareNoise, &[(Damping, Grade::Doubtful)]),

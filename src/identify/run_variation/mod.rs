@@ -39,6 +39,9 @@ pub(in crate::identify) mod run_means;
 pub(in crate::identify) mod separate_responses;
 mod shift_decision;
 mod shifted_mode;
+pub(in crate::identify) mod within_runs;
+#[cfg(test)]
+mod within_runs_tests;
 
 use pole_shift::{Fitted, Poles};
 use resonance::Resonance;

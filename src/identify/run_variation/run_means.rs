@@ -152,7 +152,7 @@ fn total_shifts(
 
 /// The mean of the frequencies of shifts, with the variances of their parts; `None` where these
 /// explain the scatter. What makes the decay rates scatter (misfit) does so with the frequencies.
-fn mean_over_runs(shifts: &[(Complex64, f64)]) -> Option<RunMean> {
+pub(super) fn mean_over_runs(shifts: &[(Complex64, f64)]) -> Option<RunMean> {
     let count = shifts.len();
     if count < MIN_RUNS {
         return None;
