@@ -153,16 +153,22 @@ impl RootTable {
 /// The published results in a scene's folder, if it has any.
 pub(super) fn published_results(folder: &Path) -> Result<Option<Expected>, SceneError> {
     let path = folder.join("expected.toml");
-    if !path.exists() {
+    // A link to a file that is not there is an error, as is an unreadable file.
+    let entry = path.symlink_metadata();
+    if entry.is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound) {
         return Ok(None);
     }
-    // A template of comments states nothing.
-    let text = read_text(&path)?;
-    let is_remark = |line: &str| line.trim().is_empty() || line.trim_start().starts_with('#');
-    if text.lines().all(is_remark) {
+    if is_template(&read_text(&path)?) {
         return Ok(None);
     }
     load_expected(&path).map(Some)
+}
+
+/// Whether a text has comments alone. An empty one is no template but a file without its content.
+fn is_template(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let first = lines.next();
+    first.is_some_and(|line| line.starts_with('#')) && lines.all(|line| line.starts_with('#'))
 }
 
 /// Reads an `expected.toml`.
@@ -196,6 +202,11 @@ pub fn load_expected(path: &Path) -> Result<Expected, SceneError> {
         let claim = claim(typed, &name)?;
         check_names(&claim, &table, &roots, &name)?;
         claims.push(claim);
+    }
+    if roots.is_empty() && table.row.is_empty() && claims.is_empty() {
+        let (key, got) = ("published results", "none");
+        let expected = "a [[root]], a [[comparison.row]] or a [[claim]]";
+        return Err(value_error(&name, key, got, expected));
     }
     Ok(Expected {
         source: file.source,

@@ -220,3 +220,38 @@ fn limits_of_a_scene_without_its_test_or_its_model_are_refused() {
         &["[limits] max_frequency_error_percent", "got inf"],
     );
 }
+
+#[test]
+fn published_results_without_content_are_an_error_and_a_template_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = beam(folder.path(), |text| {
+        let text = without_table(text, "[[test]]");
+        let text = without_table(&text, "[test.state]");
+        without_table(&text, "[limits]")
+    });
+    let source =
+        "schema = \"modalign-expected/1\"\n[source]\nauthors = \"A\"\npaper = \"B\"\nyear = 2000\n";
+    for (text, part) in [
+        ("", "schema"),
+        ("\n \n\t\n", "schema"),
+        (source, "[[root]]"),
+        (&format!("{source}[comparison]\ntests = []\n"), "[[root]]"),
+    ] {
+        write(folder.path(), &[("expected.toml", text)]);
+        let error = fail(["run", &scene]);
+        assert!(
+            error.contains("expected.toml") && error.contains(part),
+            "{text:?}: {error}"
+        );
+    }
+    write(folder.path(), &[("expected.toml", "\n# [[root]]\n\n")]);
+    succeed(["run", &scene]);
+    #[cfg(unix)]
+    {
+        let path = folder.path().join("expected.toml");
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink(folder.path().join("absent.toml"), &path).unwrap();
+        let error = fail(["run", &scene]);
+        assert!(error.contains("expected.toml"), "{error}");
+    }
+}
