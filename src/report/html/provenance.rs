@@ -65,7 +65,7 @@ fn file_text(file: &SourceFile) -> String {
     let head = format!(
         "<code>{}</code> <small class=\"hash\">{}</small>",
         escape(&file.path),
-        file.sha256
+        escape(&file.sha256)
     );
     match &file.text {
         Some(text) => format!(

@@ -466,12 +466,12 @@ mod tests {
             serde_json::json!({"test": "t", "modes": [1], "hz": 1.0, "hz_std": null, "error_percent": 0.0,
                 "damping_ratio": null, "mac": null, "angles_deg": null, "status": status, "reason": null})
         };
-        let row = |status: &str| serde_json::json!({"label": "f1", "theory": null, "tests": [cell(status)]});
+        let row = |label: &str, status: &str| serde_json::json!({"label": label, "theory": null, "tests": [cell(status)]});
         // Files of earlier versions count the ambiguous pair, too.
         let summary = serde_json::json!({"test": "t", "paired": 3, "ambiguous": 1, "missed": 0, "outside_band": 0, "extra": 0,
             "max_error_percent": null, "mean_error_percent": null, "rms_error_percent": null, "min_mac": null, "dofs_used": 0});
         let file = serde_json::json!({"schema": COMPARISON_SCHEMA, "error_reference": "theory",
-            "rows": [row("paired"), row("ambiguous"), row("paired")], "summary": {"tests": [summary]}});
+            "rows": [row("f1", "paired"), row("f2", "ambiguous"), row("f3", "paired")], "summary": {"tests": [summary]}});
         let file = comparison_from_json(&file.to_string()).expect("a file of this schema");
         let summary = &file.summary.tests[0];
         assert_eq!((summary.paired, summary.ambiguous), (2, 1));

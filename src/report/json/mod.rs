@@ -9,6 +9,7 @@ mod measures;
 mod placement;
 mod response;
 mod run;
+mod run_check;
 mod schema;
 mod states;
 mod study;
