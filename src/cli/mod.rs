@@ -51,7 +51,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
 use crate::error::Error;
 
-use args::{Cli, Global, Verb};
+use args::{Cli, Verb};
 use hint::hint;
 use outcome::Outcome;
 use output::Output;
@@ -63,7 +63,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
     let result = check_features(&matches)
-        .and_then(|()| in_pool(&cli.global, || dispatch(&cli, &mut output)));
+        .and_then(|()| start_threads(&cli))
+        .and_then(|()| dispatch(&cli, &mut output));
     output.end_progress();
     let result = result.and_then(|outcome| match output.finish() {
         // The reader of standard output has gone away: the outcome stays.
@@ -138,25 +139,43 @@ fn wants_png(matches: &ArgMatches) -> bool {
     flag == Some(&true) || verb.is_some_and(|(_, arguments)| wants_png(arguments))
 }
 
-/// Runs `work` in a pool of the wanted number of threads.
-fn in_pool<T: Send>(
-    global: &Global,
-    work: impl FnOnce() -> Result<T, Error> + Send,
-) -> Result<T, Error> {
-    let Some(threads) = global.threads else {
-        return work();
+/// Maximum number of threads where the machine has fewer cores. Larger: starting them takes seconds
+/// and much memory before the first result. Smaller: it refuses machines of today.
+const MAX_THREADS: usize = 1024;
+/// Maximum number of threads for each core of a larger machine.
+const MAX_THREADS_PER_CORE: usize = 4;
+/// The number of threads where `--threads` is not given.
+const THREADS_VARIABLE: &str = "RAYON_NUM_THREADS";
+
+/// Starts the wanted number of threads; verbs that compute nothing need none.
+fn start_threads(cli: &Cli) -> Result<(), Error> {
+    let variable = std::env::var_os(THREADS_VARIABLE).filter(|text| !text.is_empty());
+    let (argument, stated) = match (cli.global.threads, variable) {
+        (None, Some(text)) => (THREADS_VARIABLE, Some(text.to_string_lossy().into_owned())),
+        (threads, _) => ("--threads", threads.map(|threads| threads.to_string())),
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .ok()
-        .filter(|_| threads > 0);
-    let pool = pool.ok_or_else(|| Error::Argument {
-        argument: "--threads",
-        got: threads.to_string(),
-        expected: "a positive number of threads that the system can start".to_owned(),
-    })?;
-    pool.install(work)
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = stated
+        .as_ref()
+        .map_or(Ok(cores), |text| text.trim().parse());
+    let error = |expected: String| Error::Argument {
+        argument,
+        got: stated.clone().unwrap_or(cores.to_string()),
+        expected,
+    };
+    let most = MAX_THREADS.max(MAX_THREADS_PER_CORE * cores);
+    let threads = threads.ok().filter(|threads| (1..=most).contains(threads));
+    let threads = threads.ok_or_else(|| error(format!("a number of threads from 1 to {most}")))?;
+    let needs_none = matches!(
+        cli.verb,
+        None | Some(Verb::Inspect(_) | Verb::Check(_) | Verb::Completions(_) | Verb::Man(_))
+    );
+    if needs_none || cli.global.explain.is_some() {
+        return Ok(());
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let started = pool.build_global();
+    started.map_err(|_| error("as many threads as the system can start".to_owned()))
 }
 
 fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {

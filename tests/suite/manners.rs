@@ -221,3 +221,31 @@ fn errors_name_the_nearest_key_file_and_verb() {
     let unknown = modalign(["inspect", "no-such-folder/x.uff"]);
     assert!(!String::from_utf8_lossy(&unknown.stderr).contains("did you mean"));
 }
+
+#[test]
+fn a_number_of_threads_that_cannot_be_meant_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let modes = folder.path().join("modes.json");
+    let modes = modes.to_str().unwrap();
+    succeed(["theory", "cycloid-ball", "--threads", "2", "-o", modes]);
+    for threads in ["0", "100000", "4000000000"] {
+        for verb in [["inspect", modes], ["theory", "cycloid-ball"]] {
+            let error = fail(verb.iter().chain(&["--threads", threads]));
+            assert!(
+                error.contains("--threads") && error.contains(threads),
+                "{error}"
+            );
+        }
+    }
+    for (threads, code) in [("100000", 2), ("many", 2), ("-1", 2), ("2", 0), ("", 0)] {
+        let mut program = assert_cmd::Command::cargo_bin("modalign").unwrap();
+        program.env("RAYON_NUM_THREADS", threads);
+        let output = program.args(["theory", "cycloid-ball"]).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{threads}: {error}");
+        assert!(
+            code == 0 || error.contains("RAYON_NUM_THREADS: got"),
+            "{error}"
+        );
+    }
+}
