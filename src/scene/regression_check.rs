@@ -279,12 +279,13 @@ pub fn std_change(
     ))
 }
 
-/// The larger of two positive values over the smaller one; 1 for equal ones.
+/// The larger of two values over the smaller one, both 0 or more; 1 for two zeros.
 fn factor(one: f64, other: f64) -> f64 {
-    if one == other {
+    if one <= 0.0 && other <= 0.0 {
         return 1.0;
     }
-    one.max(other) / one.min(other)
+    let ratio = one / other;
+    ratio.max(ratio.recip())
 }
 
 /// Changes of the modes of a baseline: each must be found with its frequency, damping and shape,

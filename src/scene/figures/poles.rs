@@ -25,7 +25,7 @@ const MAX_FUNCTIONS: usize = 64;
 const MAX_POLES: usize = 4000;
 
 /// Poles of all model orders.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct StabilizationFigure {
     /// Method that gave the poles.
     pub method: String,
