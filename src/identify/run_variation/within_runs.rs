@@ -43,9 +43,10 @@ const MARGIN_OVER_SPAN: f64 = 0.2;
 const MAX_STRONGEST_SHARE: f64 = 0.85;
 /// Minimum number of FRFs: the means of fewer lie between the poles by chance.
 const MIN_FRFS: usize = 6;
-/// Minimum number of modes that vary, and minimum fraction of all: a pair of close modes whose
-/// shapes look like one is rare.
-const MIN_VARYING_MODES: usize = 3;
+/// Minimum number of poles beyond one for each mode and of modes whose frequency scatters between
+/// runs, and minimum fraction of the modes that vary. Larger: structures of few modes keep the
+/// poles. Smaller: close modes whose shapes look like one are merged.
+const MIN_FURTHER_POLES: usize = 3;
 const MIN_VARYING_FRACTION: f64 = 0.5;
 /// Variance of the mean pole of a run over the reciprocal of its energy, far below noise: the
 /// scatter of the decay rates over the runs raises it to what that is.
@@ -70,12 +71,12 @@ pub(in crate::identify) fn merge_varying_modes(set: &FrfSet, table: &mut PoleTab
         .flat_map(fewest_modes)
         .collect();
     let is_split = |mode: &[Candidate]| mode.len() > 1;
-    let varying = modes
-        .iter()
-        .filter(|mode| is_split(mode) || scatters(&mode[0]))
-        .count();
-    let wanted = (MIN_VARYING_FRACTION * modes.len() as f64).max(MIN_VARYING_MODES as f64);
-    if (varying as f64) < wanted {
+    let split = modes.iter().filter(|mode| is_split(mode)).count();
+    let single = modes.iter().filter(|mode| !is_split(mode));
+    let scattering = single.filter(|mode| scatters(&mode[0])).count();
+    let further_poles = table.candidates.len() - modes.len();
+    let most_vary = (split + scattering) as f64 >= MIN_VARYING_FRACTION * modes.len() as f64;
+    if further_poles + scattering < MIN_FURTHER_POLES || !most_vary {
         return;
     }
     let runs = by_point(set.functions());
@@ -114,7 +115,7 @@ fn is_at(finding: &Finding, hz: f64) -> bool {
 fn are_neighbours(a: &Candidate, b: &Candidate) -> bool {
     let has_shape = |candidate: &Candidate| {
         let residues = candidate.residues.as_ref();
-        candidate.multiplicity == 1 && residues.is_some_and(|values| values.len() >= MIN_FRFS)
+        residues.is_some_and(|values| values.len() >= MIN_FRFS)
     };
     let (p, q) = (a.pole.lambda, b.pole.lambda);
     let bandwidths = (q.im - p.im) / (p.re + q.re).abs();

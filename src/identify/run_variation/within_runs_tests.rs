@@ -159,8 +159,9 @@ fn poles_that_may_be_separate_modes_stay() {
     };
     for (varied, bandwidths, alone, modes) in [
         (3, 0.1, 3, 6),
-        // Two modes alone, or the smaller part of the modes.
-        (2, 0.1, 0, 6),
+        // Two poles more than modes, or the smaller part of the modes.
+        (2, 0.1, 0, 2),
+        (1, 0.1, 0, 3),
         (3, 0.1, 4, 13),
         // Far from each other.
         (3, 1.6, 0, 9),
