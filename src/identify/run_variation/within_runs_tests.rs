@@ -211,7 +211,7 @@ fn pairs(random: &mut ChaCha8Rng, share: impl Fn(usize) -> f64) -> Vec<Candidate
 #[test]
 fn a_run_slightly_beyond_the_poles_belongs_to_the_mode() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    let outlying = |share: f64| move |f: usize| if f % 4 == 0 { share } else { 0.6 };
+    let outlying = |share: f64| move |f: usize| if f.is_multiple_of(4) { share } else { 0.6 };
     let found = merged(pairs(&mut random, outlying(1.15)));
     assert_eq!(found.candidates.len(), 3);
     let far = merged(pairs(&mut random, outlying(1.5)));
