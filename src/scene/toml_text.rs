@@ -192,7 +192,8 @@ fn value_found(got: &str) -> String {
         (Some(("boolean", value)), _) => value.trim_matches('`').to_owned(),
         (_, "sequence") => "an array".to_owned(),
         (_, "map") => "a table".to_owned(),
-        (None, length) => format!("{length} values"),
+        (None, length) if length.parse::<usize>().is_ok() => format!("{length} values"),
+        (None, kind) => format!("a {kind}"),
         (Some(_), other) => other.to_owned(),
     }
 }

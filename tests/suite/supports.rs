@@ -143,7 +143,11 @@ fn impossible_state_and_support_are_refused_with_their_keys() {
         ("support = \"hung\"", "", ["hung", "suspended"]),
         ("suport = \"fixed\"", "", ["suport", "support"]),
         ("date = \"31.3.2026\"", "", ["[test.state]", "2026-03-31"]),
-        ("date = 2026-03-31", "", ["scene.toml:9", "string"]),
+        (
+            "date = 2026-03-31",
+            "",
+            ["scene.toml:9", "got a date, expected a text in quotes"],
+        ),
         ("preload_n = -1.0", "", ["preload_n", "0 N or more"]),
         ("", "support = \"held\"", ["model.toml:2", "mounted"]),
     ] {
