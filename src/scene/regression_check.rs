@@ -294,7 +294,7 @@ fn factor(one: f64, other: f64) -> f64 {
 /// Modes are assigned one to one, by frequency (within 2 %) and MAC. A shape is compared after its
 /// best complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components
 /// where both sides state their deviations, else by 1 − MAC and the number of components of the
-/// opposite sign. Standard deviations may change by a factor of [`MAX_STD_CHANGE`].
+/// opposite sign. Standard deviations may change by a factor of 3.
 pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
     let partner = partners(now, before);
     let mut changes = Vec::new();
