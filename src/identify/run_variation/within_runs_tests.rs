@@ -214,6 +214,10 @@ fn a_run_slightly_beyond_the_poles_belongs_to_the_mode() {
     let outlying = |share: f64| move |f: usize| if f.is_multiple_of(4) { share } else { 0.6 };
     let found = merged(pairs(&mut random, outlying(1.15)));
     assert_eq!(found.candidates.len(), 3);
+    // Shares of 0.6 and 0.4 in poles 0.5 rad/s apart.
+    let same = merged(pairs(&mut random, |_| 0.6));
+    let spread_hz = 0.5 * 0.24f64.sqrt() / std::f64::consts::TAU;
+    assert!((same.findings[0].value.unwrap() / spread_hz - 1.0).abs() < 1e-9);
     let far = merged(pairs(&mut random, outlying(1.5)));
     assert_eq!(far.candidates.len(), 6);
 }
