@@ -1,6 +1,5 @@
 //! The output files of a verb are checked: none overwrites an input, and no two have one name.
 
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
@@ -59,7 +58,7 @@ pub fn input_files(path: &Path) -> Vec<PathBuf> {
 /// The files that a scene names.
 pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
     let mut all = vec![
-        PathBuf::from(&scene.path),
+        scene.file.clone(),
         scene.folder.join("expected.toml"),
         scene.folder.join("SOURCE.md"),
     ];
@@ -78,9 +77,10 @@ pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
 
 /// `x-1.csv` of `x.csv`.
 pub fn numbered_path(path: &Path, number: usize) -> PathBuf {
-    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, extension) = (text(path.file_stem()), text(path.extension()));
-    path.with_file_name(format!("{stem}-{number}.{extension}"))
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number}."));
+    name.push(path.extension().unwrap_or_default());
+    path.with_file_name(name)
 }
 
 /// Checks the targets of `correlate`; `several`: the tables of several tests are a CSV file each.

@@ -29,8 +29,10 @@ const FLANK_OF_HOLD: f64 = 0.5;
 /// A scene, ready to run.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Path of the `scene.toml`.
+    /// Path of the `scene.toml`, for messages.
     pub path: String,
+    /// The `scene.toml`.
+    pub file: PathBuf,
     /// Its folder.
     pub folder: PathBuf,
     /// Title of the report.
@@ -158,6 +160,7 @@ impl Scene {
             expected: published_results(&folder)?,
             format: None,
             path: name,
+            file,
             folder,
         })
     }

@@ -1,7 +1,9 @@
 //! The plan of a test names its data, its band and its hits.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+
+use glob::Pattern;
 
 use crate::axis::Band;
 use crate::dof::Dof;
@@ -206,27 +208,29 @@ fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, Scen
     if !pattern.contains(['*', '?', '[']) || folder.join(pattern).exists() {
         return Ok(vec![folder.join(pattern)]);
     }
-    let full = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern);
-    let found = glob::glob(&full.display().to_string()).map_err(|error| {
-        value_error(
-            path,
-            "[[test]] files",
-            &format!("{pattern:?}"),
-            &format!("a wildcard pattern ({error})"),
-        )
-    })?;
-    let unreadable = |error: glob::GlobError| {
-        let action = "read";
-        let path = error.path().display().to_string();
-        SceneError::Io(IoError::System {
-            path,
-            action,
-            source: error.into(),
-        })
-    };
-    let mut files = found
-        .collect::<Result<Vec<PathBuf>, _>>()
-        .map_err(unreadable)?;
+    let mut files = vec![folder.to_owned()];
+    for part in Path::new(pattern).components() {
+        files = match part {
+            Component::CurDir => files,
+            Component::Normal(name) if name == "**" => {
+                let found = files.iter().map(|folder| folders_within(folder));
+                found.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+            Component::Normal(name) => {
+                let matches = Pattern::new(&name.to_string_lossy()).map_err(|error| {
+                    value_error(
+                        path,
+                        "[[test]] files",
+                        &format!("{pattern:?}"),
+                        &format!("a wildcard pattern ({error})"),
+                    )
+                })?;
+                let found = files.iter().map(|folder| entries(folder, Some(&matches)));
+                found.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+            other => files.iter().map(|folder| folder.join(other)).collect(),
+        };
+    }
     files.sort();
     if files.is_empty() {
         return Err(value_error(
@@ -237,4 +241,41 @@ fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, Scen
         ));
     }
     Ok(files)
+}
+
+/// The entries of a folder whose names match; none where it is no folder.
+fn entries(folder: &Path, pattern: Option<&Pattern>) -> Result<Vec<PathBuf>, SceneError> {
+    let read = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    if !read.is_dir() {
+        return Ok(Vec::new());
+    }
+    let unreadable = |source| IoError::System {
+        path: read.display().to_string(),
+        action: "read",
+        source,
+    };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(read).map_err(unreadable)? {
+        let name = entry.map_err(unreadable)?.file_name();
+        if pattern.is_none_or(|pattern| pattern.matches(&name.to_string_lossy())) {
+            found.push(folder.join(name));
+        }
+    }
+    Ok(found)
+}
+
+/// A folder and all folders within it, but those behind symbolic links.
+fn folders_within(folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
+    let mut all = vec![folder.to_owned()];
+    let mut next = 0;
+    while let Some(folder) = all.get(next).cloned() {
+        let is_folder = |path: &PathBuf| path.is_dir() && !path.is_symlink();
+        all.extend(entries(&folder, None)?.into_iter().filter(is_folder));
+        next += 1;
+    }
+    Ok(all)
 }

@@ -46,7 +46,7 @@ pub struct SourceFile {
 
 /// Inputs of a scene.
 pub(super) fn provenance(scene: &Scene, result: &SceneResult) -> Result<Provenance, SceneError> {
-    let mut stated = vec![source_file(Path::new(&scene.path))?];
+    let mut stated = vec![source_file(&scene.file)?];
     let mut model = None;
     if let Some(table) = &scene.model {
         let named = named_model(table, &scene.folder, &scene.path)?;
