@@ -10,7 +10,8 @@
 //! | `columns` | columns of numbers whose meaning a scene states |
 //! | `convert` | entries of catalogues as hits, FRF sets and modal models |
 //! | `formats` | the file formats, and [`FORMATS`], the list of them |
-//! | `open`, `write` | files opened by their content, and written whole or not at all |
+//! | `open`, `input` | files opened by their content when they are read |
+//! | `write` | files written whole or not at all |
 //!
 //! This stage knows types only: it never estimates, windows or identifies. It is one of the three
 //! places that touch files (the others are `scene` and `cli`).
@@ -21,6 +22,7 @@ mod convert;
 mod error;
 mod format;
 mod formats;
+mod input;
 mod memory;
 mod open;
 mod write;
@@ -46,6 +48,7 @@ pub use formats::{
     Npy, Npz, Pulse, SELECTION_SCHEMA, SignalCalc, Table, Uff, modes_from_json, modes_to_json,
     read_matrix, read_selection, selection_from_json, write_frfs, write_time_records,
 };
+pub use input::read_input;
 pub use memory::{FrfSource, MemorySource, Merged, frf_source, hit_source, modes_source};
 pub use open::{detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes};
 pub use write::{

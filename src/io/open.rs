@@ -1,12 +1,12 @@
 //! Opening files, and their fingerprints.
 
-use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use super::error::system;
+use super::input::open_input;
 use super::{Confidence, FORMATS, Format, Hints, IoError, ReadSeek, Source};
 
 /// How many bytes a format sees when it judges a file.
@@ -71,7 +71,7 @@ pub fn format_of(path: &Path, format: Option<&str>) -> Result<&'static dyn Forma
         return format_named(name, &shown);
     }
     let mut head = Vec::with_capacity(DETECTION_BYTES);
-    let file = File::open(path).map_err(system(&shown, "open"))?;
+    let file = open_input(path).map_err(system(&shown, "open"))?;
     file.take(DETECTION_BYTES as u64)
         .read_to_end(&mut head)
         .map_err(system(&shown, "read"))?;
@@ -87,16 +87,7 @@ pub fn open_path(
     hints: &Hints,
     format: Option<&str>,
 ) -> Result<Box<dyn Source>, IoError> {
-    let file = File::open(path).map_err(system(&hints.path, "open"))?;
-    if file
-        .metadata()
-        .map_err(system(&hints.path, "read"))?
-        .is_dir()
-    {
-        return Err(system(&hints.path, "open")(std::io::Error::other(
-            "it is a folder, expected a file",
-        )));
-    }
+    let file = open_input(path).map_err(system(&hints.path, "open"))?;
     open_stream(Box::new(BufReader::new(file)), hints, format)
 }
 
@@ -135,7 +126,7 @@ fn open_stream(
 /// [`IoError::System`] when it cannot be read.
 pub fn sha256_hex(path: &Path) -> Result<String, IoError> {
     let name = path.display().to_string();
-    let mut file = File::open(path).map_err(system(&name, "open"))?;
+    let mut file = open_input(path).map_err(system(&name, "open"))?;
     let mut hasher = Sha256::new();
     std::io::copy(&mut file, &mut hasher).map_err(system(&name, "read"))?;
     Ok(hexadecimal(&hasher.finalize()))

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use crate::io::IoError;
+use crate::io::{IoError, read_input};
 
 use super::error::{SceneError, TomlFault, value_error};
 use super::toml_faults::from_text;
@@ -18,7 +18,7 @@ use super::toml_value::TomlError;
 /// UTF-8.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| IoError::System {
+    let bytes = read_input(path).map_err(|source| IoError::System {
         path: name.clone(),
         action: "read",
         source,

@@ -26,7 +26,8 @@ use serde::Deserialize;
 
 use crate::modal::{PoleSelection, SelectedPole};
 
-use crate::io::IoError;
+use crate::io::error::system;
+use crate::io::{IoError, read_input};
 
 /// The schema text.
 pub const SELECTION_SCHEMA: &str = "modalign-selection/1";
@@ -54,12 +55,11 @@ struct SelectedJson {
 /// pole whose value is impossible.
 pub fn read_selection(path: &Path) -> Result<PoleSelection, IoError> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|source| IoError::System {
-        path: name.clone(),
-        action: "read",
-        source,
-    })?;
-    selection_from_json(&text, &name)
+    let read = read_input(path).and_then(|bytes| {
+        let invalid = |error| std::io::Error::new(std::io::ErrorKind::InvalidData, error);
+        String::from_utf8(bytes).map_err(invalid)
+    });
+    selection_from_json(&read.map_err(system(&name, "read"))?, &name)
 }
 
 /// Reads a choice of poles.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::io::{IoError, sha256_of_bytes};
+use crate::io::{IoError, read_input, sha256_of_bytes};
 
 use super::super::SceneError;
 use super::super::model_name::{is_built_in, named_model};
@@ -89,7 +89,7 @@ pub(super) fn provenance(scene: &Scene, result: &SceneResult) -> Result<Provenan
 
 fn source_file(path: &Path) -> Result<SourceFile, SceneError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| IoError::System {
+    let bytes = read_input(path).map_err(|source| IoError::System {
         path: name.clone(),
         action: "read",
         source,

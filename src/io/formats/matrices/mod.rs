@@ -15,13 +15,13 @@ mod matrix_market;
 #[cfg(test)]
 mod tests;
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::arrays::source::{describe_arrays, same_name};
 use super::arrays::store::{ArrayStore, Elements, NamedArray};
 use super::{hdf5, matlab4, matlab5, numpy};
+use crate::io::input::open_input;
 use crate::io::{IoError, ReadSeek, detect};
 use matrix_entries::MatrixEntries;
 
@@ -44,7 +44,7 @@ pub fn read_matrix(path: &Path, name: Option<&str>) -> Result<MatrixEntries, IoE
             source,
         }
     };
-    let mut file = File::open(path).map_err(system("open"))?;
+    let mut file = open_input(path).map_err(system("open"))?;
     let mut head = Vec::new();
     file.by_ref()
         .take(DETECTION_BYTES)
