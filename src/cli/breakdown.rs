@@ -26,6 +26,9 @@ use super::output::Output;
 use super::scene_reading::SceneReading;
 use super::study_args::BreakdownArgs;
 
+/// The verb in a manifest.
+const VERB: &str = "study breakdown";
+
 /// Where the rest of the result is.
 const REST: &str =
     "Ranges with intervals, failure modes, numerical stability: --full. Maps: -o DIR.";
@@ -41,6 +44,10 @@ pub fn breakdown(
     spec.table.draws = args.draws.or(spec.table.draws);
     let plan = spec.table.plan().map_err(StudyError::from)?;
     let part = args.cells.unwrap_or(Part::WHOLE);
+    // Parts may be computed in one folder at once; their slices are different.
+    if let Some(folder) = args.output.as_ref().filter(|_| part.count == 1) {
+        output.open_results(folder, Some(VERB))?;
+    }
     let finished = compute_slices(args, &plan, part, output)?;
     let kept = kept_slices(&finished);
     if part.count > 1 {
@@ -72,12 +79,10 @@ pub fn breakdown(
         user_modes,
         stability: finished.stability,
     };
-    if let Some(folder) = &args.output {
+    if args.output.is_some() {
         let measured = !finished.times.is_empty();
         let times = measured.then(|| breakdown_times(&finished.times));
-        for (name, bytes) in files(&file, times, args.png) {
-            output.add_file(folder.join(name), bytes);
-        }
+        output.add_results(VERB, files(&file, times, args.png));
     }
     output.add_result(
         |width| {
@@ -248,11 +253,7 @@ impl CellStore for FolderStore<'_> {
 
     fn save(&self, name: &str, text: &str) -> Result<(), String> {
         let file = self.file(name);
-        let _writing = self
-            .output
-            .map(|output| output.guard_writing([file.as_path()]));
-        std::fs::create_dir_all(&self.path)
-            .map_err(|error| format!("{}: {error}", self.path.display()))?;
+        let _writing = self.output.map(Output::guard_writing);
         write_all_whole(&[(file, text.as_bytes().to_vec())]).map_err(|error| error.to_string())
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::io::{MODES_SCHEMA, modes_from_json};
+use crate::io::{MODES_SCHEMA, check_result, modes_from_json};
 use crate::modal::ModalModel;
 use crate::report::json::{
     COMPARISON_SCHEMA, ComparisonFile, JsonError, TestFile, UPDATE_SCHEMA, comparison_from_json,
@@ -125,7 +125,9 @@ fn read_result(path: &Path) -> Result<(ResultFile, Value), Error> {
             ))
         }
     };
-    Ok((result?, value))
+    let result = result?;
+    check_result(path, text.as_bytes())?;
+    Ok((result, value))
 }
 
 fn argument_error(got: &str, expected: &str) -> Error {

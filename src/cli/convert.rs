@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use crate::error::Error;
 use crate::finding::Finding;
 use crate::io::{
-    Catalog, Encoding, Hints, Merged, Precision, Source, WriteOptions, open_path,
-    writable_extensions, write_path,
+    Catalog, Encoding, Hints, Merged, Precision, Source, WriteOptions, bytes_for_path, is_stream,
+    open_bytes, open_path, writable_extensions, write_path,
 };
 use crate::report::Block;
 use crate::scene::{Scene, TestSource, open_test};
@@ -45,15 +45,21 @@ pub fn convert(
         precision: precision(args),
         ..WriteOptions::default()
     };
-    let writing = output.guard_writing([args.output.as_path()]);
-    let lost = write_path(&args.output, &mut merged, options)?;
-    drop(writing);
+    let writing = output.guard_writing();
     // The summary describes the file as it is read again.
     let hints = Hints {
         path: args.output.display().to_string(),
         table: None,
     };
-    let written = open_path(&args.output, &hints, None)?;
+    let (written, lost) = if is_stream(&args.output) {
+        let (bytes, lost) = bytes_for_path(&args.output, &mut merged, options)?;
+        output.add_file(&args.output, bytes.clone());
+        (open_bytes(bytes, &hints)?, lost)
+    } else {
+        let lost = write_path(&args.output, &mut merged, options)?;
+        (open_path(&args.output, &hints, None)?, lost)
+    };
+    drop(writing);
     output.add_blocks(vec![Block::Text(summary(written.catalog(), &damage))]);
     let findings = [findings, lost].concat();
     let json = summary_json(written.catalog(), &damage, &findings);

@@ -10,7 +10,9 @@ use crate::frf::{
     HammerTestResult, HitReport, ResponseWindow, evaluate_test,
 };
 use crate::geometry::Geometry;
-use crate::io::{HitGrouping, Window, WriteOptions, frf_source, write_path};
+use crate::io::{
+    HitGrouping, Window, WriteOptions, bytes_for_path, frf_source, is_stream, write_path,
+};
 use crate::report::{before_you_leave_blocks, frf_block, hits_block, hits_screen, json};
 use crate::scene::{
     FilePlan, IngestOptions, Ingested, Scene, TestSource, TestState, force_window, ingest_files,
@@ -72,8 +74,16 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         for entry in &mut source.catalog.entries {
             entry.note.window = window;
         }
-        let _writing = output.guard_writing([path.as_path()]);
-        output.add_findings(&write_path(path, &mut source, WriteOptions::default())?);
+        let options = WriteOptions::default();
+        let lost = if is_stream(path) {
+            let (bytes, lost) = bytes_for_path(path, &mut source, options)?;
+            output.add_file(path, bytes);
+            lost
+        } else {
+            let _writing = output.guard_writing();
+            write_path(path, &mut source, options)?
+        };
+        output.add_findings(&lost);
     }
     output.add_result(
         |width| hits_screen(&hits, &set, usable, &list, width),

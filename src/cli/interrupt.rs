@@ -1,14 +1,12 @@
 //! At Ctrl-C the program finishes the files that it is writing, then ends; at a panic it removes
 //! them.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Duration;
 
-use crate::io::TEMPORARY_PREFIX;
+use crate::io::remove_unfinished;
 
 use super::color::is_dumb;
 
@@ -27,13 +25,9 @@ pub struct Writing(&'static Shared);
 #[derive(Default)]
 struct Shared {
     lock: Mutex<()>,
-    folders_in_use: Mutex<OpenFolders>,
     /// Whether an interrupt is the regular end of the program.
     is_regular_end: AtomicBool,
 }
-
-/// Folders that are written into, each with the temporary files that were there before.
-type OpenFolders = BTreeMap<PathBuf, BTreeSet<PathBuf>>;
 
 impl Writing {
     /// Ends the program with exit code 2 at an interrupt or a request to end, though not within a
@@ -46,10 +40,7 @@ impl Writing {
         let print_message = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |panic| {
             print_message(panic);
-            // The thread that panicked may hold the list itself; then no file has been begun.
-            if let Ok(folders) = shared.folders_in_use.try_lock() {
-                remove_unfinished(&folders);
-            }
+            remove_unfinished();
             std::process::exit(PANIC_EXIT_CODE);
         }));
         Self(shared)
@@ -61,61 +52,27 @@ impl Writing {
     }
 
     /// Until the guard is dropped no interrupt ends the program, but one that has waited too long
-    /// for these files.
-    pub fn begin<'a>(self, targets: impl IntoIterator<Item = &'a Path>) -> MutexGuard<'static, ()> {
-        let guard = self.0.lock.lock();
-        let folders: BTreeSet<PathBuf> = targets.into_iter().map(folder_of).collect();
-        let folders_in_use = folders
-            .into_iter()
-            .map(|folder| (temporary_files(&folder), folder));
-        *self.0.folders_in_use() = folders_in_use
-            .map(|(before, folder)| (folder, before))
-            .collect();
-        guard.unwrap_or_else(PoisonError::into_inner)
+    /// for the files.
+    pub fn begin(self) -> MutexGuard<'static, ()> {
+        self.0.lock.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Shared {
-    fn folders_in_use(&self) -> MutexGuard<'_, OpenFolders> {
-        self.folders_in_use
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-fn folder_of(target: &Path) -> PathBuf {
-    let folder = target.parent();
-    let named = folder.filter(|parent| !parent.as_os_str().is_empty());
-    named.unwrap_or(Path::new(".")).to_owned()
-}
-
-/// The files in a folder that are not whole yet.
-fn temporary_files(folder: &Path) -> BTreeSet<PathBuf> {
-    let is_temporary = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.starts_with(TEMPORARY_PREFIX)
+/// Makes a file that exceeds the limit of its length (`ulimit -f`) an error of writing; without a
+/// handler the system ends the program.
+pub fn report_files_that_are_too_long() {
+    // Where the signal cannot be handled, the program ends as any other does.
+    #[cfg(unix)]
+    let _ = {
+        let is_received = std::sync::Arc::new(AtomicBool::default());
+        signal_hook::flag::register(signal_hook::consts::SIGXFSZ, is_received)
     };
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    entries
-        .map(|entry| entry.path())
-        .filter(is_temporary)
-        .collect()
-}
-
-/// Removes the temporary files that the writer will not finish.
-fn remove_unfinished(folders_in_use: &OpenFolders) {
-    for (folder, before) in folders_in_use {
-        for path in temporary_files(folder).difference(before) {
-            // The program ends: an error has no reader.
-            let _ = std::fs::remove_file(path);
-        }
-    }
 }
 
 fn end_program(shared: &'static Shared) {
     let mut waited = 0;
     // Held to the end, so that no new file is begun.
-    let guard = loop {
+    let _guard = loop {
         match shared.lock.try_lock() {
             Err(TryLockError::WouldBlock) if waited < MAX_WAIT_HUNDREDTHS_S => {
                 waited += 1;
@@ -136,15 +93,16 @@ fn end_program(shared: &'static Shared) {
     };
     let word = "error: interrupted; every file that is there is whole";
     let _ = writeln!(&stderr, "{clear}{word}");
-    if matches!(guard, Err(TryLockError::WouldBlock)) {
-        remove_unfinished(&shared.folders_in_use());
-    }
+    remove_unfinished();
     std::process::exit(2);
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::io::write_atomically;
 
     /// Names the folder to the process that panics.
     const PANICS_IN: &str = "MODALIGN_TEST_PANICS_IN";
@@ -155,16 +113,17 @@ mod tests {
         let Some(folder) = std::env::var_os(PANICS_IN) else {
             return;
         };
-        let target = Path::new(&folder).join("result.json");
-        let _guard = Writing::guarded().begin([target.as_path()]);
-        std::fs::write(Path::new(&folder).join(".modalign-1"), "x").expect("the folder is there");
-        panic!("on purpose");
+        let _guard = Writing::guarded().begin();
+        let target = Path::new(&folder).join("new/result.json");
+        let _ = write_atomically(&target, |out| {
+            out.write_all(b"x").expect("the file can be written");
+            panic!("on purpose");
+        });
     }
 
     #[test]
     fn a_panic_removes_what_is_unfinished_and_ends_the_program() {
         let place = tempfile::tempdir().expect("a folder of the test can be written");
-        std::fs::write(place.path().join(".modalign-0"), "x").expect("the folder is there");
         let test = "cli::interrupt::tests::a_process_that_panics";
         let program = std::env::current_exe().expect("the test has a program");
         let ended = std::process::Command::new(program)
@@ -174,41 +133,7 @@ mod tests {
             .expect("the test can start itself");
         assert_eq!(ended.status.code(), Some(PANIC_EXIT_CODE));
         assert!(String::from_utf8_lossy(&ended.stderr).contains("on purpose"));
-        let left = temporary_files(place.path());
-        assert_eq!(left, BTreeSet::from([place.path().join(".modalign-0")]));
-    }
-
-    #[test]
-    fn only_unfinished_files_are_removed() {
-        let place = tempfile::tempdir().expect("a folder of the test can be written");
-        let path = |name: &str| place.path().join(name);
-        let name = |suffix: &str| format!("{TEMPORARY_PREFIX}{suffix}");
-        std::fs::create_dir(path("out")).expect("a folder of the test can be written");
-        for file in [name("another"), "result.json".to_owned()] {
-            std::fs::write(path("out").join(file), "x")
-                .expect("a folder of the test can be written");
-        }
-        let writing = Writing(Box::leak(Box::default()));
-        let targets = [path("out/result.json"), path("new/figure.svg")];
-        let _guard = writing.begin(targets.iter().map(PathBuf::as_path));
-        std::fs::create_dir(path("new")).expect("a folder of the test can be written");
-        for target in [
-            "out/.modalign-1",
-            "new/.modalign-2",
-            "new/figure.svg",
-            ".modalign-3",
-        ] {
-            std::fs::write(path(target), "x").expect("a folder of the test can be written");
-        }
-        remove_unfinished(&writing.0.folders_in_use());
-        let left: Vec<bool> = ["out/.modalign-1", "new/.modalign-2"]
-            .map(|temporary| path(temporary).exists())
-            .into();
-        assert_eq!(left, [false, false]);
-        for kept in ["out/result.json", "new/figure.svg", ".modalign-3"] {
-            assert!(path(kept).exists(), "{kept}");
-        }
-        assert!(path("out").join(name("another")).exists());
-        assert_eq!(folder_of(Path::new("result.json")), Path::new("."));
+        let left = std::fs::read_dir(place.path()).expect("the folder is there");
+        assert_eq!(left.count(), 0);
     }
 }

@@ -44,7 +44,8 @@ mod update;
 mod watch;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
@@ -53,16 +54,25 @@ use crate::error::Error;
 
 use args::{Cli, Verb};
 use hint::hint;
+use interrupt::report_files_that_are_too_long;
 use outcome::Outcome;
 use output::Output;
 
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
 /// partly bad, 2 error.
 pub fn main() -> ExitCode {
-    let matches = Cli::command().get_matches_from(arguments());
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    report_files_that_are_too_long();
+    let matches = match Cli::command().try_get_matches_from(arguments()) {
+        Ok(matches) => matches,
+        Err(text) => return print_clap(&text),
+    };
+    let cli = match Cli::from_arg_matches(&matches) {
+        Ok(cli) => cli,
+        Err(error) => return print_clap(&error),
+    };
     let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
     let result = check_features(&matches)
+        .and_then(|()| check_output_names(&matches))
         .and_then(|()| start_threads(&cli))
         .and_then(|()| dispatch(&cli, &mut output));
     output.end_progress();
@@ -88,6 +98,46 @@ pub fn main() -> ExitCode {
             let _ = writeln!(&stderr, "{line}");
             ExitCode::from(2)
         }
+    }
+}
+
+/// Prints the help, the version or an error of the arguments.
+fn print_clap(text: &clap::Error) -> ExitCode {
+    let printed = text.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(error) if !text.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
+            let _ = writeln!(std::io::stderr(), "error: {}", Error::Output(error));
+            ExitCode::from(2)
+        }
+        _ => ExitCode::from(u8::try_from(text.exit_code()).unwrap_or(2)),
+    }
+}
+
+/// Options that name an output.
+const OUTPUT_OPTIONS: [&str; 6] = [
+    "output",
+    "junit",
+    "expand",
+    "lines",
+    "indicators",
+    "stabilization",
+];
+
+/// An error for an output of the name that other programs give to standard output.
+fn check_output_names(matches: &ArgMatches) -> Result<(), Error> {
+    for name in OUTPUT_OPTIONS {
+        let path = matches.try_get_one::<PathBuf>(name).ok().flatten();
+        if path.is_some_and(|path| path == Path::new("-")) {
+            return Err(Error::Argument {
+                argument: "output",
+                got: "-".to_owned(),
+                expected: "the name of a file or folder; standard output is /dev/stdout".to_owned(),
+            });
+        }
+    }
+    match matches.subcommand() {
+        Some((_, arguments)) => check_output_names(arguments),
+        None => Ok(()),
     }
 }
 

@@ -117,7 +117,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
             NewFile::Text(draft.text),
         )
     }));
-    let writing = output.guard_writing(written.iter().map(|(path, _)| path.as_path()));
+    let writing = output.guard_writing();
     write_all_new(&written)?;
     drop(writing);
     for file in &opened {

@@ -12,6 +12,9 @@ use super::output::Output;
 use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::OrderArgs;
 
+/// The verb in a manifest.
+const VERB: &str = "study order";
+
 /// Where the rest of the result is.
 const REST: &str =
     "Reasons, and each mode with each method: --full. With figures and files: -o DIR.";
@@ -24,20 +27,20 @@ pub fn needs(
     output: &mut Output,
 ) -> Result<Outcome, Error> {
     let (scene, spec) = load_scene_and_study(&args.path, reading)?;
+    if let Some(folder) = &args.output {
+        output.open_results(folder, Some(VERB))?;
+    }
     let analysis = order(&scene, &spec.order, output.observer())?;
     let blocks = order_blocks(&analysis);
-    if let Some(folder) = &args.output {
+    if args.output.is_some() {
         let texts = [
             ("order.md", Markdown.render(&blocks)),
             ("order.csv", CsvText.render(&[order_table(&analysis)])),
             ("order.json", json::order_to_json(&analysis)),
         ];
-        for (name, text) in texts {
-            output.add_file(folder.join(name), text.into_bytes());
-        }
-        for (name, bytes) in figure_files(order_figures(&analysis), args.png) {
-            output.add_file(folder.join(name), bytes);
-        }
+        let texts = texts.map(|(name, text)| (name.to_owned(), text.into_bytes()));
+        output.add_results(VERB, texts.into());
+        output.add_results(VERB, figure_files(order_figures(&analysis), args.png));
     }
     output.add_result(|width| order_screen(&analysis, width), || blocks);
     output.add_rest_note(REST);

@@ -8,7 +8,10 @@ use std::sync::MutexGuard;
 use crate::error::Error;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
-use crate::io::{IoError, WriteOptions, bytes_for_path, modes_source, write_all_whole};
+use crate::io::{
+    IoError, ResultFile, ResultsFolder, WriteOptions, bytes_for_path, modes_source,
+    open_file_number, write_all_whole,
+};
 use crate::modal::ModalModel;
 use crate::report::{Block, Language, Renderer, Terminal, abridged, png_lacks_letters};
 use crate::scene::Observer;
@@ -66,6 +69,11 @@ pub fn check_extension(path: Option<&Path>, expected: &[&str]) -> Result<(), Err
     })
 }
 
+/// Number of standard output among the open files of a program.
+const STANDARD_OUTPUT: u32 = 1;
+/// Number of standard error.
+const STANDARD_ERROR: u32 = 2;
+
 /// Width of the screen where standard output is no terminal.
 const DEFAULT_WIDTH: usize = 100;
 /// Width of the narrowest screen that is used as it is.
@@ -91,7 +99,16 @@ pub struct Output {
     writing: Writing,
     result: String,
     files: Vec<(PathBuf, Vec<u8>)>,
+    results: Option<Results>,
     findings: Vec<(String, Finding)>,
+}
+
+/// The files of a folder of results.
+struct Results {
+    folder: ResultsFolder,
+    files: Vec<ResultFile>,
+    /// The verb whose earlier files go.
+    replaced_verb: Option<&'static str>,
 }
 
 impl Output {
@@ -107,6 +124,7 @@ impl Output {
             writing: Writing::guarded(),
             result: String::new(),
             files: Vec::new(),
+            results: None,
             findings: Vec::new(),
         }
     }
@@ -181,12 +199,9 @@ impl Output {
         self.progress.as_ref().map_or(&(), |progress| progress)
     }
 
-    /// A guard that delays an interrupt while these files are written.
-    pub fn guard_writing<'a>(
-        &self,
-        targets: impl IntoIterator<Item = &'a Path>,
-    ) -> MutexGuard<'static, ()> {
-        self.writing.begin(targets)
+    /// A guard that delays an interrupt while files are written.
+    pub fn guard_writing(&self) -> MutexGuard<'static, ()> {
+        self.writing.begin()
     }
 
     /// Ends the progress line.
@@ -220,6 +235,44 @@ impl Output {
     /// Adds a file: all of them are written at the end, or none.
     pub fn add_file(&mut self, path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) {
         self.files.push((path.into(), content.into()));
+    }
+
+    /// Opens the folder of the results, which no other command may write into until the end. Files
+    /// of an earlier run of `replaced_verb` are removed if they are not written again.
+    ///
+    /// # Errors
+    /// As [`ResultsFolder::open`].
+    pub fn open_results(
+        &mut self,
+        folder: &Path,
+        replaced_verb: Option<&'static str>,
+    ) -> Result<(), IoError> {
+        self.results = Some(Results {
+            folder: ResultsFolder::open(folder)?,
+            files: Vec::new(),
+            replaced_verb,
+        });
+        Ok(())
+    }
+
+    /// Whether the folder of the results has a manifest.
+    pub fn has_manifest(&self) -> bool {
+        let results = self.results.as_ref();
+        results.is_some_and(|results| results.folder.has_manifest())
+    }
+
+    /// Whether the manifest of the results names this file.
+    pub fn names_result(&self, name: &str) -> bool {
+        let results = self.results.as_ref();
+        results.is_some_and(|results| results.folder.names(name))
+    }
+
+    /// Adds files of the folder of the results that `verb` makes.
+    pub fn add_results(&mut self, verb: &'static str, files: Vec<(String, Vec<u8>)>) {
+        let file = |(name, bytes)| ResultFile { name, bytes, verb };
+        if let Some(results) = &mut self.results {
+            results.files.extend(files.into_iter().map(file));
+        }
     }
 
     /// Adds modes in the format of the path's extension, with findings on lost content.
@@ -281,15 +334,31 @@ impl Output {
     /// [`Error::Io`] when a file cannot be written, [`Error::Output`] when standard output cannot.
     pub fn finish(mut self) -> Result<(), Error> {
         self.end_progress();
-        let boxed = letters_lacking_findings(&self.files);
+        let boxed = letters_lacking_findings(&self.written_files());
         self.add_findings(&boxed);
-        if !self.files.is_empty() {
-            let _writing = self.guard_writing(self.files.iter().map(|(path, _)| path.as_path()));
-            write_all_whole(&self.files)?;
+        let streams: Vec<(PathBuf, Vec<u8>)>;
+        {
+            let _writing = self.guard_writing();
+            let mut files = std::mem::take(&mut self.files);
+            (streams, files) = files
+                .into_iter()
+                .partition(|(path, _)| is_standard_stream(path));
+            write_all_whole(&files)?;
+            if let Some(results) = self.results.take().filter(|one| !one.files.is_empty()) {
+                results
+                    .folder
+                    .write(&results.files, results.replaced_verb)?;
+            }
         }
         let mut stdout = std::io::stdout().lock();
-        let printed = stdout
-            .write_all(self.result.as_bytes())
+        let written = streams
+            .iter()
+            .try_for_each(|(path, bytes)| match open_file_number(path) {
+                Some(STANDARD_ERROR) => std::io::stderr().write_all(bytes),
+                _ => stdout.write_all(bytes),
+            });
+        let printed = written
+            .and_then(|()| stdout.write_all(self.result.as_bytes()))
             .and_then(|()| stdout.flush());
         if !self.quiet {
             let stderr = std::io::stderr();
@@ -322,8 +391,29 @@ impl Output {
     }
 }
 
+impl Output {
+    /// All files that will be written.
+    fn written_files(&self) -> Vec<(PathBuf, &[u8])> {
+        let single = self.files.iter();
+        let single = single.map(|(path, bytes)| (path.clone(), bytes.as_slice()));
+        let results = self.results.iter().flat_map(|results| {
+            let path = |file: &ResultFile| results.folder.path().join(&file.name);
+            let files = results.files.iter();
+            files.map(move |file| (path(file), file.bytes.as_slice()))
+        });
+        single.chain(results).collect()
+    }
+}
+
+/// Whether a file is standard output or standard error, which have a position that other outputs
+/// of the program move.
+fn is_standard_stream(path: &Path) -> bool {
+    let number = open_file_number(path);
+    matches!(number, Some(STANDARD_OUTPUT | STANDARD_ERROR))
+}
+
 /// Findings on PNG figures that lack letters, as their SVG shows.
-fn letters_lacking_findings(files: &[(PathBuf, Vec<u8>)]) -> Vec<Finding> {
+fn letters_lacking_findings(files: &[(PathBuf, &[u8])]) -> Vec<Finding> {
     let is = |path: &Path, kind: &str| path.extension().is_some_and(|extension| extension == kind);
     let pngs = files.iter().filter(|(path, _)| is(path, "png"));
     let pngs: BTreeSet<PathBuf> = pngs.map(|(path, _)| path.with_extension("svg")).collect();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::io::IoError;
+use crate::io::{IoError, check_result};
 use crate::report::json::{
     REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, order_from_json,
     report_from_json, report_to_json, speed_accuracy_from_json,
@@ -19,6 +19,7 @@ use crate::report::{
 use crate::scene::{ReportTableTable, Scene, SceneResult, TestResult, figures, read_text};
 
 use super::args::ReportArgs;
+use super::first_names::first_names;
 use super::outcome::Outcome;
 use super::output::Output;
 use super::test_stem::test_stem;
@@ -34,21 +35,36 @@ const SPEED_ACCURACY_FILE: &str = "speed-accuracy.json";
 const BREAKDOWN_FILE: &str = "breakdown.json";
 const ORDER_FILE: &str = "order.json";
 
+/// The verb of a manifest whose files are the results of a run, with page and figures.
+pub(super) const RUN_VERB: &str = "run";
+/// The verb of a manifest whose files are an updated model, with the figures of the update.
+pub(super) const UPDATE_VERB: &str = "update";
+
 /// Builds page and figures of a finished run again.
 pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let (run, companions) = (read_report(&args.folder)?, read_companions(&args.folder)?);
-    let mut files = page_files(&run, &companions, output.language(), args.png);
+    let folder = &args.folder;
+    if folder.is_dir() {
+        output.open_results(folder, None)?;
+    }
+    let companions = read_companions(folder, OtherRun::IsRefused)?;
+    let run = read_report(folder)?;
+    let page = page_files(&run, &companions, output.language(), args.png);
     // The page shows an incomplete update as far as possible.
     let updated = companions.updated;
     let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
-    if let Some(whole) = &whole {
-        let synthetic = run.figures.tests.iter().any(|test| test.synthetic);
-        files.extend(update_figures(whole, synthetic, args.png));
+    let synthetic = run.figures.tests.iter().any(|test| test.synthetic);
+    let updated = whole.map(|whole| update_figures(&whole, synthetic, args.png));
+    for (verb, files) in [(RUN_VERB, page), (UPDATE_VERB, updated.unwrap_or_default())] {
+        // A folder of results without manifest stays one.
+        if output.has_manifest() {
+            output.add_results(verb, files);
+        } else {
+            for (name, bytes) in files {
+                output.add_file(folder.join(name), bytes);
+            }
+        }
     }
-    for (name, bytes) in files {
-        output.add_file(args.folder.join(name), bytes);
-    }
-    output.add_text(&args.folder.join(PAGE_FILE).display().to_string());
+    output.add_text(&folder.join(PAGE_FILE).display().to_string());
     Ok(Outcome::Done)
 }
 
@@ -56,7 +72,44 @@ pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> 
 fn read_report(folder: &Path) -> Result<RunReport, Error> {
     let path = folder.join(REPORT_FILE);
     let name = path.display().to_string();
-    Ok(report_from_json(&read_text(&path)?, &name)?)
+    let text = read_text(&path)?;
+    let report = report_from_json(&text, &name)?;
+    check_result(&path, text.as_bytes())?;
+    Ok(report)
+}
+
+/// The treatment of a file that is not of the run that the manifest of the folder names.
+#[derive(Clone, Copy)]
+enum OtherRun {
+    IsRefused,
+    /// The results are written again, without it.
+    IsLeftOut,
+}
+
+/// The value of a file; `None` for one of another run that is left out.
+fn unless_left_out<T>(read: Result<T, Error>, other_run: OtherRun) -> Result<Option<T>, Error> {
+    match (read, other_run) {
+        (Err(Error::Io(IoError::OtherRun { .. })), OtherRun::IsLeftOut) => Ok(None),
+        (read, _) => read.map(Some),
+    }
+}
+
+/// A line on the results of other verbs that are not in the report of a run.
+pub(super) fn left_out_companions(folder: &Path) -> Option<String> {
+    let files = [UPDATE_FILE, SPEED_ACCURACY_FILE, BREAKDOWN_FILE, ORDER_FILE];
+    let is_of_other_run = |name: &&str| {
+        let path = folder.join(name);
+        let text = read_text(&path).ok();
+        let checked = text.map(|text| check_result(&path, text.as_bytes()));
+        matches!(checked, Some(Err(IoError::OtherRun { .. })))
+    };
+    let names: Vec<String> = files
+        .iter()
+        .filter(|name| is_of_other_run(name))
+        .map(ToString::to_string)
+        .collect();
+    let first = first_names(&names);
+    (!names.is_empty()).then(|| format!("Unfinished or changed, and not in report.html: {first}."))
 }
 
 /// The page of a folder that has one, with a new update.
@@ -66,21 +119,16 @@ pub(super) fn rebuild_page(
     language: Language,
     png: bool,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
-    match folder.join(REPORT_FILE).exists() {
-        true => {
-            let companions = CompanionResults {
-                updated: Some(updated.clone()),
-                ..read_studies(folder)?
-            };
-            Ok(page_files(
-                &read_report(folder)?,
-                &companions,
-                language,
-                png,
-            ))
-        }
-        false => Ok(Vec::new()),
+    if !folder.join(REPORT_FILE).exists() {
+        return Ok(Vec::new());
     }
+    let run = unless_left_out(read_report(folder), OtherRun::IsLeftOut)?;
+    let companions = CompanionResults {
+        updated: Some(updated.clone()),
+        ..read_studies(folder, OtherRun::IsLeftOut)?
+    };
+    let page = run.map(|run| page_files(&run, &companions, language, png));
+    Ok(page.unwrap_or_default())
 }
 
 /// The figures of an update; `synthetic`: one of its tests was computed from a model.
@@ -129,7 +177,7 @@ pub(super) fn report_files(
     let mut files = vec![(REPORT_FILE.to_owned(), report_to_json(&report).into_bytes())];
     files.extend(page_files(
         &report,
-        &read_companions(folder)?,
+        &read_companions(folder, OtherRun::IsLeftOut)?,
         language,
         png,
     ));
@@ -150,23 +198,24 @@ fn page_files(
 }
 
 /// The results of other verbs in a folder.
-fn read_companions(folder: &Path) -> Result<CompanionResults, Error> {
+fn read_companions(folder: &Path, other_run: OtherRun) -> Result<CompanionResults, Error> {
     Ok(CompanionResults {
-        updated: read_if_present(folder.join(UPDATE_FILE), update_from)?,
-        ..read_studies(folder)?
+        updated: read_if_present(folder.join(UPDATE_FILE), update_from, other_run)?,
+        ..read_studies(folder, other_run)?
     })
 }
 
 /// The studies in a folder.
-fn read_studies(folder: &Path) -> Result<CompanionResults, Error> {
+fn read_studies(folder: &Path, other_run: OtherRun) -> Result<CompanionResults, Error> {
     Ok(CompanionResults {
         updated: None,
         speed_accuracy: read_if_present(
             folder.join(SPEED_ACCURACY_FILE),
             speed_accuracy_from_json,
+            other_run,
         )?,
-        breakdown: read_if_present(folder.join(BREAKDOWN_FILE), breakdown_from_json)?,
-        order: read_if_present(folder.join(ORDER_FILE), order_from_json)?,
+        breakdown: read_if_present(folder.join(BREAKDOWN_FILE), breakdown_from_json, other_run)?,
+        order: read_if_present(folder.join(ORDER_FILE), order_from_json, other_run)?,
     })
 }
 
@@ -174,11 +223,15 @@ fn read_studies(folder: &Path) -> Result<CompanionResults, Error> {
 fn read_if_present<T>(
     path: PathBuf,
     read: fn(&str, &str) -> Result<T, IoError>,
+    other_run: OtherRun,
 ) -> Result<Option<T>, Error> {
-    match path.exists() {
-        true => Ok(Some(read(&read_text(&path)?, &path.display().to_string())?)),
-        false => Ok(None),
+    if !path.exists() {
+        return Ok(None);
     }
+    let text = read_text(&path)?;
+    let value = read(&text, &path.display().to_string())?;
+    let checked = check_result(&path, text.as_bytes());
+    unless_left_out(checked.map(|()| value).map_err(Error::Io), other_run)
 }
 
 fn update_from(text: &str, path: &str) -> Result<Value, IoError> {

@@ -1,6 +1,6 @@
 //! `modalign run`: a scene to its tables, and with `-o` to files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::correlate::ComparisonTable;
 use crate::error::Error;
@@ -18,7 +18,9 @@ use super::args::RunArgs;
 use super::first_names::first_names;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::report::{before_leaving_blocks, report_files, table_group};
+use super::report::{
+    RUN_VERB, before_leaving_blocks, left_out_companions, report_files, table_group,
+};
 use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
 use super::test_stem::test_stem;
@@ -28,9 +30,12 @@ use super::test_stem::test_stem;
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
+    if let Some(folder) = &args.output {
+        output.open_results(folder, Some(RUN_VERB))?;
+    }
     let result = run_scene(&scene, output.observer())?;
     let blocks = blocks(&scene, &result, Columns::All);
-    let mut earlier = None;
+    let (mut earlier, mut left_out) = (None, None);
     if let Some(folder) = &args.output {
         let translated = |blocks| output.language().translated(blocks);
         let page = translated(self::blocks(&scene, &result, Columns::Page));
@@ -43,8 +48,9 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             output.language(),
             args.png,
         )?);
-        earlier = earlier_figures(folder, &files);
-        add_folder_files(folder, files, &scene, output)?;
+        earlier = earlier_figures(folder, &files, |name| output.names_result(name));
+        left_out = left_out_companions(folder);
+        add_folder_files(RUN_VERB, folder, files, &scene, output)?;
     }
     output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
@@ -59,7 +65,12 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let next =
         format!("Next, the parameters that bring the model to the test: modalign update {scene}.");
     let can_update = result.table.is_some() && !result.theory.parameters.is_empty();
-    let lines = [earlier, can_update.then_some(next), Some(rest.to_owned())];
+    let lines = [
+        earlier,
+        left_out,
+        can_update.then_some(next),
+        Some(rest.to_owned()),
+    ];
     let lines: Vec<String> = lines.into_iter().flatten().collect();
     output.add_rest_note(&lines.join("\n"));
     match &result.table {
@@ -78,37 +89,37 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     Ok(Outcome::missed_if(missed || result.partly_bad()))
 }
 
-/// A line on the figures in the folder that are of an earlier run.
-fn earlier_figures(folder: &Path, files: &[(String, Vec<u8>)]) -> Option<String> {
+/// A line on the figures in the folder that are of an earlier run and that no manifest names.
+fn earlier_figures(
+    folder: &Path,
+    files: &[(String, Vec<u8>)],
+    is_named: impl Fn(&str) -> bool,
+) -> Option<String> {
     let is_written = |name: &str| files.iter().any(|(written, _)| written == name);
     let figures = std::fs::read_dir(folder.join("figures")).ok()?;
     let names = figures.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut names: Vec<String> = names
         .filter(|name| name.ends_with(".svg") || name.ends_with(".png"))
         .map(|name| format!("figures/{name}"))
-        .filter(|name| !is_written(name))
+        .filter(|name| !is_written(name) && !is_named(name))
         .collect();
     names.sort();
     let first = first_names(&names);
     (!names.is_empty()).then(|| format!("Left from an earlier run: {first}."))
 }
 
-/// Adds files of a folder, none of which the scene reads.
+/// Adds files of the folder of the results, none of which the scene reads.
 pub(super) fn add_folder_files(
+    verb: &'static str,
     folder: &Path,
     files: Vec<(String, Vec<u8>)>,
     scene: &Scene,
     output: &mut Output,
 ) -> Result<(), Error> {
-    let files: Vec<(PathBuf, Vec<u8>)> = files
-        .into_iter()
-        .map(|(name, bytes)| (folder.join(name), bytes))
-        .collect();
-    let names = files.iter().map(|(path, _)| ("-o", path.clone())).collect();
+    let names = files.iter();
+    let names = names.map(|(name, _)| ("-o", folder.join(name))).collect();
     check_targets(&names, &scene_files(scene))?;
-    for (path, bytes) in files {
-        output.add_file(path, bytes);
-    }
+    output.add_results(verb, files);
     Ok(())
 }
 
@@ -308,15 +319,17 @@ mod tests {
     #[test]
     fn figures_of_an_earlier_run_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(earlier_figures(folder.path(), &[]), None);
+        assert_eq!(earlier_figures(folder.path(), &[], |_| false), None);
         std::fs::create_dir(folder.path().join("figures")).unwrap();
         for name in ["a.svg", "b.svg", "notes.txt"] {
             std::fs::write(folder.path().join("figures").join(name), "").unwrap();
         }
         let written = [("figures/a.svg".to_owned(), Vec::new())];
-        let line = earlier_figures(folder.path(), &written).unwrap();
+        let line = earlier_figures(folder.path(), &written, |_| false).unwrap();
         assert_eq!(line, "Left from an earlier run: figures/b.svg.");
         let both = [("figures/b.svg".to_owned(), Vec::new()), written[0].clone()];
-        assert_eq!(earlier_figures(folder.path(), &both), None);
+        assert_eq!(earlier_figures(folder.path(), &both, |_| false), None);
+        let removed = earlier_figures(folder.path(), &written, |name| name == "figures/b.svg");
+        assert_eq!(removed, None);
     }
 }

@@ -13,6 +13,9 @@ use super::output::Output;
 use super::scene_reading::{SceneReading, load_scene_and_study, report_damage};
 use super::study_args::SpeedAccuracyArgs;
 
+/// The verb in a manifest.
+const VERB: &str = "study speed-accuracy";
+
 /// Where the rest of the result is.
 const REST: &str =
     "Recommendations and the Pareto front: --full. All rows, times and figures: -o DIR.";
@@ -26,11 +29,12 @@ pub fn study(
     let (scene, spec) = load_scene_and_study(&args.path, reading)?;
     let mut options = spec.speed_accuracy;
     options.draws = args.draws.unwrap_or(options.draws);
-    let result = speed_accuracy(&scene, &options, &ProcessMeter, output.observer())?;
     if let Some(folder) = &args.output {
-        for (name, bytes) in files(&result, args.png) {
-            output.add_file(folder.join(name), bytes);
-        }
+        output.open_results(folder, Some(VERB))?;
+    }
+    let result = speed_accuracy(&scene, &options, &ProcessMeter, output.observer())?;
+    if args.output.is_some() {
+        output.add_results(VERB, files(&result, args.png));
     }
     output.add_result(
         |width| speed_accuracy_screen(&result, width),

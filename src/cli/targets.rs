@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::io::resolved_target;
 use crate::scene::{Scene, TestSource};
 
 use super::args::CorrelateArgs;
@@ -18,7 +19,7 @@ pub fn targets<const N: usize>(given: [(&'static str, Option<&PathBuf>); N]) -> 
         .collect()
 }
 
-/// Checks that no target is an input, by its canonical path, and that no two targets have one name.
+/// Checks that no target is an input, by its canonical path, and that no two targets are one file.
 pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error> {
     let canonical = |path: &PathBuf| path.canonicalize().ok();
     let inputs: Vec<PathBuf> = inputs.iter().filter_map(canonical).collect();
@@ -38,7 +39,9 @@ pub fn check_targets(targets: &Targets, inputs: &[PathBuf]) -> Result<(), Error>
                 "a name that is none of the inputs",
             );
         }
-        if targets[..number].iter().any(|(_, other)| other == path) {
+        let file = resolved_target(path);
+        let is_same = |other: &Path| other == path || resolved_target(other) == file;
+        if targets[..number].iter().any(|(_, other)| is_same(other)) {
             let expected = "another name";
             return refused(*argument, path, "gets another result", expected);
         }

@@ -7,7 +7,7 @@ use crate::scene::{TestResult, update_scene};
 use super::args::UpdateArgs;
 use super::outcome::Outcome;
 use super::output::Output;
-use super::report::{rebuild_page, update_figures};
+use super::report::{RUN_VERB, UPDATE_VERB, rebuild_page, update_figures};
 use super::run::add_folder_files;
 use super::scene_reading::SceneReading;
 
@@ -19,6 +19,9 @@ pub fn update(
 ) -> Result<Outcome, Error> {
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
+    if let Some(folder) = &args.output {
+        output.open_results(folder, Some(UPDATE_VERB))?;
+    }
     let outcome = update_scene(&scene)?;
     let blocks = update_blocks(&scene.title, &outcome);
     if let Some(folder) = &args.output {
@@ -50,10 +53,11 @@ pub fn update(
             .collect();
         let updated_json = serde_json::json!(updated);
         let language = output.language();
-        files.extend(rebuild_page(folder, &updated_json, language, args.png)?);
+        let page = rebuild_page(folder, &updated_json, language, args.png)?;
+        add_folder_files(RUN_VERB, folder, page, &scene, output)?;
         let synthetic = outcome.tests.iter().any(TestResult::is_synthetic);
         files.extend(update_figures(&updated, synthetic, args.png));
-        add_folder_files(folder, files, &scene, output)?;
+        add_folder_files(UPDATE_VERB, folder, files, &scene, output)?;
     }
     output.add_result(
         |width| update_screen(&scene.title, &outcome, width),

@@ -153,6 +153,16 @@ pub enum IoError {
         /// The schema.
         expected: &'static str,
     },
+    /// A result that is not of the run that the manifest of its folder names.
+    #[error("{path}: got {got}, expected {expected}")]
+    OtherRun {
+        /// Path as given.
+        path: String,
+        /// What the file holds.
+        got: String,
+        /// What the manifest names, with the verb that makes it.
+        expected: String,
+    },
     /// A unit that is not known.
     #[error("{path}: {source}")]
     Unit {

@@ -11,7 +11,7 @@
 //! | `convert` | entries of catalogues as hits, FRF sets and modal models |
 //! | `formats` | the file formats, and [`FORMATS`], the list of them |
 //! | `open`, `input` | files opened by their content when they are read |
-//! | `write` | files written whole or not at all |
+//! | `write`, `results` | files written whole or not at all, and folders of them with a manifest |
 //!
 //! This stage knows types only: it never estimates, windows or identifies. It is one of the three
 //! places that touch files (the others are `scene` and `cli`).
@@ -25,6 +25,7 @@ mod formats;
 mod input;
 mod memory;
 mod open;
+mod results;
 mod write;
 
 pub use crate::frf::Window;
@@ -51,7 +52,8 @@ pub use formats::{
 pub use input::read_input;
 pub use memory::{FrfSource, MemorySource, Merged, frf_source, hit_source, modes_source};
 pub use open::{detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes};
+pub use results::{MANIFEST_SCHEMA, ResultFile, ResultsFolder, check_result};
 pub use write::{
-    NewFile, TEMPORARY_PREFIX, bytes_for_path, writable_extensions, write_all_new, write_all_whole,
-    write_atomically, write_path,
+    NewFile, bytes_for_path, is_stream, open_file_number, remove_unfinished, resolved_target,
+    writable_extensions, write_all_new, write_all_whole, write_atomically, write_path,
 };
