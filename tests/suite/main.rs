@@ -65,4 +65,5 @@ mod unneeded;
 mod updating;
 mod vocabulary;
 mod watch_command;
+mod writing;
 mod wrong_files;
