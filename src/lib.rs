@@ -150,6 +150,7 @@
 //! | `dof` | — |
 //! | `guide` | — |
 //! | `quantity` | — |
+//! | `printable` | — |
 //! | `axis` | — |
 //! | `linalg` | — |
 //! | `fourier` | — |
@@ -159,17 +160,17 @@
 //! | `modal` | axis dof finding linalg quantity |
 //! | `signal` | axis dof finding fourier linalg quantity record |
 //! | `frf` | axis dof finding fourier linalg modal quantity record signal |
-//! | `io` | axis dof finding frf geometry linalg modal quantity record |
+//! | `io` | axis dof finding frf geometry linalg modal printable quantity record |
 //! | `identify` | axis dof finding fourier frf linalg modal quantity |
 //! | `theory` | axis dof finding frf geometry linalg modal quantity |
 //! | `correlate` | axis dof finding frf geometry linalg modal quantity theory |
 //! | `update` | axis correlate dof finding frf geometry linalg modal quantity theory |
 //! | `synth` | axis dof finding fourier modal quantity record |
-//! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record signal synth theory update |
+//! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal printable quantity record signal synth theory update |
 //! | `study` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record scene signal synth theory update |
-//! | `report` | axis correlate dof finding frf geometry identify io linalg modal quantity record scene signal study synth theory update |
+//! | `report` | axis correlate dof finding frf geometry identify io linalg modal printable quantity record scene signal study synth theory update |
 //! | `error` | correlate frf identify io scene signal study synth theory update |
-//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal quantity record report scene signal study synth theory update |
+//! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal printable quantity record report scene signal study synth theory update |
 //!
 //! `report` sees result types of every stage, never a computation.
 //!
@@ -201,6 +202,7 @@ pub mod guide;
 pub mod identify;
 pub mod io;
 pub mod modal;
+pub mod printable;
 pub mod quantity;
 pub mod record;
 pub mod report;

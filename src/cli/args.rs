@@ -1,6 +1,6 @@
 //! The command line as typed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -45,6 +45,13 @@ pub struct Global {
     /// No findings on standard error; errors stay.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Refuse a scene, model or spec that names files outside its folder: for one from elsewhere.
+    #[arg(long, global = true)]
+    pub confine: bool,
+    /// Most memory that the program takes, such as 4G or 500M (default: half of the machine's).
+    /// What needs more ends with an error.
+    #[arg(long, global = true, value_name = "BYTES")]
+    pub max_memory: Option<String>,
     /// The result as JSON on standard output.
     #[arg(long, global = true)]
     pub json: bool,
@@ -100,6 +107,36 @@ pub enum Verb {
     Completions(CompletionsArgs),
     /// Print the manual page, or write the pages of all verbs.
     Man(ManArgs),
+}
+
+impl Verb {
+    /// The scenes, models and specs that the arguments name, which may name files themselves.
+    pub fn scenes_and_models(&self) -> Vec<&Path> {
+        let named: Vec<&PathBuf> = match self {
+            Verb::Run(args) => vec![&args.scene],
+            Verb::Convert(args) => args.inputs.iter().collect(),
+            Verb::Frf(args) => args.inputs.iter().collect(),
+            Verb::Theory(args) => vec![&args.model],
+            Verb::Correlate(args) => args.test.iter().chain(&args.theory).collect(),
+            Verb::Update(args) => vec![&args.scene],
+            Verb::Synth(args) => vec![&args.spec],
+            Verb::Study(args) => vec![args.study.path()],
+            Verb::Check(args) => vec![&args.against],
+            Verb::New(args) => args.model.iter().collect(),
+            Verb::Inspect(_)
+            | Verb::Identify(_)
+            | Verb::Report(_)
+            | Verb::Completions(_)
+            | Verb::Man(_) => Vec::new(),
+        };
+        let is_toml = |path: &Path| {
+            path.extension()
+                .is_some_and(|extension| extension == "toml")
+        };
+        let named = named.into_iter().map(PathBuf::as_path);
+        let names_files = |path: &&Path| path.is_dir() || path.is_file() && is_toml(path);
+        named.filter(names_files).collect()
+    }
 }
 
 /// `run`.

@@ -2,6 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use crate::printable::printable;
 use crate::scene::{LimitCheck, RowVerdict};
 
 /// Significant digits, unless more are needed to tell a value from its limit.
@@ -77,17 +78,17 @@ fn token(text: &str) -> String {
     escaped(&words.join(" "))
 }
 
-/// Text for XML 1.0, in elements and attributes; characters that it cannot hold are left out.
+/// Text for XML 1.0, in elements and attributes; of characters that it cannot hold the control
+/// characters are shown and the others left out.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in printable(text).chars() {
         match c {
             '&' => out += "&amp;",
             '<' => out += "&lt;",
             '>' => out += "&gt;",
             '"' => out += "&quot;",
-            '\t' | '\n' | '\r' => out.push(c),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
+            '\u{fffe}' | '\u{ffff}' => {}
             c => out.push(c),
         }
     }
@@ -141,7 +142,7 @@ mod tests {
         };
         let text = junit("out/a b.json", "b.json", &[row]);
         assert!(
-            text.contains("name=\"f1 &quot;a&quot; &lt;&amp;&gt;\""),
+            text.contains("name=\"f1 &quot;a&quot; &lt;&amp;&gt;\\x01\""),
             "{text}"
         );
         assert!(

@@ -21,6 +21,7 @@ mod interrupt;
 mod junit;
 mod left_out;
 mod man;
+mod memory_limit;
 mod meter;
 mod new;
 mod not_compared;
@@ -51,6 +52,8 @@ use std::process::ExitCode;
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
 use crate::error::Error;
+use crate::printable::printable_message;
+use crate::scene::check_confined;
 
 use args::{Cli, Verb};
 use hint::hint;
@@ -59,8 +62,9 @@ use outcome::Outcome;
 use output::Output;
 
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
-/// partly bad, 2 error.
-pub fn main() -> ExitCode {
+/// partly bad, 2 error. `limit_memory` sets the most bytes that the program may hold, and returns
+/// whether it could.
+pub fn main(limit_memory: impl FnOnce(usize) -> bool) -> ExitCode {
     report_files_that_are_too_long();
     let matches = match Cli::command().try_get_matches_from(arguments()) {
         Ok(matches) => matches,
@@ -73,6 +77,7 @@ pub fn main() -> ExitCode {
     let mut output = Output::new(&cli.global, matches.subcommand_name().unwrap_or_default());
     let result = check_features(&matches)
         .and_then(|()| check_output_names(&matches))
+        .and_then(|()| memory_limit::set(cli.global.max_memory.as_deref(), limit_memory))
         .and_then(|()| start_threads(&cli))
         .and_then(|()| dispatch(&cli, &mut output));
     output.end_progress();
@@ -88,6 +93,7 @@ pub fn main() -> ExitCode {
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             let line = format!("error: {error}{}", hint(&error));
+            let line = printable_message(&line).into_owned();
             let stderr = std::io::stderr();
             let paints = cli.global.color.is_enabled_on(&stderr);
             let line = if paints {
@@ -237,6 +243,11 @@ fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
             output.language().explanation(code)
         ));
         return Ok(Outcome::Done);
+    }
+    if cli.global.confine {
+        for path in cli.verb.iter().flat_map(Verb::scenes_and_models) {
+            check_confined(path)?;
+        }
     }
     let format = cli.global.format.as_deref();
     match &cli.verb {

@@ -13,6 +13,7 @@ use crate::io::{
     open_file_number, write_all_whole,
 };
 use crate::modal::ModalModel;
+use crate::printable::{printable_json, printable_message};
 use crate::report::{Block, Language, Renderer, Terminal, abridged, png_lacks_letters};
 use crate::scene::Observer;
 
@@ -217,7 +218,7 @@ impl Output {
     /// Adds JSON to the result, when it is wanted.
     pub fn add_json(&mut self, text: impl FnOnce() -> String) {
         if self.json {
-            self.add_text(&text());
+            self.add_text(&printable_json(text()));
         }
     }
 
@@ -370,6 +371,7 @@ impl Output {
                 screen_lines(&self.findings, self.language)
             };
             for line in lines {
+                let line = printable_message(&line).into_owned();
                 let line = if paints {
                     color::color_message(&line)
                 } else {

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::printable::printable_line;
 use crate::scene::Observer;
 
 use super::color::is_dumb;
@@ -50,7 +51,7 @@ impl Observer for Progress {
         }
         // The time left follows from finished steps.
         bar.set_style(style(TEMPLATES[if number > 1 { 2 } else { 1 }]));
-        bar.set_message(what.to_owned());
+        bar.set_message(printable_line(what).into_owned());
     }
 }
 

@@ -34,6 +34,17 @@ pub enum Study {
     Order(OrderArgs),
 }
 
+impl Study {
+    /// The scene or spec.
+    pub fn path(&self) -> &PathBuf {
+        match self {
+            Study::SpeedAccuracy(args) => &args.path,
+            Study::Breakdown(args) => &args.input,
+            Study::Order(args) => &args.path,
+        }
+    }
+}
+
 /// `study speed-accuracy`.
 #[derive(Debug, Args)]
 #[command(

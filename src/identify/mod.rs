@@ -84,6 +84,7 @@ pub use estimator::{
     Candidate, Evidence, IdentifyOptions, MethodOptions, PoleAtOrder, PoleEstimator, PoleStatus,
     PoleTable,
 };
+pub(crate) use mdof::stabilization::{MAX_ORDER, MIN_HIGHEST_ORDER};
 pub use mode_indicators::{Indicators, cmif_at, indicators};
 pub use modes::quality::assess;
 pub use order_selection::{OrderSelection, OrderStep, PredictiveScore, support};
@@ -213,12 +214,12 @@ impl IdentifyOptions {
             });
         }
         if let Some(order) = self.estimator.max_order
-            && order < mdof::stabilization::MIN_HIGHEST_ORDER
+            && !(MIN_HIGHEST_ORDER..=MAX_ORDER).contains(&order)
         {
             return Err(IdentifyError::OptionOutOfRange {
                 name: "order",
                 got: order as f64,
-                expected: "4 or more: a mode is a pole that is stable over three orders, the lowest of which is 2",
+                expected: "4 to 500: a mode is a pole that is stable over three orders, the lowest of which is 2; a band with more poles is divided",
             });
         }
         if self.estimator.max_modes == Some(0) {

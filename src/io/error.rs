@@ -18,14 +18,12 @@ pub enum IoError {
         source: std::io::Error,
     },
     /// A format that no reader takes.
-    #[error(
-        "{path}: got a file of unknown format (it starts with {head:?}), expected one of {known}"
-    )]
+    #[error("{path}: got {got}, expected one of {known}")]
     UnknownFormat {
         /// Path as given.
         path: String,
-        /// Its first bytes.
-        head: String,
+        /// Whether it is text, or the format as stated.
+        got: String,
         /// Names of the formats.
         known: String,
     },
@@ -92,6 +90,16 @@ pub enum IoError {
         got: String,
         /// How much was expected.
         expected: String,
+    },
+    /// Contents for which the memory has no room.
+    #[error("{path}: {what}: got {:.1} GB, expected as much as the memory has room for (--max-memory)", *bytes as f64 / 1e9)]
+    Memory {
+        /// Path as given.
+        path: String,
+        /// Which part.
+        what: String,
+        /// Its size.
+        bytes: u64,
     },
     /// A column that a table does not have.
     #[error(

@@ -52,8 +52,16 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn ReadSeek>> {
 /// # Errors
 /// What the system refuses; a folder; a device.
 pub fn read_input(path: &Path) -> Result<Vec<u8>> {
+    read_input_part(path, u64::MAX)
+}
+
+/// Reads so many bytes of a file or a pipe, or all that it has.
+///
+/// # Errors
+/// As [`read_input`].
+pub fn read_input_part(path: &Path, count: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open_input(path)?.read_to_end(&mut bytes)?;
+    open_input(path)?.take(count).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

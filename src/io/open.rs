@@ -30,7 +30,7 @@ pub fn detect(head: &[u8], path: &str) -> Result<&'static dyn Format, IoError> {
         [(_, format)] => Ok(*format),
         [] => Err(IoError::UnknownFormat {
             path: path.to_owned(),
-            head: String::from_utf8_lossy(&head[..head.len().min(24)]).into_owned(),
+            got: content_kind(head).to_owned(),
             known: format_names(),
         }),
         several => Err(IoError::Tie {
@@ -41,6 +41,18 @@ pub fn detect(head: &[u8], path: &str) -> Result<&'static dyn Format, IoError> {
                 .collect::<Vec<_>>()
                 .join(", "),
         }),
+    }
+}
+
+/// Text or numbers; contents are not quoted, because a scene may name any file.
+pub(super) fn content_kind(head: &[u8]) -> &'static str {
+    let is_text = head
+        .iter()
+        .all(|byte| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..));
+    match (head.is_empty(), is_text) {
+        (true, _) => "an empty file",
+        (false, true) => "a text file of unknown format",
+        (false, false) => "a binary file of unknown format",
     }
 }
 
@@ -56,7 +68,7 @@ fn format_named(name: &str, path: &str) -> Result<&'static dyn Format, IoError> 
     let found = FORMATS.iter().copied().find(|format| format.name() == name);
     found.ok_or_else(|| IoError::UnknownFormat {
         path: path.to_owned(),
-        head: format!("--format {name}"),
+        got: format!("--format {name}"),
         known: format_names(),
     })
 }
@@ -156,7 +168,7 @@ mod tests {
         );
         let text = error.err().unwrap().to_string();
         assert!(
-            text.starts_with("x.bin: got a file of unknown format") && text.contains("uff"),
+            text.starts_with("x.bin: got a binary file of unknown format") && text.contains("uff"),
             "{text}"
         );
     }

@@ -1,5 +1,7 @@
 //! The Markdown renderer writes pipe tables.
 
+use crate::printable::printable_message;
+
 use super::{Align, Block, Renderer, Table};
 
 /// Renders Markdown.
@@ -24,36 +26,58 @@ impl Renderer for Markdown {
     }
 }
 
-/// The text on a line, whose signs are none of Markdown. Words between backticks remain code.
+/// The text on a line, whose signs are none of Markdown: a title of a file makes no element.
 fn escape(text: &str) -> String {
-    let has_code = text.matches('`').count().is_multiple_of(2);
-    let mut is_code = false;
+    let text = printable_message(text);
+    let characters: Vec<char> = text.chars().collect();
     let mut escaped = String::with_capacity(text.len());
-    let mut characters = text.chars().peekable();
-    while let Some(c) = characters.next() {
-        let begins_tag = |next: &char| next.is_ascii_alphabetic() || matches!(next, '/' | '!');
+    for (index, &c) in characters.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| characters[before]);
+        let after = characters.get(index + 1).copied();
+        let is_in_word = |side: Option<char>| side.is_some_and(char::is_alphanumeric);
         let is_sign = match c {
-            // Tables read this sign in code, too.
-            '|' => true,
-            _ if is_code => false,
-            '\\' | '*' => true,
-            '`' => !has_code,
-            '<' => characters.peek().is_some_and(begins_tag),
+            '\\' | '`' | '*' | '|' | '~' | '$' => true,
+            '_' => !(is_in_word(before) && is_in_word(after)),
+            '<' => after.is_some_and(|c| c.is_ascii_alphabetic() || matches!(c, '/' | '!' | '?')),
+            '&' => after.is_some_and(|c| c.is_ascii_alphanumeric() || c == '#'),
+            ']' => matches!(after, Some('(' | '[' | ':')),
+            // Addresses become links without brackets.
+            ':' => after == Some('/'),
+            '.' => escaped.to_lowercase().ends_with("www"),
+            '@' => is_in_word(before) && is_in_word(after),
             _ => false,
         };
-        is_code ^= c == '`' && has_code;
         if is_sign {
             escaped.push('\\');
         }
-        escaped.push(if c == '\n' { ' ' } else { c });
+        escaped.push(if matches!(c, '\n' | '\t') { ' ' } else { c });
     }
     escaped
+}
+
+/// A line of a paragraph, which begins no heading, quotation, numbered list or block of code.
+fn escaped_line(line: &str) -> String {
+    let line = escape(line.trim_start());
+    let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let (number, rest) = line.split_at(digits);
+    let begins_block = match digits {
+        0 => rest.starts_with(['#', '>', '-', '+', '=']) && !rest.starts_with("- "),
+        _ => [". ", ") "].iter().any(|mark| rest.starts_with(mark)) || matches!(rest, "." | ")"),
+    };
+    match begins_block {
+        true => format!("{number}\\{rest}"),
+        false => line,
+    }
 }
 
 fn block_text(block: &Block) -> String {
     match block {
         Block::Heading(text) => format!("## {}", escape(text)),
-        Block::Text(text) => text.lines().map(escape).collect::<Vec<_>>().join("\n"),
+        Block::Text(text) => text
+            .lines()
+            .map(escaped_line)
+            .collect::<Vec<_>>()
+            .join("\n"),
         Block::Table(table) => table_text(table),
         Block::Findings { findings, language } => findings
             .iter()
@@ -106,15 +130,34 @@ mod tests {
     use crate::report::{Cell, Column};
 
     #[test]
-    fn signs_of_markdown_are_escaped_outside_code() {
+    fn no_text_makes_an_element() {
         for (text, expected) in [
             ("|error| of 2*3*4", "\\|error\\| of 2\\*3\\*4"),
             ("a\\b <test> < -1000", "a\\\\b \\<test> < -1000"),
-            ("beam `a*b|c`", "beam `a*b\\|c`"),
-            ("one ` alone", "one \\` alone"),
-            ("a\nb", "a b"),
+            ("beam `bar` k_5y _x_", "beam \\`bar\\` k_5y \\_x\\_"),
+            ("[a](javascript:x) ![i](x)", "[a\\](javascript:x) ![i\\](x)"),
+            ("[a]: x, f [Hz]", "[a\\]: x, f [Hz]"),
+            (
+                "https://x.y www.x.y a@b.c",
+                "https\\://x.y www\\.x.y a\\@b.c",
+            ),
+            ("&lt; R&D & <?x", "\\&lt; R\\&D & \\<?x"),
+            ("~~a~~ $x$", "\\~\\~a\\~\\~ \\$x\\$"),
+            ("a\nb\u{1b}[2J", "a b\\\\x1b[2J"),
         ] {
             assert_eq!(escape(text), expected);
+        }
+        for (line, expected) in [
+            ("# a", "\\# a"),
+            ("    code", "code"),
+            ("- a", "- a"),
+            ("---", "\\---"),
+            ("1. a", "1\\. a"),
+            ("12) a", "12\\) a"),
+            ("===", "\\==="),
+            ("3.5 Hz", "3.5 Hz"),
+        ] {
+            assert_eq!(escaped_line(line), expected);
         }
     }
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::printable::printable_cell;
+
 /// Alignment of the text of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Align {
@@ -127,7 +129,7 @@ impl Cell {
     /// The text for people, with a dash for what is missing.
     pub fn display(&self) -> String {
         match self {
-            Cell::Text(text) => text.clone(),
+            Cell::Text(text) => printable_cell(text).into_owned(),
             Cell::Number {
                 value,
                 decimals,

@@ -3,6 +3,8 @@
 
 use unicode_width::UnicodeWidthStr;
 
+use crate::printable::{printable, printable_message};
+
 use super::{Align, Block, Column, Renderer, Table};
 
 /// Renders for a terminal, without colour.
@@ -27,7 +29,7 @@ impl Renderer for Terminal {
             .map(|block| self.block_text(block))
             .filter(|text| !text.is_empty())
             .collect();
-        parts.join("\n\n") + "\n"
+        printable(&parts.join("\n\n")).into_owned() + "\n"
     }
 }
 
@@ -55,8 +57,9 @@ impl Terminal {
     }
 
     fn wrapped(&self, text: &str) -> String {
+        let text = printable_message(text);
         let Some(width) = self.width else {
-            return text.to_owned();
+            return text.into_owned();
         };
         // Continuation lines of an indented line are indented twice as far.
         let line = |line: &str| {

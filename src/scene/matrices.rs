@@ -265,7 +265,11 @@ fn listed_dofs(path: &Path) -> Result<Vec<Dof>, SceneError> {
                 path: path.display().to_string(),
                 line,
                 what: "degree of freedom",
-                got: error.got,
+                // A file of another kind is not quoted: a scene may name any file.
+                got: match dofs.is_empty() {
+                    true => "another text".to_owned(),
+                    false => error.got,
+                },
                 expected: error.expected.to_owned(),
             })?;
             dofs.push(dof);

@@ -4,6 +4,7 @@
 //! scene computes nothing itself.
 
 mod columns;
+mod confine;
 mod damage;
 mod draft;
 mod draft_columns;
@@ -50,6 +51,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
+pub use confine::check_confined;
 pub use damage::{damage, lost_part_findings};
 pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
 pub use draft_columns::TableContent;

@@ -4,25 +4,40 @@
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
+use toml::de::DeTable;
 
-use crate::io::{IoError, read_input};
+use crate::io::{IoError, read_input_part};
 
 use super::error::{SceneError, TomlFault, value_error};
 use super::toml_faults::from_text;
 use super::toml_value::TomlError;
 
+/// Maximum length of a file of TOML or JSON, whose values take some ten times as much memory.
+/// Longer: a pipe without an end fills the memory. Shorter: reports of many tests are refused.
+const MAX_TEXT_BYTES: u64 = 256 << 20;
+
 /// Reads a file as UTF-8 text.
 ///
 /// # Errors
 /// [`IoError::System`] when it cannot be read; [`IoError::Binary`] with the byte where it is not
-/// UTF-8.
+/// UTF-8 or longer than 256 MiB.
 pub fn read_text(path: &Path) -> Result<String, IoError> {
     let name = path.display().to_string();
-    let bytes = read_input(path).map_err(|source| IoError::System {
+    let system = |source| IoError::System {
         path: name.clone(),
         action: "read",
         source,
-    })?;
+    };
+    let bytes = read_input_part(path, MAX_TEXT_BYTES + 1).map_err(system)?;
+    if bytes.len() as u64 > MAX_TEXT_BYTES {
+        return Err(IoError::Binary {
+            path: name,
+            byte: MAX_TEXT_BYTES,
+            what: "text",
+            got: "a longer file".to_owned(),
+            expected: format!("at most {} MiB", MAX_TEXT_BYTES >> 20),
+        });
+    }
     String::from_utf8(bytes).map_err(|error| IoError::Binary {
         path: name,
         byte: error.utf8_error().valid_up_to() as u64,
@@ -102,14 +117,45 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             others: open[1..].iter().map(|header| header.line).collect(),
         });
     }
-    from_text(text).map_err(|found| SceneError::Toml {
-        path: path.to_owned(),
-        faults: without_misspelt(text, found.faults)
-            .iter()
-            .map(|fault| toml_fault(text, fault))
-            .collect(),
-        all_found: found.all_found,
+    from_text(text).map_err(|found| {
+        // A scene may name any file: one of another kind is not quoted.
+        let is_quoted = has_known_key(text, &found.faults);
+        let faults = without_misspelt(text, found.faults).into_iter();
+        let faults = faults.map(|fault| match is_quoted {
+            true => toml_fault(text, &fault),
+            false => toml_fault(text, &without_quotation(fault)),
+        });
+        SceneError::Toml {
+            path: path.to_owned(),
+            faults: faults.collect(),
+            all_found: found.all_found,
+        }
     })
+}
+
+/// Whether a document has a key that its schema has, at its top.
+fn has_known_key(text: &str, faults: &[TomlError]) -> bool {
+    let (table, _) = DeTable::parse_recoverable(text);
+    let is_unknown = |key: &str| {
+        let message = format!("unknown field `{key}`");
+        faults
+            .iter()
+            .any(|fault| fault.message.starts_with(&message))
+    };
+    table.get_ref().keys().any(|key| !is_unknown(key.get_ref()))
+}
+
+/// The fault without the key or value that it quotes; its place shows it.
+fn without_quotation(mut fault: TomlError) -> TomlError {
+    let message = &fault.message;
+    if let Some((_, expected)) = message.split_once(", expected ") {
+        let got = match message.starts_with("unknown field ") {
+            true => "an unknown key",
+            false => "another value",
+        };
+        fault.message = format!("got {got}, expected {expected}");
+    }
+    fault
 }
 
 /// The faults without missing keys that are misspelt in their table: the unknown key says it.

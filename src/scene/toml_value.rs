@@ -2,8 +2,8 @@
 //!
 //! The parser is that of `toml`. Its deserialiser has three types of tables (of values, spans and
 //! dates), for each of which every struct is compiled; here a table has one type. An error is at
-//! the key or value that it is about. Dates have no type here, and a struct is a table, never an
-//! array.
+//! the key or value that it is about. Dates have no type here, a struct is a table, never an array,
+//! and a text is one line.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -16,6 +16,8 @@ use serde::de::{
 use serde::{Deserializer, forward_to_deserialize_any};
 use toml::Spanned;
 use toml::de::{DeArray, DeInteger, DeTable, DeValue};
+
+use crate::printable::one_line;
 
 /// Why a document cannot be deserialised.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -193,8 +195,11 @@ impl<'de> Deserializer<'de> for Value<'de> {
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TomlError> {
         let result = match self.value {
-            DeValue::String(Cow::Borrowed(text)) => visitor.visit_borrowed_str(text),
-            DeValue::String(Cow::Owned(text)) => visitor.visit_string(text),
+            DeValue::String(text) => match text {
+                text if text.contains(['\n', '\r']) => visitor.visit_str(&one_line(&text)),
+                Cow::Borrowed(text) => visitor.visit_borrowed_str(text),
+                Cow::Owned(text) => visitor.visit_string(text),
+            },
             DeValue::Integer(integer) => visit_integer(&integer, visitor),
             DeValue::Float(number) => visit_float(number.as_str(), visitor),
             DeValue::Boolean(value) => visitor.visit_bool(value),

@@ -11,7 +11,7 @@
 use crate::geometry::Target;
 use crate::linalg::{RealMatrix, real_matrix};
 
-use super::beam_line::{BeamLine, BeamPoint, find_line, find_point};
+use super::beam_line::{BeamLine, BeamPoint, check_element_count, find_line, find_point};
 use super::description::{BeamDescription, BeamFile, SCHEMA, distinct};
 use super::dual::Values;
 use super::parameter::{check_values, nominal_values};
@@ -44,6 +44,8 @@ impl BeamModel {
         check_file(&file)?;
         let mut coordinates = Vec::new();
         let mut lines = Vec::new();
+        let elements = file.beams.iter().map(|beam| beam.elements);
+        check_element_count(&file.title, elements.fold(0, usize::saturating_add))?;
         for beam in &file.beams {
             lines.push(BeamLine::new(beam, &mut coordinates)?);
         }

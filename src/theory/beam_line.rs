@@ -10,9 +10,22 @@ use super::nearest_name::nearest_name;
 use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 
-/// Maximum number of elements of a beam: dense matrices of more coordinates exceed the memory of a
+/// Maximum number of elements of a model: dense matrices of more coordinates exceed the memory of a
 /// desktop computer.
 const MAX_ELEMENTS: usize = 2000;
+
+/// Checks the elements of a beam, or of all beams of a model.
+pub(super) fn check_element_count(part: &str, elements: usize) -> Result<(), TheoryError> {
+    if elements <= MAX_ELEMENTS {
+        return Ok(());
+    }
+    Err(TheoryError::PropertyOutOfRange {
+        part: part.to_owned(),
+        property: "elements",
+        got: elements as f64,
+        expected: "at most 2000: matrices are dense, and 40 elements give four modes to 1e-5",
+    })
+}
 
 /// How far beyond an end a point may lie and still be at the end, as a share of the length:
 /// rounding of coordinates.
@@ -64,11 +77,7 @@ impl BeamLine {
         if beam.elements == 0 {
             return Err(out_of_range("elements", 0.0, "1 or more"));
         }
-        if beam.elements > MAX_ELEMENTS {
-            let expected =
-                "at most 2000: matrices are dense, and 40 elements give four modes to 1e-5";
-            return Err(out_of_range("elements", beam.elements as f64, expected));
-        }
+        check_element_count(&label, beam.elements)?;
         let tangent = (end - origin) / length_m;
         let given = unit_direction(&label, beam.deflection)?;
         let cosine = given.dot(&tangent);

@@ -384,7 +384,7 @@ pub enum TheoryError {
     },
     /// Values of a parameter that are no range.
     #[error(
-        "parameter `{parameter}`: got a sweep from {lower} to {upper} in {count} values, expected ascending finite ends and at least 2 values"
+        "parameter `{parameter}`: got a sweep from {lower} to {upper} in {count} values, expected ascending finite ends and 2 to {most} values"
     )]
     SweepRange {
         /// The parameter.
@@ -395,6 +395,8 @@ pub enum TheoryError {
         upper: f64,
         /// Number of values.
         count: usize,
+        /// The largest number that is taken, for a model of this size.
+        most: usize,
     },
     /// Values of a number of parts that are not whole.
     #[error(

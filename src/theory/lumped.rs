@@ -19,6 +19,10 @@ use super::{
 /// The name of what does not move.
 const GROUND: &str = "ground";
 
+/// From this number of coordinates a model is refused. Larger: a matrix takes more than 128 MB, and
+/// an eigenproblem more than minutes. Smaller: 600 free bodies are refused.
+const MAX_COORDINATES: usize = 4000;
+
 /// A model of rigid bodies and springs, made from a [`LumpedFile`].
 ///
 /// `M = diag(m, J)`, `K = sum k b b^T` with `b` the stretch (or twist) of a spring per unit of each
@@ -281,12 +285,20 @@ fn check_file(file: &LumpedFile) -> Result<(), TheoryError> {
             .collect();
         distinct("coordinate", names.iter())?;
     }
-    if file.bodies.iter().all(|body| body.free.is_empty()) {
+    let coordinates: usize = file.bodies.iter().map(|body| body.free.len()).sum();
+    let expected = match coordinates {
+        0 => Some("at least one body that may move"),
+        MAX_COORDINATES.. => {
+            Some("fewer than 4000, as its matrices are dense: a larger model has [matrices]")
+        }
+        _ => None,
+    };
+    if let Some(expected) = expected {
         return Err(TheoryError::PropertyOutOfRange {
             part: file.title.clone(),
             property: "number of coordinates",
-            got: 0.0,
-            expected: "at least one body that may move",
+            got: coordinates as f64,
+            expected,
         });
     }
     check_values(

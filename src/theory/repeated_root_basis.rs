@@ -49,6 +49,8 @@ pub(super) fn canonicalise(vectors: &mut RealMatrix, first: usize, count: usize,
 fn pivots(rows: &[Vec<f64>], count: usize, total: &[f64]) -> Vec<usize> {
     let mut chosen = Vec::new();
     let mut directions: Vec<Vec<f64>> = Vec::new();
+    // A coordinate that depends on some directions depends on more of them, too.
+    let mut first = 0;
     while chosen.len() < count {
         let left = |i: &usize| {
             let rest = rest(&rows[*i], &directions);
@@ -60,10 +62,9 @@ fn pivots(rows: &[Vec<f64>], count: usize, total: &[f64]) -> Vec<usize> {
         };
         let share = |i: &usize| left(i) / total[*i];
         let best = || (0..rows.len()).max_by(|a, b| share(a).total_cmp(&share(b)));
-        let pivot = (0..rows.len())
-            .find(serves)
-            .or_else(best)
-            .expect("a mode has coordinates");
+        let found = (first..rows.len()).find(serves);
+        first = found.map_or(rows.len(), |pivot| pivot + 1);
+        let pivot = found.or_else(best).expect("a mode has coordinates");
         directions.push(orthonormal_part(&rows[pivot], &directions));
         chosen.push(pivot);
     }

@@ -21,6 +21,8 @@ use super::{
     ModeOptions, ModelRoot, ParameterSpec, TheoreticalModel, TheoryError, model_roots, modes,
 };
 
+/// Maximum number of values of a sweep: more than a figure has dots.
+const MAX_SWEEP_VALUES: usize = 10_000;
 /// From this ratio of its ends a range is divided into equal ratios.
 const GEOMETRIC_FROM: f64 = 10.0;
 
@@ -77,7 +79,7 @@ impl SweepRange {
 
     fn check(&self, parameter: &str) -> Result<(), TheoryError> {
         let ascending = self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper;
-        if ascending && self.count >= 2 {
+        if ascending && (2..=MAX_SWEEP_VALUES).contains(&self.count) {
             return Ok(());
         }
         Err(TheoryError::SweepRange {
@@ -85,6 +87,7 @@ impl SweepRange {
             lower: self.lower,
             upper: self.upper,
             count: self.count,
+            most: MAX_SWEEP_VALUES,
         })
     }
 }

@@ -9,6 +9,9 @@ use crate::linalg::{RealMatrix, real_matrix, symmetric_eigen};
 use super::system::{System, SystemSlope};
 use super::{ModeOptions, TheoreticalModel, TheoryError};
 
+/// Maximum memory of the shapes at all values of a sweep, bytes. Larger: half the memory of a small
+/// machine. Smaller: 2,000 values of a beam of 60 elements are refused.
+const MAX_SWEEP_BYTES: usize = 2 << 30;
 /// The least share of a shape in the root that it goes over into: a rotation by 18 degrees from one
 /// value to the next.
 const SAME_SHAPE: f64 = 0.9;
@@ -270,6 +273,7 @@ impl<'a> ModeTracker<'a> {
     pub fn track(&self, grid: &[f64], options: &ModeOptions) -> Result<ModeTrack, TheoryError> {
         let system = System::of(self.model, &self.values_at(grid[0]))?;
         let first = self.solve(&system, grid[0], options)?;
+        self.check_count(grid, &first)?;
         let mut track = ModeTrack {
             samples: vec![first],
             meetings: Vec::new(),
@@ -298,6 +302,24 @@ impl<'a> ModeTracker<'a> {
             }
         }
         Ok(track)
+    }
+
+    /// Checks that the memory has room for the shapes at all values.
+    fn check_count(&self, grid: &[f64], first: &Sample) -> Result<(), TheoryError> {
+        let matrices = [&first.vectors, &first.moved, &first.forces];
+        let elements = matrices.map(|matrix| matrix.nrows() * matrix.ncols());
+        let bytes = elements.iter().sum::<usize>() * size_of::<f64>();
+        let most = MAX_SWEEP_BYTES / bytes.max(1);
+        if grid.len() <= most {
+            return Ok(());
+        }
+        Err(TheoryError::SweepRange {
+            parameter: self.model.parameters()[self.j].name.clone(),
+            lower: grid[0],
+            upper: grid[grid.len() - 1],
+            count: grid.len(),
+            most,
+        })
     }
 
     fn step(&self, track: &ModeTrack, from: &Sample, target: f64) -> Result<Step, TheoryError> {

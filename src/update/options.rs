@@ -50,6 +50,12 @@ impl Residuals {
     }
 }
 
+/// Maximum number of starts. Larger: the list of starts alone fills the memory. Smaller: rough
+/// objectives of many parameters get too few.
+const MAX_STARTS: usize = 10_000;
+/// Maximum number of iterations from one start, far above those of any descent that converges.
+const MAX_ITERATIONS: usize = 100_000;
+
 /// Options of updating.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpdateOptions {
@@ -148,14 +154,14 @@ impl UpdateOptions {
             (
                 "starts",
                 self.starts as f64,
-                self.starts > 0,
-                "at least one",
+                (1..=MAX_STARTS).contains(&self.starts),
+                "1 to 10000",
             ),
             (
                 "max_iterations",
                 self.max_iterations as f64,
-                self.max_iterations > 0,
-                "at least one",
+                (1..=MAX_ITERATIONS).contains(&self.max_iterations),
+                "1 to 100000",
             ),
         ];
         for (name, got, good, expected) in checks {

@@ -6,6 +6,7 @@ mod bad_input;
 mod breakdown_command;
 mod changes;
 mod check_command;
+mod claimed_sizes;
 mod command;
 mod correlate_command;
 mod correlate_tables;
@@ -62,6 +63,7 @@ mod tuple_parameters;
 #[path = "../population/twins.rs"]
 mod twins;
 mod unneeded;
+mod untrusted_text;
 mod updating;
 mod vocabulary;
 mod watch_command;

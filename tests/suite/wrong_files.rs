@@ -273,7 +273,7 @@ const CASES: &[Case] = &[
             "title = \"a table\"",
             "title = \"a table\"\n[identify]\norder = 2",
         )],
-        &["[identify] order: got 2, expected 4 or more"],
+        &["[identify] order: got 2, expected 4 to 500"],
     ),
     (
         Scene,

@@ -23,7 +23,10 @@ use crate::modal::Pole;
 const MAX_ORDERS: usize = 20;
 /// Lowest order, and the lowest highest order that allows a stable pole.
 const MIN_ORDER: usize = 2;
-pub(in crate::identify) const MIN_HIGHEST_ORDER: usize = MIN_ORDER + MIN_TRACK_ORDERS - 1;
+pub(crate) const MIN_HIGHEST_ORDER: usize = MIN_ORDER + MIN_TRACK_ORDERS - 1;
+/// Largest highest order. A larger one takes minutes for a table of poles that no reader of a
+/// stabilization diagram can judge: times grow with the third power.
+pub(crate) const MAX_ORDER: usize = 500;
 /// Maximum distance of a mode from its listed pole, in decay rates.
 const MATCH_DECAY_RATES: f64 = 0.5;
 /// Number of estimates with weighted lines.

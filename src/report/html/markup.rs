@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::finding::Finding;
+use crate::printable::printable_message;
 
 use super::super::texts::TEXTS;
 use super::super::verdict::Verdict;
@@ -17,10 +18,11 @@ pub(super) fn fragment(blocks: &[Block], language: Language) -> String {
     blocks.iter().map(text).collect()
 }
 
-/// Text with the characters escaped that HTML reserves in text and attributes.
+/// Text with the characters escaped that HTML reserves in text and attributes, and without control
+/// characters.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in printable_message(text).chars() {
         match c {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),

@@ -15,7 +15,9 @@ mod provenance;
 mod summary;
 mod update;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 use super::json::BreakdownFile;
 use super::{Block, Language, Renderer};
@@ -59,16 +61,21 @@ impl Renderer for Html {
         });
         format!(
             "<!doctype html>\n<html lang=\"en\">\n{}<body>\n<main class=\"plain\">\n{}</main>\n</body>\n</html>\n",
-            document_head(title.unwrap_or("modalign")),
+            document_head(title.unwrap_or("modalign"), None),
             fragment(blocks, Language::English)
         )
     }
 }
 
-/// The `head` element of a page.
-fn document_head(title: &str) -> String {
+/// The `head` element of a page whose only script is this one, if it has one. The browser runs no
+/// other: text of a file that would get past the escapes does nothing.
+fn document_head(title: &str, script: Option<&str>) -> String {
+    let scripts = script.map_or("'none'".to_owned(), |script| {
+        let hash = BASE64_STANDARD.encode(Sha256::digest(script));
+        format!("'sha256-{hash}'")
+    });
     format!(
-        "<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n",
+        "<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n",
         escape(title)
     )
 }

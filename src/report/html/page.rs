@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use crate::printable::printable_json;
+
 use super::super::Language;
 use super::super::json::RunReport;
 use super::super::texts::{TEXTS, Text};
@@ -75,12 +77,13 @@ pub fn report_page(
         "studies": studied.data,
     });
     // A script element ends at the first `</`, and `<!--` changes its end, even inside a string.
-    let data = data.to_string().replace('<', "\\u003c");
+    let data = printable_json(data.to_string()).replace('<', "\\u003c");
     let w = |text: &Text| escape(text.in_language(language));
     let made_by = &TEXTS.page.made_by;
+    let script = format!("\n'use strict';\n{}", SCRIPT.concat());
     let mut page = format!(
         "<!doctype html>\n<html lang=\"{code}\">\n{}<body>\n",
-        document_head(&report.title)
+        document_head(&report.title, Some(&script))
     );
     page += &format!(
         "<a class=\"skip\" href=\"#content\">{}</a>\n<header>\n<div class=\"top\"><h1>{}</h1>\n<button id=\"theme\" type=\"button\" aria-label=\"{}\">◐</button></div>\n<p class=\"made\">{}</p>\n</header>\n",
@@ -104,9 +107,8 @@ pub fn report_page(
         page += "</section>\n";
     }
     page += &format!(
-        "</main>\n<noscript><p class=\"made\">{}</p></noscript>\n<script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n'use strict';\n{}</script>\n</body>\n</html>\n",
-        w(&TEXTS.page.figures_need_a_script),
-        SCRIPT.concat()
+        "</main>\n<noscript><p class=\"made\">{}</p></noscript>\n<script type=\"application/json\" id=\"data\">{data}</script>\n<script>{script}</script>\n</body>\n</html>\n",
+        w(&TEXTS.page.figures_need_a_script)
     );
     page
 }

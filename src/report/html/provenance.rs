@@ -70,7 +70,7 @@ fn file_text(file: &SourceFile) -> String {
     match &file.text {
         Some(text) => format!(
             "<details><summary>{head}</summary>\n<pre tabindex=\"0\">{}</pre></details>\n",
-            escape(text)
+            escape(&text.replace("\r\n", "\n"))
         ),
         None => format!("<p>{head}</p>\n"),
     }

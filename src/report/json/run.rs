@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::Finding;
 use crate::io::IoError;
+use crate::printable::printable_json;
 use crate::scene::{Figures, Provenance};
 
 use super::super::{Block, Cell};
@@ -72,7 +73,7 @@ impl Section {
 
 /// `report.json`.
 pub fn report_to_json(report: &RunReport) -> String {
-    serde_json::to_string(report).unwrap_or_default() + "\n"
+    printable_json(serde_json::to_string(report).unwrap_or_default()) + "\n"
 }
 
 /// Reads `report.json`.

@@ -5,11 +5,12 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::io::IoError;
+use crate::printable::printable_json;
 
 /// A result as text, ending in a newline.
 pub(super) fn json_text<T: Serialize>(file: &T) -> String {
     let text = serde_json::to_string_pretty(file);
-    text.expect("plain data has no key that is not text") + "\n"
+    printable_json(text.expect("plain data has no key that is not text")) + "\n"
 }
 
 /// A file; `expected` names its schema as errors state it.

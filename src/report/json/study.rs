@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::io::IoError;
+use crate::printable::printable_json;
 use crate::study::breakdown::{SliceResult, Stability, UserMode, breakdown_verdict};
 use crate::study::{
     LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
@@ -256,7 +257,7 @@ pub fn breakdown_to_json(file: &BreakdownFile) -> String {
         file,
         verdict: verdict.into_iter().collect(),
     };
-    serde_json::to_string(&written).unwrap_or_default() + "\n"
+    printable_json(serde_json::to_string(&written).unwrap_or_default()) + "\n"
 }
 
 /// Reads `breakdown.json`.

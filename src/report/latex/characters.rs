@@ -1,6 +1,8 @@
 //! Characters of LaTeX: the commands of those that pdflatex refuses or reads as commands, and their
 //! widths in Computer Modern.
 
+use crate::printable::printable_message;
+
 /// Commands of mathematics for characters that pdflatex refuses or sets from a font that a small
 /// installation lacks.
 const MATHEMATICS: &[(char, &str)] = &[
@@ -133,7 +135,9 @@ pub(super) fn escaped_paragraph(text: &str) -> String {
 }
 
 fn escaped_words(text: &str, breaks_words: bool) -> String {
-    let words = text.split([' ', '\n']);
+    // The marks are private characters, which no font has.
+    let text = printable_message(text).replace([CODE, QUOTE], "?");
+    let words = text.split([' ', '\n', '\t']);
     let words = words.map(|word| escaped_word(word, breaks_words));
     code_and_quotes(&words.collect::<Vec<_>>().join(" "))
 }

@@ -6,7 +6,7 @@
 mod characters;
 mod layout;
 
-use super::{Align, Block, Renderer, Table};
+use super::{Align, Block, Language, Renderer, Table};
 
 use characters::{escaped, escaped_paragraph, is_set_by_pdflatex};
 use layout::{COLUMN_GAP_EM, ColumnLayout, Layout, fitted, line_count};
@@ -36,14 +36,47 @@ impl Renderer for Latex {
             .filter(|text| !text.is_empty())
             .collect();
         let text = parts.join("\n\n") + "\n";
-        let mut head = "% \\usepackage{array,booktabs,longtable}\n".to_owned();
-        if !text.chars().all(is_set_by_pdflatex) {
-            head += "% pdflatex lacks characters of this text: use XeLaTeX or LuaLaTeX and a font that has them.\n";
+        let head = "% \\usepackage{array,booktabs,longtable}\n";
+        if text.chars().all(is_set_by_pdflatex) {
+            format!("{head}{text}")
+        } else if blocks.iter().any(is_chinese) {
+            format!("{head}% Chinese text: XeLaTeX or LuaLaTeX, \\usepackage{{ctex}}\n{text}")
+        } else {
+            format!("{head}{UNICODE_COMMAND}{}", with_unicode_commands(&text))
         }
-        if text.chars().any(|c| ('\u{4e00}'..='\u{9fff}').contains(&c)) {
-            head += "% Chinese text: \\usepackage{ctex}\n";
+    }
+}
+
+/// The command of a character that pdflatex lacks, by its number: the character where the font has
+/// it, else the number.
+const UNICODE_COMMAND: &str = "% pdflatex prints the numbers of characters that it lacks; XeLaTeX and LuaLaTeX print them.\n\
+     \\providecommand{\\unicodechar}[1]{\\ifdefined\\Umathcode\\char\"#1\\relax\\else\\texttt{U+#1}\\fi}\n";
+
+/// A title in another language must not keep a document from pdflatex.
+fn with_unicode_commands(text: &str) -> String {
+    let mut written = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_set_by_pdflatex(c) {
+            true => written.push(c),
+            false => written += &format!("\\unicodechar{{{:04X}}}", u32::from(c)),
         }
-        head + &text
+    }
+    written
+}
+
+/// Whether most heads of a table, which are the program's, are Chinese.
+fn is_chinese(block: &Block) -> bool {
+    let is_chinese = |text: &str| text.contains(|c| ('\u{4e00}'..='\u{9fff}').contains(&c));
+    match block {
+        Block::Heading(_) | Block::Text(_) => false,
+        Block::Table(table) => {
+            let heads = table
+                .columns
+                .iter()
+                .filter(|column| is_chinese(&column.head));
+            2 * heads.count() > table.columns.len()
+        }
+        Block::Findings { language, .. } => *language == Language::Chinese,
     }
 }
 
@@ -321,10 +354,18 @@ mod tests {
         let written = Latex.render(&[Block::Text(text.to_owned())]);
         assert!(written.chars().all(is_set_by_pdflatex), "{written}");
         assert!(!written.contains("XeLaTeX"), "{written}");
-        let chinese = Latex.render(&[Block::Text("模态".to_owned())]);
-        assert!(chinese.contains("XeLaTeX"), "{chinese}");
+        // Texts of files in other scripts.
+        let title = Latex.render(&[Block::Text("模态 😀 a\u{301}\u{1b}[2J".to_owned())]);
+        assert!(title.chars().all(is_set_by_pdflatex), "{title}");
+        let parts = "\\unicodechar{6A21}\\unicodechar{6001} \\unicodechar{1F600} a\\unicodechar{0301}\\textbackslash{}x1b[2J";
+        assert!(title.contains(parts), "{title}");
+        let chinese = rendered(Table {
+            columns: vec![Column::text("阶次"), Column::text("模态")],
+            ..Table::default()
+        });
+        assert!(chinese.contains("\\usepackage{ctex}"), "{chinese}");
         assert!(
-            chinese.contains("% Chinese text: \\usepackage{ctex}\n"),
+            chinese.contains("模态") && !chinese.contains("unicodechar"),
             "{chinese}"
         );
     }

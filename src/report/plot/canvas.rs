@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::printable::printable_line;
+
 /// Colours that remain distinct with a red-green colour vision deficiency (Okabe and Ito 2008,
 /// Color universal design).
 pub(super) const COLORS: [&str; 8] = [
@@ -51,11 +53,6 @@ pub(super) enum Anchor {
     Start,
     Middle,
     End,
-}
-
-/// Characters that no XML file can hold, however they are written.
-fn is_not_xml(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
 }
 
 /// A figure that is being drawn.
@@ -162,8 +159,9 @@ impl Canvas {
             0.0 => String::new(),
             _ => format!(" transform=\"rotate({degrees} {x:.1} {y:.1})\""),
         };
-        let text = text
-            .replace(is_not_xml, " ")
+        let text = printable_line(text)
+            // No XML file can hold them, however they are written.
+            .replace(['\u{fffe}', '\u{ffff}'], " ")
             .replace('&', "&amp;")
             .replace('<', "&lt;")
             .replace('>', "&gt;");

@@ -3,8 +3,12 @@
 use serde::Deserialize;
 
 use crate::frf::Estimator;
+use crate::identify::{MAX_ORDER, MIN_HIGHEST_ORDER};
 
 use super::super::StudyError;
+
+/// Maximum number of draws: the quantiles of an error do not improve beyond it.
+const MAX_DRAWS: usize = 100_000;
 
 /// `[speed_accuracy]` of a `study.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -86,9 +90,11 @@ impl SpeedAccuracyOptions {
             ),
             (
                 "orders",
-                self.orders.iter().all(|order| *order >= 4),
+                self.orders
+                    .iter()
+                    .all(|order| (MIN_HIGHEST_ORDER..=MAX_ORDER).contains(order)),
                 format!("{:?}", self.orders),
-                "orders of 4 or more",
+                "orders of 4 to 500",
             ),
             (
                 "snr_db",
@@ -96,7 +102,12 @@ impl SpeedAccuracyOptions {
                 format!("{:?}", self.snr_db),
                 "one level or more, in ascending order",
             ),
-            ("draws", self.draws > 0, self.draws.to_string(), "1 or more"),
+            (
+                "draws",
+                (1..=MAX_DRAWS).contains(&self.draws),
+                self.draws.to_string(),
+                "1 to 100000",
+            ),
             (
                 "record_time_constants",
                 positive(constants),

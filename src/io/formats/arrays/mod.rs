@@ -5,6 +5,7 @@
 //! description, by the names of a measurement system (`signalcalc`), or lists them without a
 //! meaning. Nothing here knows the bytes of a file.
 
+pub(in crate::io) mod limited;
 pub mod schema;
 mod signalcalc;
 pub(in crate::io) mod source;

@@ -10,6 +10,7 @@
 
 use crate::finding::{Code, Finding, Location, Severity};
 
+use super::limited::Limited;
 use super::schema;
 use super::signalcalc;
 use super::store::{ArrayStore, Elements};
@@ -30,9 +31,10 @@ const MAX_LISTED_NAMES: usize = 40;
 /// [`entries_from_columns`] and the store.
 pub(in crate::io) fn open_arrays(
     format: &'static str,
-    mut store: Box<dyn ArrayStore>,
+    store: Box<dyn ArrayStore>,
     hints: &Hints,
 ) -> Result<Box<dyn Source>, IoError> {
+    let mut store: Box<dyn ArrayStore> = Box::new(Limited::new(store, &hints.path));
     let (damage, findings) = (store.take_damage(), unread_findings(store.as_ref()));
     let mut catalog = Catalog {
         format,

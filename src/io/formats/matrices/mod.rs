@@ -18,10 +18,12 @@ mod tests;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::arrays::limited::Limited;
 use super::arrays::source::{describe_arrays, same_name};
 use super::arrays::store::{ArrayStore, Elements, NamedArray};
 use super::{hdf5, matlab4, matlab5, numpy};
 use crate::io::input::open_input;
+use crate::io::open::content_kind;
 use crate::io::{IoError, ReadSeek, detect};
 use matrix_entries::MatrixEntries;
 
@@ -56,11 +58,8 @@ pub fn read_matrix(path: &Path, name: Option<&str>) -> Result<MatrixEntries, IoE
     if mark.is_some_and(|mark| mark.eq_ignore_ascii_case(matrix_market::MARK)) {
         return matrix_market::read(input, &shown);
     }
-    matrix_of(
-        open_store(Box::new(input), &head, &shown)?.as_mut(),
-        name,
-        &shown,
-    )
+    let store = open_store(Box::new(input), &head, &shown)?;
+    matrix_of(&mut Limited::new(store, &shown), name, &shown)
 }
 
 fn open_store(
@@ -78,7 +77,7 @@ fn open_store(
             _ => {
                 return Err(IoError::UnknownFormat {
                     path: path.to_owned(),
-                    head: String::from_utf8_lossy(&head[..head.len().min(24)]).into_owned(),
+                    got: content_kind(head).to_owned(),
                     known: "Matrix Market, matlab4, matlab5, hdf5, npz and npy (for a matrix)"
                         .to_owned(),
                 });

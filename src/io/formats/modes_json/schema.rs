@@ -9,6 +9,7 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::finding::Finding;
 use crate::modal::{Grade, InputFile, ModalModel, Mode, ModeShape, Pole, Quality, Scaling};
+use crate::printable::{one_line, printable_json};
 
 use crate::io::IoError;
 use crate::io::formats::damping_ratios::{StatedMode, correct_damping_ratios};
@@ -147,7 +148,7 @@ pub fn modes_to_json(model: &ModalModel, synthetic: Option<serde_json::Value>) -
     };
     let text = serde_json::to_string_pretty(&file)
         .expect("every key is text and every number finite or null");
-    text + "\n"
+    printable_json(text) + "\n"
 }
 
 fn mode_json(mode: &Mode) -> ModeJson {
@@ -250,7 +251,7 @@ pub fn modes_from_json(text: &str, path: &str) -> Result<ModalModel, IoError> {
     ));
     sort_ascending_by(&mut modes, |mode| mode.frequency_hz);
     Ok(ModalModel {
-        producer: file.producer,
+        producer: one_line(&file.producer).into_owned(),
         inputs: file
             .inputs
             .into_iter()
@@ -342,7 +343,7 @@ fn read_mode(mode: ModeJson) -> Result<Mode, String> {
         modal_mass_kg: mode.modal_mass_kg,
         scaling,
         mpc: mode.mpc,
-        method: mode.method,
+        method: mode.method.map(|method| one_line(&method).into_owned()),
         order: mode.order,
         mean_phase_rad: mode.mean_phase_rad,
         mean_phase_deviation_rad: mode.mean_phase_deviation_rad,
@@ -365,7 +366,11 @@ fn read_quality(quality: QualityJson) -> Result<Quality, String> {
         frequency: value(quality.frequency)?,
         damping: value(quality.damping)?,
         shape: value(quality.shape)?,
-        reasons: quality.reasons,
+        reasons: quality
+            .reasons
+            .iter()
+            .map(|reason| one_line(reason).into_owned())
+            .collect(),
     })
 }
 

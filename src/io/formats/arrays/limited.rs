@@ -1,0 +1,108 @@
+//! A store whose arrays are read only where the memory has room for them.
+//!
+//! A compressed file of 10 MB can hold an array of 10 GB. Room is asked of the allocator before the
+//! array is read, because a failed allocation in the middle ends the program.
+
+use std::ops::Range;
+
+use super::store::{ArrayStore, Elements, NamedArray};
+use crate::finding::Finding;
+use crate::io::{ArrayInfo, IoError, MatrixEntries};
+
+/// Room for each byte of an array: the bytes of the file and the elements made from them stand in
+/// memory at once.
+const COPIES: u64 = 2;
+
+/// Arrays smaller than this are read without asking, which costs more than it can save.
+const MIN_CHECKED_BYTES: u64 = 1 << 20;
+
+/// A store behind the check.
+pub(in crate::io) struct Limited {
+    store: Box<dyn ArrayStore>,
+    path: String,
+}
+
+impl Limited {
+    /// The store of a file.
+    pub fn new(store: Box<dyn ArrayStore>, path: &str) -> Self {
+        let path = path.to_owned();
+        Self { store, path }
+    }
+
+    fn check(&self, index: usize, bytes: u64) -> Result<(), IoError> {
+        if bytes < MIN_CHECKED_BYTES || has_room(bytes.saturating_mul(COPIES)) {
+            return Ok(());
+        }
+        Err(IoError::Memory {
+            path: self.path.clone(),
+            what: format!("array {:?}", self.store.list()[index].name),
+            bytes,
+        })
+    }
+
+    /// Bytes of one element of array `index`.
+    fn element_bytes(&self, index: usize) -> u64 {
+        let lengths = self.store.list()[index].shape.iter();
+        let count = lengths.fold(1_u64, |count, &length| count.saturating_mul(length as u64));
+        self.store.bytes(index).div_ceil(count.max(1))
+    }
+}
+
+/// Whether the allocator has so many bytes.
+fn has_room(bytes: u64) -> bool {
+    let bytes = usize::try_from(bytes).ok();
+    bytes.is_some_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok())
+}
+
+impl ArrayStore for Limited {
+    fn list(&self) -> &[ArrayInfo] {
+        self.store.list()
+    }
+
+    fn can_read(&self, index: usize) -> bool {
+        self.store.can_read(index)
+    }
+
+    fn bytes(&self, index: usize) -> u64 {
+        self.store.bytes(index)
+    }
+
+    fn file_bytes(&self) -> u64 {
+        self.store.file_bytes()
+    }
+
+    fn take_damage(&mut self) -> Vec<IoError> {
+        self.store.take_damage()
+    }
+
+    fn take_findings(&mut self) -> Vec<Finding> {
+        self.store.take_findings()
+    }
+
+    fn read(&mut self, index: usize) -> Result<NamedArray, IoError> {
+        self.check(index, self.store.bytes(index))?;
+        self.store.read(index)
+    }
+
+    fn read_sparse(&mut self, index: usize) -> Result<Option<MatrixEntries>, IoError> {
+        self.check(index, self.store.bytes(index))?;
+        self.store.read_sparse(index)
+    }
+
+    fn read_part(&mut self, index: usize, range: Range<usize>) -> Result<Elements, IoError> {
+        let bytes = self.element_bytes(index).saturating_mul(range.len() as u64);
+        self.check(index, bytes)?;
+        self.store.read_part(index, range)
+    }
+
+    fn read_singles(
+        &mut self,
+        index: usize,
+        range: Range<usize>,
+        values: &mut Vec<f32>,
+    ) -> Result<bool, IoError> {
+        let bytes = self.element_bytes(index).saturating_mul(range.len() as u64);
+        self.check(index, bytes)?;
+        self.store.read_singles(index, range, values)
+    }
+}
