@@ -146,6 +146,7 @@ pub(super) fn assess_hits(
     let of_wanted: Vec<&HitInfo> = wanted.iter().map(|hit| &infos[*hit]).collect();
     check(&of_wanted, &options.estimate)?;
     let plan = ForwardPlan::new(of_wanted[0].axis.len);
+    let kept = kept_lines(wanted.len());
     let mut assessed = Vec::with_capacity(wanted.len());
     for hits in wanted.chunks(HITS_PER_BLOCK) {
         let read: Vec<HitSamples> = hits
@@ -156,7 +157,9 @@ pub(super) fn assess_hits(
             .par_iter()
             .map_init(
                 || plan.scratch(),
-                |scratch, read| read.assess(&infos[read.hit], &options.limits, &plan, scratch),
+                |scratch, read| {
+                    read.assess(&infos[read.hit], &options.limits, kept, &plan, scratch)
+                },
             )
             .collect();
         for hit in block {
@@ -165,7 +168,7 @@ pub(super) fn assess_hits(
     }
     compare_hits(&mut assessed, &options.limits);
     let mut reports: Vec<HitReport> = assessed.into_iter().map(|hit| hit.report).collect();
-    for hit in (0..infos.len()).filter(|hit| !wanted.contains(hit)) {
+    for hit in (0..infos.len()).filter(|hit| options.reject.contains(&(hit + 1))) {
         reports.push(report(hit, &infos[hit], None, Vec::new()));
     }
     reports.sort_by_key(|report| report.number);
@@ -205,6 +208,7 @@ impl HitSamples {
         &self,
         info: &HitInfo,
         limits: &HitQualityLimits,
+        kept: usize,
         plan: &ForwardPlan,
         scratch: &mut Scratch,
     ) -> Result<AssessedHit, FrfError> {
@@ -230,14 +234,14 @@ impl HitSamples {
             checks.extend(assess_response(&record, &pulse, limits));
             // FRFs are compared at the first response: the same one in every hit of a point.
             if compared.is_none() {
-                let lines = thinned_spectrum(&response, plan, scratch);
+                let lines = thinned_spectrum(&response, kept, plan, scratch);
                 compared = Some((channel.dof.clone(), lines));
             }
         }
         let (compared, response) = compared.ok_or_else(|| FrfError::NoResponse {
             origin: info.origin.clone(),
         })?;
-        let force = thinned_spectrum(&force, plan, scratch);
+        let force = thinned_spectrum(&force, kept, plan, scratch);
         Ok(AssessedHit {
             report: report(self.hit, info, Some(&pulse), checks),
             spectra: (force, response),
@@ -271,18 +275,33 @@ fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>)
     }
 }
 
-/// Lines of a hit that are kept until all of its point are there: enough to tell another point, few
-/// enough for thousands of hits.
+/// Maximum number of lines of a hit that are kept until all of its point are there, which is enough
+/// to tell another point.
 const MAX_KEPT_LINES: usize = 2048;
+/// Minimum number of them in a series of many hits. Fewer: a resonance is a single line.
+const MIN_KEPT_LINES: usize = 256;
+/// Lines that are kept of all hits together, 17 MB. More: the memory follows the number of hits.
+/// Fewer: those of a usual test of 250 hits are thinned.
+const KEPT_LINES: usize = 1 << 19;
+
+/// Lines that are kept of each of so many hits.
+fn kept_lines(hits: usize) -> usize {
+    (KEPT_LINES / hits.max(1)).clamp(MIN_KEPT_LINES, MAX_KEPT_LINES)
+}
 
 /// Spectrum of a whole record up to the end of the assessed band, without the line at 0 Hz; of many
 /// lines an even choice.
-fn thinned_spectrum(record: &[f64], plan: &ForwardPlan, scratch: &mut Scratch) -> Vec<Complex64> {
+fn thinned_spectrum(
+    record: &[f64],
+    kept: usize,
+    plan: &ForwardPlan,
+    scratch: &mut Scratch,
+) -> Vec<Complex64> {
     let mut lines = vec![Complex64::ZERO; plan.lines()];
     plan.forward(record.iter().copied(), &mut lines, scratch);
     let end = (MAX_BAND_OVER_SAMPLING_RATE * plan.len() as f64) as usize;
     let end = end.max(2).min(lines.len());
-    let step = (end - 1).div_ceil(MAX_KEPT_LINES).max(1);
+    let step = (end - 1).div_ceil(kept).max(1);
     lines[1..end].iter().step_by(step).copied().collect()
 }
 

@@ -77,11 +77,11 @@ pub fn inconsistent_hits(
     limits: &HitQualityLimits,
 ) -> Vec<Check> {
     let n = force.len().min(response.len());
-    let assess = |hit: usize| {
-        let Some(residual) = Residual::of(hit, &force[..n], &response[..n]) else {
+    let others = n.saturating_sub(2) as f64;
+    let assess = |residual: Option<Residual>| {
+        let Some(residual) = residual else {
             return Check::new(Rule::InconsistentHit, Outcome::NotDecidable);
         };
-        let others = (n - 2) as f64;
         let limit =
             others * ((limits.inconsistency_false_alarms / n as f64).powf(-1.0 / others) - 1.0);
         let outcome = if n < MIN_HITS_FOR_CONSISTENCY {
@@ -95,7 +95,8 @@ pub fn inconsistent_hits(
         };
         Check::new(Rule::InconsistentHit, outcome).value(residual.ratio, limit, "")
     };
-    (0..n).map(assess).collect()
+    let residuals = residuals(&force[..n], &response[..n]);
+    residuals.into_iter().map(assess).collect()
 }
 
 struct Residual {
@@ -105,34 +106,83 @@ struct Residual {
     difference: f64,
 }
 
-impl Residual {
-    /// `None` for fewer than three hits, and where nothing scatters or nothing is there.
-    fn of(hit: usize, force: &[&[Complex64]], response: &[&[Complex64]]) -> Option<Self> {
-        let n = force.len();
-        if n < 3 {
-            return None;
+/// Sums of spectra over some hits at a line.
+#[derive(Clone, Copy, Default)]
+struct LineSums {
+    /// `Σ|F|²`.
+    force: f64,
+    /// `Σ conj(F) X`.
+    cross: Complex64,
+    /// `Σ|X|²`.
+    response: f64,
+}
+
+impl LineSums {
+    fn of(force: Complex64, response: Complex64) -> Self {
+        Self {
+            force: force.norm_sqr(),
+            cross: force.conj() * response,
+            response: response.norm_sqr(),
         }
-        let lines = force.iter().chain(response).map(|x| x.len()).min()?;
-        let (mut deleted, mut plain, mut all, mut others) = (0.0, 0.0, 0.0, 0.0);
-        for k in 0..lines {
-            let pairs = (0..n).filter(|j| *j != hit);
-            let (mut s, mut cross, mut power) = (0.0, Complex64::ZERO, 0.0);
-            for j in pairs {
-                s += force[j][k].norm_sqr();
-                cross += force[j][k].conj() * response[j][k];
-                power += response[j][k].norm_sqr();
-            }
-            if s <= 0.0 {
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            force: self.force + other.force,
+            cross: self.cross + other.cross,
+            response: self.response + other.response,
+        }
+    }
+}
+
+/// The sums over lines of one hit.
+#[derive(Clone, Copy, Default)]
+struct HitSums {
+    /// `Σ_k |e|²/(1 + |F|²/S)`.
+    deleted: f64,
+    /// `Σ_k |e|²`.
+    residual: f64,
+    /// `Σ_k |X|²`.
+    response: f64,
+    /// `Σ_k Q`.
+    others: f64,
+}
+
+/// The residual of each hit; `None` for fewer than three hits, and where nothing scatters or
+/// nothing is there.
+///
+/// The sums over the others are those of the hits before and after it, added: a difference from the
+/// sum of all would leave its rounding, and a sum for each hit takes the square of their number.
+fn residuals(force: &[&[Complex64]], response: &[&[Complex64]]) -> Vec<Option<Residual>> {
+    let n = force.len();
+    let lines = force.iter().chain(response).map(|x| x.len()).min();
+    let lines = lines.filter(|_| n >= 3).unwrap_or(0);
+    let mut sums = vec![HitSums::default(); n];
+    let mut after = vec![LineSums::default(); n + 1];
+    for k in 0..lines {
+        for hit in (0..n).rev() {
+            after[hit] = after[hit + 1].plus(LineSums::of(force[hit][k], response[hit][k]));
+        }
+        let mut before = LineSums::default();
+        for (hit, sums) in sums.iter_mut().enumerate() {
+            let others = before.plus(after[hit + 1]);
+            let (f, x) = (force[hit][k], response[hit][k]);
+            before = before.plus(LineSums::of(f, x));
+            if others.force <= 0.0 {
                 continue;
             }
-            let e = (response[hit][k] - cross / s * force[hit][k]).norm_sqr();
-            deleted += e / (1.0 + force[hit][k].norm_sqr() / s);
-            plain += e;
-            all += response[hit][k].norm_sqr();
-            others += (power - cross.norm_sqr() / s).max(0.0);
+            let e = (x - others.cross / others.force * f).norm_sqr();
+            sums.deleted += e / (1.0 + f.norm_sqr() / others.force);
+            sums.residual += e;
+            sums.response += x.norm_sqr();
+            sums.others += (others.response - others.cross.norm_sqr() / others.force).max(0.0);
         }
-        let ratio = (n - 2) as f64 * deleted / others;
-        let difference = (plain / all).sqrt();
-        (ratio.is_finite() && difference.is_finite()).then_some(Self { ratio, difference })
     }
+    let residual = |sums: &HitSums| {
+        let ratio = n.saturating_sub(2) as f64 * sums.deleted / sums.others;
+        let difference = (sums.residual / sums.response).sqrt();
+        let is_known = ratio.is_finite() && difference.is_finite();
+        is_known.then_some(Residual { ratio, difference })
+    };
+    sums.iter().map(residual).collect()
 }
