@@ -60,6 +60,9 @@ impl ResultFile {
                 "modes.pole_rad_s",
                 "modes.shape",
                 "modes.shape_std",
+                "modes.residues",
+                "modes.modal_mass_kg",
+                "modes.scaling",
             ],
             ResultFile::Update(_) => check_update::COMPARED_KEYS,
         }
@@ -172,9 +175,7 @@ fn against_limits(result: &ResultFile, args: &CheckArgs) -> Result<Vec<RowVerdic
     let limits = limits_from_toml(&read_text(path)?, &path.display().to_string(), used)?;
     let checks = match result {
         ResultFile::Comparison(file) => {
-            let name = args.result.display().to_string();
-            file.check_summary()
-                .map_err(|error| json_error(&name, error))?;
+            check_summary(file, &args.result)?;
             check_comparison(&limits, &file.summary.tests)
         }
         ResultFile::Modes(model) => {
@@ -189,6 +190,13 @@ fn against_limits(result: &ResultFile, args: &CheckArgs) -> Result<Vec<RowVerdic
         ResultFile::Update(_) => Vec::new(),
     };
     Ok(group_by_row(checks))
+}
+
+/// Checks that rows and summary of a comparison agree.
+fn check_summary(file: &ComparisonFile, path: &Path) -> Result<(), Error> {
+    let name = path.display().to_string();
+    file.check_summary()
+        .map_err(|error| json_error(&name, error))
 }
 
 /// `hammer: smallest MAC` is the check `smallest MAC` of the row `hammer`.
@@ -225,6 +233,8 @@ fn against_baseline(
     };
     let changes = match (now, before) {
         (ResultFile::Comparison(now), ResultFile::Comparison(before)) => {
+            check_summary(now, &args.result)?;
+            check_summary(before, &args.against)?;
             comparison_changes(now, before, &limits)
         }
         (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),

@@ -8,7 +8,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 use crate::correlate::{assign, subspace_mac};
 use crate::dof::Dof;
-use crate::modal::{ModalModel, Mode, mac, modal_scale_factor};
+use crate::modal::{ModalModel, Mode, Scaling, mac, modal_scale_factor};
 
 use super::limits::{LimitCheck, percent};
 
@@ -30,8 +30,19 @@ const MAX_STD_CHANGE: f64 = 3.0;
 const MIN_RELATIVE_CHANGE: f64 = 1e-6;
 /// Maximum relative frequency shift of a mode between baseline and result.
 const MAX_SHIFT_OF_ONE_MODE: f64 = 0.02;
-/// Minimum component, over the largest one, whose sign is compared.
-const MIN_COMPONENT_WITH_SIGN: f64 = 0.1;
+/// Minimum component, over the largest one, whose sign is compared. Larger: a small component of
+/// the opposite sign passes, which changes the MAC by less than its limit. Smaller: noise turns the
+/// sign of a component near a node.
+const MIN_COMPONENT_WITH_SIGN: f64 = 0.03;
+/// The same of shapes of a model, which have no noise.
+const MIN_MODEL_COMPONENT_WITH_SIGN: f64 = 1e-6;
+/// Maximum relative change of residues, modal mass and scale of a shape. Larger: a wrong calibration
+/// of a sensor passes. Smaller: recordings of the same machine fail, whose residues change by 4 %
+/// in `check_command::another_recording_of_the_same_machine_passes`.
+const MAX_AMPLITUDE_CHANGE: f64 = 0.1;
+/// Standard deviations of the damping ratio by which an amplitude may change: that of a resonance
+/// is estimated with its damping.
+const AMPLITUDE_STDS: f64 = 4.0;
 
 /// How far a result may lie from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -294,7 +305,8 @@ fn factor(one: f64, other: f64) -> f64 {
 /// Modes are assigned one to one, by frequency (within 2 %) and MAC. A shape is compared after its
 /// best complex scale: by `Σ |φ − s φ₀|²/(σ² + |s|² σ₀²)`, with the floor, over its components
 /// where both sides state their deviations, else by 1 − MAC and the number of components of the
-/// opposite sign. Standard deviations may change by a factor of 3.
+/// opposite sign. Standard deviations may change by a factor of 3; residues, modal mass and the
+/// scale of a shape of unit modal mass by 10 %, or by four standard deviations of the damping.
 pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits) -> Vec<Change> {
     let partner = partners(now, before);
     let mut changes = Vec::new();
@@ -331,7 +343,11 @@ pub fn mode_changes(now: &ModalModel, before: &ModalModel, limits: &ChangeLimits
                 push("damping std change (factor)", measure);
             }
         }
-        for (what, measure) in shape_changes(mode_now, mode, limits, &root_of(before, mode)) {
+        let (root_now, root) = (root_of(now, mode_now), root_of(before, mode));
+        for (what, measure) in shape_changes(mode_now, mode, limits, &root) {
+            push(what, measure);
+        }
+        for (what, measure) in amplitude_changes(mode_now, mode, &root_now, &root) {
             push(what, measure);
         }
     }
@@ -485,12 +501,76 @@ fn shape_changes(
     }
     let unlike = mac(&new_shape, &other).map(|mac| 1.0 - mac);
     changes.push(("1 - MAC", Measure::AtMost(unlike, most)));
-    let reversed = count_reversed_components(&new_shape, &other);
+    let of_models = [now, before].map(|mode| mode.method.as_deref() == Some("theory"));
+    let least = match of_models {
+        [true, true] => MIN_MODEL_COMPONENT_WITH_SIGN,
+        _ => MIN_COMPONENT_WITH_SIGN,
+    };
+    let reversed = count_reversed_components(&new_shape, &other, least);
     changes.push((
         "reversed components",
         Measure::AtMost(Some(reversed as f64), 0.0),
     ));
     changes
+}
+
+/// Changes of what the amplitude of a mode states: its residues (of a repeated root their sums,
+/// which do not depend on the basis of the shapes), its modal mass and the scale of its shape.
+fn amplitude_changes(
+    now: &Mode,
+    before: &Mode,
+    root_now: &[&Mode],
+    root: &[&Mode],
+) -> Vec<(&'static str, Measure)> {
+    let relative_std = |mode: &Mode| {
+        let std = mode.damping_std.zip(mode.damping_ratio);
+        std.map_or(0.0, |(std, ratio)| std / ratio)
+    };
+    let stds = AMPLITUDE_STDS * relative_std(now).hypot(relative_std(before));
+    // A deviation that is no number allows nothing more.
+    let most = MAX_AMPLITUDE_CHANGE.max(stds);
+    let mut changes = Vec::new();
+    if !before.residues.is_empty() {
+        let measure = Measure::AtMost(residue_change(root_now, root), most);
+        changes.push(("residue change (fraction)", measure));
+    }
+    let is_changed = f64::from(u8::from(now.scaling != before.scaling));
+    changes.push(("scaling changed", Measure::AtMost(Some(is_changed), 0.0)));
+    if let Some(mass) = before.modal_mass_kg {
+        let change = now.modal_mass_kg.map(|new| (new / mass - 1.0).abs());
+        changes.push((
+            "modal mass change (fraction)",
+            Measure::AtMost(change, most),
+        ));
+    }
+    if before.scaling == Scaling::UnitModalMass && root.len() == 1 {
+        let common = CommonComponents::new(now, before);
+        let scale = modal_scale_factor(&common.before, &common.now);
+        let change = scale.map(|scale| (scale.norm() - 1.0).abs());
+        changes.push((
+            "shape scale change (fraction)",
+            Measure::AtMost(change, most),
+        ));
+    }
+    changes
+}
+
+/// `‖R − R₀‖ / ‖R₀‖` of the residues of a root; `None` where one of the baseline's is missing.
+fn residue_change(now: &[&Mode], before: &[&Mode]) -> Option<f64> {
+    let sums = |root: &[&Mode]| {
+        let mut sums: BTreeMap<(Dof, Dof), Complex64> = BTreeMap::new();
+        for (pair, residue) in root.iter().flat_map(|mode| &mode.residues) {
+            *sums.entry(pair.clone()).or_default() += residue;
+        }
+        sums
+    };
+    let (now, before) = (sums(now), sums(before));
+    let mut difference = 0.0;
+    for (pair, old) in &before {
+        difference += (now.get(pair)? - old).norm_sqr();
+    }
+    let whole: f64 = before.values().map(Complex64::norm_sqr).sum();
+    Some((difference / whole).sqrt())
 }
 
 /// Values of a mode at the degrees of freedom that two others have in common; 0 where it has none.
@@ -550,16 +630,13 @@ fn chi_square(measured: &[Complex64], other: &[Complex64], stds: &[(f64, f64)], 
 }
 
 /// Number of components with the sign opposite to that of the scaled baseline.
-fn count_reversed_components(new_values: &[Complex64], other: &[Complex64]) -> usize {
+fn count_reversed_components(new_values: &[Complex64], other: &[Complex64], least: f64) -> usize {
     let Some(scale) = modal_scale_factor(other, new_values) else {
         return 0;
     };
     let largest =
         |values: &[Complex64]| values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-    let (least_new, least_other) = (
-        MIN_COMPONENT_WITH_SIGN * largest(new_values),
-        MIN_COMPONENT_WITH_SIGN * largest(other),
-    );
+    let (least_new, least_other) = (least * largest(new_values), least * largest(other));
     let against = |(new_value, other): &(&Complex64, &Complex64)| {
         let both_large = new_value.norm() >= least_new && other.norm() >= least_other;
         both_large && ((scale * **other).conj() * **new_value).re < 0.0

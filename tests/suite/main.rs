@@ -19,6 +19,7 @@ mod faulty_streams;
 mod file_circles;
 mod free_free_beam;
 mod gate;
+mod gate_mutations;
 mod hit_command;
 mod hits;
 mod identify_command;

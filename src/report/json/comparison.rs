@@ -224,6 +224,14 @@ pub fn comparison_from_json(text: &str) -> Result<ComparisonFile, JsonError> {
     let mut file: ComparisonFile = parsed(text)?;
     if file.schema == COMPARISON_SCHEMA {
         check_names(&file)?;
+        if !["theory", "test"].contains(&file.error_reference.as_str()) {
+            let got = format!("{:?}", file.error_reference);
+            return Err(JsonError::value(
+                "error_reference",
+                got,
+                "\"theory\" or \"test\"",
+            ));
+        }
         for row in &file.rows {
             for cell in &row.tests {
                 check_stds(row, cell)?;

@@ -298,6 +298,10 @@ fn frequency_and_damping(mode: &ModeJson) -> Result<(f64, Option<f64>), String> 
     Ok((frequency, damping))
 }
 
+/// Maximum magnitude of a component of a shape or of a residue, whose square is a number with room
+/// for sums.
+const MAX_SIZE: f64 = 1e100;
+
 /// Checks that no standard deviation is below 0.
 fn check_stds(mode: &ModeJson) -> Result<(), String> {
     let stated = [
@@ -314,8 +318,26 @@ fn check_stds(mode: &ModeJson) -> Result<(), String> {
     Ok(())
 }
 
+/// Checks that squares of the values of shapes and residues are numbers: a MAC of one that is none
+/// would pass every limit.
+fn check_sizes(mode: &ModeJson) -> Result<(), String> {
+    let shape = mode.shape.values().map(|value| ("shape", value));
+    let residues = mode.residues.values().map(|value| ("residues", value));
+    for (key, value) in shape.chain(residues) {
+        let size = complex(*value).norm();
+        if !(size <= MAX_SIZE) {
+            return Err(format!("{key} {size:e}, which is above {MAX_SIZE:e}"));
+        }
+    }
+    if let Some(mpc) = mode.mpc.filter(|mpc| !(0.0..=1.0 + 1e-9).contains(mpc)) {
+        return Err(format!("mpc {mpc}, which is not from 0 to 1"));
+    }
+    Ok(())
+}
+
 fn read_mode(mode: ModeJson) -> Result<Mode, String> {
     check_stds(&mode)?;
+    check_sizes(&mode)?;
     let (frequency_hz, damping_ratio) = frequency_and_damping(&mode)?;
     let scaling = mode.scaling.as_deref().unwrap_or("unknown");
     let scaling = Scaling::from_name(scaling).ok_or_else(|| {
