@@ -178,7 +178,7 @@
 //!
 //! - Only `io`, `scene` and `cli` touch files; only `cli` prints, parses arguments or exits.
 //! - Nothing in the library reads the clock or the environment or draws an unseeded random number.
-//! - No global state; parallel work runs in the caller's rayon pool; the same input gives the same
+//! - No global state but the files of `io` that are open or unfinished; parallel work runs in the caller's rayon pool; the same input gives the same
 //!   bytes for any number of threads. Matrix kernels run on the calling thread, but for products
 //!   that say otherwise.
 //! - SI units, `f64` and `Complex64`. Sampling rate, unit, FRF kind and calibration have no

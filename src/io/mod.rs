@@ -49,7 +49,7 @@ pub use formats::{
     Npy, Npz, Pulse, SELECTION_SCHEMA, SignalCalc, Table, Uff, modes_from_json, modes_to_json,
     read_matrix, read_selection, selection_from_json, write_frfs, write_time_records,
 };
-pub use input::read_input;
+pub use input::{read_input, read_input_part};
 pub use memory::{FrfSource, MemorySource, Merged, frf_source, hit_source, modes_source};
 pub use open::{detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes};
 pub use results::{MANIFEST_SCHEMA, ResultFile, ResultsFolder, check_result};

@@ -189,7 +189,14 @@ fn a_text_without_an_end_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let scene = "schema = \"modalign-scene/1\"\ntitle = \"x\"\n[model]\nfile = \"m.toml\"\n";
     write(folder.path(), &[("scene.toml", scene)]);
-    std::os::unix::fs::symlink("/dev/zero", folder.path().join("m.toml")).unwrap();
+    let model = folder.path().join("m.toml");
+    std::os::unix::fs::symlink("/dev/zero", &model).unwrap();
+    let message = refused(folder.path(), "run .");
+    assert!(message.contains("it is a device"), "{message}");
+    std::fs::remove_file(&model).unwrap();
+    // Zeros that take no room on the disk.
+    let file = std::fs::File::create(&model).unwrap();
+    file.set_len(300 << 20).unwrap();
     let message = refused(folder.path(), "run .");
     assert!(message.contains("at most 256 MiB"), "{message}");
 }
