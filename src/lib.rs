@@ -178,9 +178,9 @@
 //!
 //! - Only `io`, `scene` and `cli` touch files; only `cli` prints, parses arguments or exits.
 //! - Nothing in the library reads the clock or the environment or draws an unseeded random number.
-//! - No global state but the files of `io` that are open or unfinished; parallel work runs in the caller's rayon pool; the same input gives the same
-//!   bytes for any number of threads. Matrix kernels run on the calling thread, but for products
-//!   that say otherwise.
+//! - No global state but the files of `io` that are open or unfinished; parallel work runs in the
+//!   caller's rayon pool; the same input gives the same bytes for any number of threads. Matrix
+//!   kernels run on the calling thread, but for products that say otherwise.
 //! - SI units, `f64` and `Complex64`. Sampling rate, unit, FRF kind and calibration have no
 //!   defaults.
 //! - e^{+iωt}; λ = −ζω_n + iω_n√(1−ζ²); H = Σ A/(iω−λ) + conj., residues of a receptance in m/(N
