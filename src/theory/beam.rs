@@ -11,9 +11,12 @@
 use crate::geometry::Target;
 use crate::linalg::{RealMatrix, real_matrix};
 
-use super::beam_line::{BeamLine, BeamPoint, check_element_count, find_line, find_point};
-use super::description::{BeamDescription, BeamFile, SCHEMA, distinct};
+use super::beam_line::{
+    BeamLine, BeamPlacement, BeamPoint, check_element_count, find_line, find_point,
+};
+use super::description::{BeamDescription, BeamFile, SCHEMA, Value, distinct};
 use super::dual::Values;
+use super::error::CollectedFaults;
 use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::coordinate_index;
@@ -41,22 +44,37 @@ impl BeamModel {
     /// [`TheoryError::ZeroDirection`], [`TheoryError::DeflectionNotAcross`],
     /// [`TheoryError::UnknownBody`], [`TheoryError::PointOutside`], [`TheoryError::NoStiffness`].
     pub fn new(file: BeamFile) -> Result<Self, TheoryError> {
-        check_file(&file)?;
+        let mut faults = CollectedFaults::default();
+        faults.take(check_file(&file));
         let mut coordinates = Vec::new();
         let mut lines = Vec::new();
         let elements = file.beams.iter().map(|beam| beam.elements);
         check_element_count(&file.title, elements.fold(0, usize::saturating_add))?;
         for beam in &file.beams {
-            lines.push(BeamLine::new(beam, &mut coordinates)?);
+            lines.extend(faults.take(BeamLine::new(beam, &mut coordinates)));
         }
-        let find = |part: String, beam: &str, at_m| find_point(&lines, &part, beam, at_m);
+        // A beam whose geometry is wrong is known by its name all the same.
+        let is_without_line = |name: &str| {
+            let is_known = file.beams.iter().any(|beam| beam.name == name);
+            is_known && lines.iter().all(|line| !line.is_named(name))
+        };
+        let mut find = |part: String, beam: &str, at_m| match is_without_line(beam) {
+            true => None,
+            false => faults.take(find_point(&lines, &part, beam, at_m)),
+        };
         let masses = file.point_masses.iter();
-        let masses = masses.map(|m| find(m.label(), &m.beam, m.at_m));
+        let masses: Vec<BeamPoint> = masses
+            .filter_map(|m| find(m.label(), &m.beam, m.at_m))
+            .collect();
         let springs = file.springs.iter();
-        let springs = springs.map(|s| find(s.label(), &s.beam, s.at_m));
+        let springs: Vec<BeamPoint> = springs
+            .filter_map(|s| find(s.label(), &s.beam, s.at_m))
+            .collect();
+        check_properties(&file, &mut faults);
+        faults.into_result()?;
         let model = Self {
-            masses: masses.collect::<Result<_, _>>()?,
-            springs: springs.collect::<Result<_, _>>()?,
+            masses,
+            springs,
             file,
             lines,
             coordinates,
@@ -265,6 +283,19 @@ impl TheoreticalModel for BeamModel {
         Ok(row)
     }
 
+    fn beam_placement(&self, target: &Target) -> Option<BeamPlacement> {
+        let Target::BodyPoint {
+            body,
+            at_m,
+            direction,
+        } = target
+        else {
+            return None;
+        };
+        let line = find_line(&self.lines, "sensor", body).ok()?;
+        line.placement(*at_m, *direction)
+    }
+
     fn assumptions(&self) -> Vec<Assumption> {
         let statements = [
             "bending in one plane by the Euler-Bernoulli theory: no shear deformation and no rotary inertia of the section",
@@ -282,31 +313,88 @@ impl TheoreticalModel for BeamModel {
     }
 }
 
+/// Collects the faults of the numbers of beams, masses and springs at the nominal values.
+fn check_properties(file: &BeamFile, faults: &mut CollectedFaults) {
+    let nominal = nominal_values(&file.parameters);
+    let mut check = |part: &str, name, value: Option<&Value>, sign| {
+        let property = value.map(|value| Property {
+            part,
+            name,
+            value,
+            sign,
+        });
+        property.map(|property| faults.take(property.resolve(&file.parameters, &nominal)));
+    };
+    let (above_0, from_0) = (Sign::Positive, Sign::NotNegative);
+    for beam in &file.beams {
+        let part = &beam.label();
+        check(
+            part,
+            "youngs_modulus_pa",
+            Some(&beam.youngs_modulus_pa),
+            above_0,
+        );
+        check(
+            part,
+            "second_moment_m4",
+            Some(&beam.second_moment_m4),
+            above_0,
+        );
+        check(
+            part,
+            "density_kg_per_m3",
+            Some(&beam.density_kg_per_m3),
+            from_0,
+        );
+        check(part, "area_m2", Some(&beam.area_m2), above_0);
+    }
+    for mass in &file.point_masses {
+        let part = &mass.label();
+        check(part, "mass_kg", Some(&mass.mass_kg), from_0);
+        let inertia = mass.rotary_inertia_kg_m2.as_ref();
+        check(part, "rotary_inertia_kg_m2", inertia, from_0);
+    }
+    for spring in &file.springs {
+        let part = &spring.label();
+        let (along, about) = (&spring.stiffness_n_per_m, &spring.stiffness_nm_per_rad);
+        check(part, "stiffness_n_per_m", along.as_ref(), from_0);
+        check(part, "stiffness_nm_per_rad", about.as_ref(), from_0);
+    }
+}
+
 /// Everything that can be checked before geometry is made of it.
 fn check_file(file: &BeamFile) -> Result<(), TheoryError> {
+    let mut faults = CollectedFaults::default();
     if file.schema != SCHEMA {
-        return Err(TheoryError::Schema {
+        faults.add(TheoryError::Schema {
             got: file.schema.clone(),
             expected: SCHEMA,
         });
     }
-    distinct("parameter", file.parameters.iter().map(|p| &p.name))?;
-    distinct("beam", file.beams.iter().map(|b| &b.name))?;
-    distinct("point mass", file.point_masses.iter().map(|m| &m.name))?;
-    distinct("spring", file.springs.iter().map(|s| &s.name))?;
+    faults.take(distinct(
+        "parameter",
+        file.parameters.iter().map(|p| &p.name),
+    ));
+    faults.take(distinct("beam", file.beams.iter().map(|b| &b.name)));
+    faults.take(distinct(
+        "point mass",
+        file.point_masses.iter().map(|m| &m.name),
+    ));
+    faults.take(distinct("spring", file.springs.iter().map(|s| &s.name)));
     for spring in &file.springs {
         if spring.stiffness_n_per_m.is_none() && spring.stiffness_nm_per_rad.is_none() {
-            return Err(TheoryError::NoStiffness {
+            faults.add(TheoryError::NoStiffness {
                 part: spring.label(),
                 expected: "stiffness_n_per_m, stiffness_nm_per_rad or both",
             });
         }
     }
-    check_values(
+    faults.take(check_values(
         &file.title,
         &file.parameters,
         &nominal_values(&file.parameters),
-    )
+    ));
+    faults.into_result()
 }
 
 fn add_element(

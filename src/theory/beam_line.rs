@@ -55,6 +55,21 @@ pub(super) struct BeamPoint {
     pub rotation: [f64; 4],
 }
 
+/// How a sensor or hit lies to the beam on which it sits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BeamPlacement {
+    /// The beam.
+    pub beam: String,
+    /// Distance from its axis, m.
+    pub offset_m: f64,
+    /// Length of the beam, m.
+    pub length_m: f64,
+    /// Direction in which it bends.
+    pub deflection: [f64; 3],
+    /// Cosine between the direction of the sensor and that.
+    pub cosine: f64,
+}
+
 impl BeamLine {
     /// Checks the geometry of a beam and appends its free coordinates to the model's.
     pub fn new(beam: &BeamDescription, all: &mut Vec<Coordinate>) -> Result<Self, TheoryError> {
@@ -105,6 +120,23 @@ impl BeamLine {
     /// Cosine between a direction and the deflection.
     pub fn cosine(&self, used_by: &str, direction: [f64; 3]) -> Result<f64, TheoryError> {
         Ok(unit_direction(used_by, direction)?.dot(&self.deflection))
+    }
+
+    pub fn is_named(&self, name: &str) -> bool {
+        self.name == name
+    }
+
+    /// How a point and a direction lie to the beam; `None` for a direction of no length.
+    pub fn placement(&self, at_m: [f64; 3], direction: [f64; 3]) -> Option<BeamPlacement> {
+        let from_origin = Vector3::from(at_m) - self.origin;
+        let across = from_origin - self.tangent * from_origin.dot(&self.tangent);
+        Some(BeamPlacement {
+            beam: self.name.clone(),
+            offset_m: across.norm(),
+            length_m: self.length_m,
+            deflection: self.deflection.into(),
+            cosine: self.cosine("sensor", direction).ok()?,
+        })
     }
 
     fn end_at(&self, node: usize, beam: &BeamDescription) -> End {

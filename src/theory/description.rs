@@ -6,6 +6,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::error::CollectedFaults;
 use super::parameter::index_of;
 use super::{ParameterSpec, Support, TheoryError};
 
@@ -214,13 +215,14 @@ pub(super) fn distinct<'a>(
     names: impl Iterator<Item = &'a String>,
 ) -> Result<(), TheoryError> {
     let mut seen = std::collections::BTreeSet::new();
+    let mut faults = CollectedFaults::default();
     for name in names {
         if !seen.insert(name) {
             let name = name.clone();
-            return Err(TheoryError::Duplicate { what, name });
+            faults.add(TheoryError::Duplicate { what, name });
         }
     }
-    Ok(())
+    faults.into_result()
 }
 
 #[cfg(test)]

@@ -10,6 +10,12 @@ use super::nearest_name::{expected_bounds, expected_name, expected_nearest};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TheoryError {
+    /// Faults of a model file.
+    #[error("{} faults: {}", faults.len(), joined(faults))]
+    Several {
+        /// The faults, two or more.
+        faults: Vec<TheoryError>,
+    },
     /// A model file of another schema.
     #[error("model file: got schema `{got}`, expected `{expected}`")]
     Schema {
@@ -449,6 +455,42 @@ pub enum TheoryError {
     /// A matrix problem without an answer.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
+}
+
+fn joined(faults: &[TheoryError]) -> String {
+    let texts: Vec<String> = faults.iter().map(TheoryError::to_string).collect();
+    texts.join("; ")
+}
+
+/// Faults of a model file that are collected, so that all are named at once.
+#[derive(Default)]
+pub(super) struct CollectedFaults(Vec<TheoryError>);
+
+impl CollectedFaults {
+    /// The value of a result, whose error is collected, each once.
+    pub fn take<T>(&mut self, result: Result<T, TheoryError>) -> Option<T> {
+        result.map_err(|error| self.add(error)).ok()
+    }
+
+    pub fn add(&mut self, error: TheoryError) {
+        match error {
+            TheoryError::Several { faults } => faults.into_iter().for_each(|fault| self.add(fault)),
+            single if self.0.contains(&single) => {}
+            single => self.0.push(single),
+        }
+    }
+
+    /// Nothing where there is no fault.
+    ///
+    /// # Errors
+    /// The fault, or [`TheoryError::Several`].
+    pub fn into_result(mut self) -> Result<(), TheoryError> {
+        match self.0.len() {
+            0 => Ok(()),
+            1 => self.0.pop().map_or(Ok(()), Err),
+            _ => Err(TheoryError::Several { faults: self.0 }),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::geometry::Target;
 
 use super::description::{SCHEMA, Value, distinct};
 use super::dual::Values;
+use super::error::CollectedFaults;
 use super::lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
@@ -51,19 +52,39 @@ impl LumpedModel {
     /// [`TheoryError::MissingProperty`], [`TheoryError::ZeroDirection`],
     /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownPoint`], [`TheoryError::NoStiffness`].
     pub fn new(file: LumpedFile) -> Result<Self, TheoryError> {
-        check_file(&file)?;
+        let mut faults = CollectedFaults::default();
+        faults.take(check_file(&file));
         let bodies = RigidBodies {
             names: file.bodies.iter().map(|body| body.name.clone()).collect(),
             coordinates: file.bodies.iter().flat_map(coordinates).collect(),
         };
+        // Rows of more coordinates would exceed the memory.
+        if bodies.coordinates.len() >= MAX_COORDINATES {
+            faults.into_result()?;
+            faults = CollectedFaults::default();
+        }
         for point in &file.points {
             let used_by = format!("point `{}`", point.name);
-            bodies.check_body(&used_by, &point.body)?;
+            faults.take(bodies.check_body(&used_by, &point.body));
         }
-        let springs = file.springs.iter();
-        let stiffnesses = springs.map(|spring| stiffness(spring, &file.points, &bodies));
+        let mut stiffnesses = Vec::new();
+        // Where nothing may move, no spring is stretched, which the file says once.
+        let springs = match bodies.coordinates.is_empty() {
+            true => &[][..],
+            false => &file.springs,
+        };
+        for spring in springs {
+            let found = match stiffness(spring, &file.points, &bodies) {
+                // The point of the spring says it.
+                Err(TheoryError::UnknownBody { .. }) => None,
+                result => faults.take(result),
+            };
+            stiffnesses.extend(found);
+        }
+        check_properties(&file, &mut faults);
+        faults.into_result()?;
         let model = Self {
-            stiffnesses: stiffnesses.collect::<Result<_, _>>()?,
+            stiffnesses,
             bodies,
             file,
         };
@@ -167,6 +188,50 @@ impl TheoreticalModel for LumpedModel {
     }
 }
 
+/// Collects the faults of the numbers of bodies and springs at the nominal values.
+fn check_properties(file: &LumpedFile, faults: &mut CollectedFaults) {
+    let nominal = nominal_values(&file.parameters);
+    let mut check = |part: &str, name, value: Option<&Value>| {
+        let property = value.map(|value| Property {
+            part,
+            name,
+            value,
+            sign: Sign::NotNegative,
+        });
+        property.map(|property| faults.take(property.resolve(&file.parameters, &nominal)));
+    };
+    for body in &file.bodies {
+        let moving = body.free.iter().map(|&free| inertia_of(body, free));
+        for (name, value) in moving {
+            check(&body.label(), name, value);
+        }
+    }
+    for spring in &file.springs {
+        let named = spring.parameter.clone().map(Value::Parameter);
+        let stated = [
+            ("stiffness_n_per_m", spring.stiffness_n_per_m.as_ref()),
+            ("stiffness_nm_per_rad", spring.stiffness_nm_per_rad.as_ref()),
+            ("stiffness_n_per_m", named.as_ref()),
+        ];
+        let mut stated = stated.into_iter().filter(|(_, value)| value.is_some());
+        // Of several it is unknown which is meant.
+        if let (Some((name, value)), None) = (stated.next(), stated.next()) {
+            check(&spring.label(), name, value);
+        }
+    }
+    for body in &file.bodies {
+        for &free in &body.free {
+            if let (property, None) = inertia_of(body, free) {
+                faults.add(TheoryError::MissingProperty {
+                    part: body.label(),
+                    property,
+                    needed_for: free.name(),
+                });
+            }
+        }
+    }
+}
+
 fn coordinates(body: &BodyDescription) -> impl Iterator<Item = Coordinate> + '_ {
     body.free.iter().map(|free| Coordinate {
         name: format!("{}.{}", body.name, free.name()),
@@ -203,10 +268,13 @@ fn stiffness(
     bodies: &RigidBodies,
 ) -> Result<Stiffness, TheoryError> {
     let label = link.label();
-    let (from, to) = (
-        attachment(&link.from, &label, points)?,
-        attachment(&link.to, &label, points)?,
-    );
+    let mut faults = CollectedFaults::default();
+    let from = faults.take(attachment(&link.from, &label, points));
+    let to = faults.take(attachment(&link.to, &label, points));
+    faults.into_result()?;
+    let (Some(from), Some(to)) = (from, to) else {
+        return Err(TheoryError::NothingMoves { part: label });
+    };
     let line: [f64; 3] = std::array::from_fn(|i| to.at_m[i] - from.at_m[i]);
     if link.direction.is_none() && (from.body.is_none() || to.body.is_none()) {
         return Err(TheoryError::NoDirection { part: label });
@@ -261,29 +329,32 @@ fn attachment<'a>(
 
 /// Everything that can be checked before geometry is made of it.
 fn check_file(file: &LumpedFile) -> Result<(), TheoryError> {
+    let mut faults = CollectedFaults::default();
     if let Some(got) = file.schema.as_ref().filter(|schema| *schema != SCHEMA) {
-        return Err(TheoryError::Schema {
+        faults.add(TheoryError::Schema {
             got: got.clone(),
             expected: SCHEMA,
         });
     }
-    distinct("parameter", file.parameters.iter().map(|p| &p.name))?;
-    distinct("body", file.bodies.iter().map(|b| &b.name))?;
-    distinct("point", file.points.iter().map(|p| &p.name))?;
+    faults.take(distinct(
+        "parameter",
+        file.parameters.iter().map(|p| &p.name),
+    ));
+    faults.take(distinct("body", file.bodies.iter().map(|b| &b.name)));
+    faults.take(distinct("point", file.points.iter().map(|p| &p.name)));
     if file.points.iter().any(|point| point.name == GROUND) {
-        return Err(TheoryError::Duplicate {
+        faults.add(TheoryError::Duplicate {
             what: "point",
             name: GROUND.to_owned(),
         });
     }
-    distinct("spring", file.springs.iter().map(|s| &s.name))?;
+    faults.take(distinct("spring", file.springs.iter().map(|s| &s.name)));
     for body in &file.bodies {
-        let names: Vec<String> = body
-            .free
-            .iter()
+        let free = body.free.iter();
+        let names: Vec<String> = free
             .map(|free| format!("{}.{}", body.name, free.name()))
             .collect();
-        distinct("coordinate", names.iter())?;
+        faults.take(distinct("coordinate", names.iter()));
     }
     let coordinates: usize = file.bodies.iter().map(|body| body.free.len()).sum();
     let expected = match coordinates {
@@ -294,16 +365,17 @@ fn check_file(file: &LumpedFile) -> Result<(), TheoryError> {
         _ => None,
     };
     if let Some(expected) = expected {
-        return Err(TheoryError::PropertyOutOfRange {
+        faults.add(TheoryError::PropertyOutOfRange {
             part: file.title.clone(),
             property: "number of coordinates",
             got: coordinates as f64,
             expected,
         });
     }
-    check_values(
+    faults.take(check_values(
         &file.title,
         &file.parameters,
         &nominal_values(&file.parameters),
-    )
+    ));
+    faults.into_result()
 }

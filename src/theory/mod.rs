@@ -80,6 +80,7 @@ use crate::geometry::Target;
 use crate::linalg::{RealMatrix, SparseMatrix};
 
 pub use beam::BeamModel;
+pub use beam_line::BeamPlacement;
 pub use boundary::{ModelSupport, ReleasedMode, model_support, released_modes};
 pub use compare::{DetailComparison, SimplerModel, compare_details, simplest_detail};
 pub use condensation::Condensation;
@@ -324,6 +325,11 @@ pub trait TheoreticalModel: std::fmt::Debug + Send + Sync {
     /// mass.
     fn small_bodies(&self) -> &'static [&'static str] {
         &[]
+    }
+
+    /// How a sensor or hit lies to the beam on which it sits; `None` for one on no beam.
+    fn beam_placement(&self, _target: &Target) -> Option<BeamPlacement> {
+        None
     }
 
     /// The motion over time, for a model whose equations are more than its matrices.

@@ -18,10 +18,18 @@ pub(super) fn expected_nearest(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
+/// Maximum number of names that an error lists.
+const MAX_LISTED_NAMES: usize = 12;
+
 pub(super) fn expected_name(nearest: Option<&str>, known: &[String]) -> String {
     let list = match known {
         [] => "none, since none is declared".to_owned(),
-        _ => format!("one of {}", known.join(", ")),
+        few if few.len() <= MAX_LISTED_NAMES => format!("one of {}", few.join(", ")),
+        many => format!(
+            "one of {} and {} more",
+            many[..MAX_LISTED_NAMES].join(", "),
+            many.len() - MAX_LISTED_NAMES
+        ),
     };
     list + &expected_nearest(nearest)
 }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::TheoryError;
+use super::error::CollectedFaults;
 use super::nearest_name::nearest_name;
 
 /// Source of a parameter's nominal value.
@@ -103,10 +104,11 @@ pub fn check_values(
             expected: specs.len(),
         });
     }
-    specs
-        .iter()
-        .zip(values)
-        .try_for_each(|(spec, &value)| spec.check(value))
+    let mut faults = CollectedFaults::default();
+    for (spec, &value) in specs.iter().zip(values) {
+        faults.take(spec.check(value));
+    }
+    faults.into_result()
 }
 
 /// The nominal values with some replaced by name, in the order of the specifications.
@@ -131,11 +133,14 @@ pub fn override_values(
     overrides: &BTreeMap<String, f64>,
 ) -> Result<Vec<f64>, TheoryError> {
     let mut values = nominal_values(specs);
+    let mut faults = CollectedFaults::default();
     for (name, &value) in overrides {
-        values[index_of(model, specs, name)?] = value;
+        if let Some(index) = faults.take(index_of(model, specs, name)) {
+            values[index] = value;
+        }
     }
-    check_values(model, specs, &values)?;
-    Ok(values)
+    faults.take(check_values(model, specs, &values));
+    faults.into_result().map(|()| values)
 }
 
 /// The place of a parameter in the list.

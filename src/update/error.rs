@@ -4,6 +4,17 @@ use crate::correlate::CorrelateError;
 use crate::linalg::LinalgError;
 use crate::theory::TheoryError;
 
+/// Maximum number of parameters that an error lists.
+const MAX_LISTED_NAMES: usize = 12;
+
+/// The names, of many the first and the number of the others.
+fn first_names(names: &[String]) -> String {
+    let further = names.len().saturating_sub(MAX_LISTED_NAMES);
+    let first = names.iter().take(MAX_LISTED_NAMES).cloned();
+    let further = (further > 0).then(|| format!("{further} more"));
+    first.chain(further).collect::<Vec<_>>().join(", ")
+}
+
 /// Why a model cannot be updated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -19,7 +30,10 @@ pub enum UpdateError {
         expected: &'static str,
     },
     /// A parameter that the model does not have, or that is named twice.
-    #[error("update parameter {name:?}: {reason}; the model has {}", known.join(", "))]
+    #[error(
+        "update parameter {name:?}: {reason}; the model has {}",
+        first_names(known)
+    )]
     Parameter {
         /// As given.
         name: String,
@@ -69,7 +83,7 @@ pub enum UpdateError {
     NothingFree,
     /// No mode of any test has a partner in the model.
     #[error(
-        "none of {modes} test modes has a partner in the model within the gates of pairing, expected at least one"
+        "none of {modes} test modes pairs with a mode of the model, expected at least one: `modalign run` shows both; check the dimensions and support of the model and the positions and directions of the sensors, or allow larger errors with max_frequency_error of [pair]"
     )]
     NothingPaired {
         /// Test modes.

@@ -62,6 +62,8 @@ pub struct BuiltIn {
     pub name: &'static str,
     /// Its parameter sets; the first is meant when none is named.
     pub sets: &'static [&'static str],
+    /// Number of its first elastic root in tables, as its publication counts.
+    pub first_root: usize,
     /// Builds it with one of the sets; `None` for another name.
     pub build: fn(set: &str) -> Option<Box<dyn TheoreticalModel>>,
 }
@@ -71,21 +73,26 @@ pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn {
         name: "cycloid-ball",
         sets: cycloid_ball_parameters::SET_NAMES,
+        // The paper counts the root at 0 Hz as its first.
+        first_root: 2,
         build: |set| Some(Box::new(CycloidBall::new(set)?)),
     },
     BuiltIn {
         name: "torsional-planetary",
         sets: torsional_planetary::SET_NAMES,
+        first_root: 1,
         build: |set| Some(Box::new(TorsionalPlanetary::new(set)?)),
     },
     BuiltIn {
         name: "spider-reducer",
         sets: &["paper"],
+        first_root: 1,
         build: |set| Some(Box::new(SpiderReducer::new(set)?)),
     },
     BuiltIn {
         name: "helical-planetary",
         sets: helical_parameters::SET_NAMES,
+        first_root: 1,
         build: |set| Some(Box::new(HelicalPlanetary::new(set)?)),
     },
 ];
