@@ -433,9 +433,9 @@ codes! {
     /// A mode at the edge of the band.
     NearBandEdge [AtLeast]: "The mode lies within its half-power bandwidth of the band edge.",
         "Part of its resonance is outside the band, so that the fit uses one flank only. Widen the band.";
-    /// Two model modes that match a test mode equally well.
-    Ambiguous [AtLeast]: "Two model modes may be the partner of this test mode: MAC and frequency differ too little to decide.",
-        "MAC and frequency of the best and the second match differ by less than the stated margin. Measure at more points, or state the pairing.";
+    /// Two modes of one side that match one of the other equally well.
+    Ambiguous [AtLeast]: "This pair is ambiguous. Another pairing has nearly the same MAC and frequency.",
+        "Two model modes may be the partner of this test mode, or two test modes that of one model mode: the detail says which. MAC and frequency of the best and the second match differ by less than the stated margin. Measure at more points, or state the pairing.";
     /// A MAC below the chance level of independent shapes.
     BelowChanceLevel [AtLeast]: "The MAC of this pair is below the chance level for independent shapes. The pair was marked ambiguous.",
         "The value is the MAC, the limit the level that independent shapes at these sensors reach with any of the model modes within the frequency gate in 1 of 100 cases, or in 5 where most other modes of the test reach theirs. Real, smooth shapes correlate more. Only the frequency supports this pair. Measure at more points, check names, directions and signs of the sensors, or correct the model.";
@@ -467,7 +467,7 @@ codes! {
     AlikePartners [AtLeast]: "Test modes paired with a repeated root have similar shapes. One of its modes may be there twice and another missed.",
         "The value is the part that they share of one direction of the root, cos² of the largest principal angle. Any rotation of the modes of one root is also a set of modes, but they span as many directions as the root has modes. Check whether one pole was selected twice, or measure with another reference.";
     /// Two modes of one set with one shape.
-    DuplicateModes [AtMost]: "This mode has nearly the same shape and frequency as another of its set: one mode found twice, or two that the sensors cannot separate.",
+    DuplicateModes [AtMost]: "This mode has nearly the same shape and frequency as another of its set. It is one mode found twice, or one of two that the sensors cannot separate.",
         "The value is the MAC of both (autoMAC). Causes: one pole selected twice in the stabilization diagram, two poles fitted to one resonance that shifted between runs, or too few sensors. Keep the one that explains more of the response, or measure at more points.";
     /// Rotations without a length that scales them to translations.
     RotationsLeftOut: "The modes have translations and rotations. The rotations were left out of the autoMAC.",
@@ -517,6 +517,21 @@ codes! {
     /// A stated support of a model that its matrices contradict.
     ModelSupportContradicted [AtMost]: "The support that the model states contradicts its stiffness matrix.",
         "A model is free where no translation of the whole strains it. One that states `fixed` or `mounted` needs springs to ground or fixed coordinates. One that states `suspended` may have the springs of its suspension: the value is then the highest frequency at which the whole model moves on them, the limit a tenth of its lowest mode that a test confirms. The stated support was compared with that of the tests. Correct `support` in the model, or its springs.";
+    /// A sensor at which the model does not move.
+    SensorUnmoved: "The model does not move at this sensor or hit in its direction.",
+        "The modes of the model are 0 there. Where that is so at all sensors, no mode is observable and none pairs by shape. A beam moves along its `deflection` alone, a body along its `free` coordinates. Correct the axis of the DOF or `direction` of [[sensor]], or `deflection`, `from_m` and `to_m` of the beam, or `free` of the body.";
+    /// A sensor beside the axis of its beam.
+    SensorOffBeam [AtMost]: "This sensor or hit lies off the axis of its beam.",
+        "A beam has its mass and stiffness on the line from `from_m` to `to_m`. A point beside it counts at the foot of its perpendicular on the line. The value is its distance from the line, the limit a tenth of the length of the beam. Correct `at_m` of [[sensor]], or `from_m` and `to_m` of the beam.";
+    /// Sensors of one position and direction.
+    SensorsAtOnePosition: "Several sensors or hits have one position and direction in the model.",
+        "The model has the same value at all of them, so that its shapes hold less than their number of DOFs says, and a MAC means little. Copied or unfilled positions are the usual cause. The value is their number. Correct `at_m` and `direction` in [[sensor]]. Two sensors that were mounted at one point may stay.";
+    /// Points of one position.
+    PointsAtOnePosition: "Several points have one position.",
+        "The figures of shapes draw these points on top of one another, and the rigid-body motion of the sensors there cannot be checked. Copied or unfilled positions are the usual cause. The value is their number. Correct `at_m` in [[point]], or the positions in the files.";
+    /// A model without sensors against a test.
+    ModelWithoutSensors: "The model states no sensors, and its coordinates have other names than the DOFs of the test. Modes were paired by frequency alone.",
+        "A model is solved at the positions of the sensors, so that its shapes can be compared with those of the test. Without sensors it has the names of its coordinates, no MAC exists, and unlike modes may pair. Give the scene as --theory, or state [[sensor]] in the model file.";
     /// An assumption of a model.
     Assumption: "A value was assumed, not measured or published.",
         "The status of the parameter in the model shows it: printed, inferred or assumed.";

@@ -418,7 +418,12 @@ impl CandidateTable {
                 let finding = verdict_finding(&partner.verdict, options);
                 let finding =
                     finding.map(|(code, value, limit)| warn(code).value(value, "").limit(limit));
-                findings.extend(finding);
+                findings.extend(
+                    finding.map(|finding| match ambiguous_side(&partner.verdict) {
+                        Some(detail) => finding.detail(detail),
+                        None => finding,
+                    }),
+                );
                 continue;
             }
             let candidates = self.candidates[i].iter().copied().enumerate();
@@ -450,6 +455,17 @@ impl CandidateTable {
             gate: options.max_frequency_error,
         };
         global_stiffness_factor(&table, root_of.iter().flatten().count())
+    }
+}
+
+/// The side that has two modes of an ambiguous pair.
+fn ambiguous_side(verdict: &PairVerdict) -> Option<&'static str> {
+    match verdict {
+        PairVerdict::Ambiguous { competitor, .. } => Some(match competitor {
+            Competitor::Theory(_) => "two model modes fit this test mode",
+            Competitor::Test(_) => "another test mode fits the same model mode",
+        }),
+        _ => None,
     }
 }
 
