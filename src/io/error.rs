@@ -1,5 +1,7 @@
 //! Why a file cannot be read or written.
 
+use std::io::ErrorKind;
+
 use crate::dof::DofError;
 use crate::quantity::UnitError;
 
@@ -8,7 +10,7 @@ use crate::quantity::UnitError;
 #[non_exhaustive]
 pub enum IoError {
     /// The operating system refused.
-    #[error("{path}: cannot {action}: {source}")]
+    #[error("{path}: cannot {action}: {}", system_reason(source))]
     System {
         /// Path as given.
         path: String,
@@ -235,6 +237,20 @@ impl IoError {
                 ..
             } => format!("the file ends inside {what}: got {got}, expected {expected}"),
             other => other.to_string(),
+        }
+    }
+}
+
+/// The reason of the operating system in plain words, without its number.
+fn system_reason(source: &std::io::Error) -> String {
+    match source.kind() {
+        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::IsADirectory => "it is a folder, expected a file".to_owned(),
+        ErrorKind::NotADirectory => "a part of its path is a file, expected a folder".to_owned(),
+        _ => {
+            let text = source.to_string();
+            let reason = text.split_once(" (os error ").map(|(reason, _)| reason);
+            reason.unwrap_or(&text).to_owned()
         }
     }
 }

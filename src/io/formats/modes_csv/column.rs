@@ -2,8 +2,28 @@
 
 use crate::dof::Dof;
 
-/// The first two headings, by which the format is known.
+/// The first two headings of a table with shapes.
 pub(super) const FIRST: [&str; 2] = ["frequency_hz", "damping_ratio"];
+
+/// Further headings of the natural frequencies, in lower case.
+const FREQUENCY_HEADINGS: [&str; 6] = [
+    "frequency_hz",
+    "frequency [hz]",
+    "frequency (hz)",
+    "f_hz",
+    "f [hz]",
+    "f (hz)",
+];
+
+/// The column of a heading other than a degree of freedom.
+pub(super) fn named_column(heading: &str) -> Option<Column> {
+    if FREQUENCY_HEADINGS.contains(&heading.to_lowercase().as_str()) {
+        return Some(Column::Frequency);
+    }
+    let mut named = NAMED.iter();
+    let column = named.find(|(name, _)| heading.eq_ignore_ascii_case(name));
+    column.map(|(_, column)| column.clone())
+}
 
 /// The meaning of a column.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -6,11 +6,13 @@
 //! 31.5,,1,0.3,-0.8
 //! ```
 //!
-//! The heading begins with `frequency_hz` and `damping_ratio`; commas, semicolons or tabulators
-//! part the cells, `#` (blanks may stand before it) begins a line of remarks, a line whose cells
-//! are all empty is skipped. An empty cell or `NaN` is a value that is not known: a degree of
-//! freedom without one is not in that shape. Where cells are not parted by commas, a number may
-//! have a decimal comma. The text is UTF-8 or UTF-16.
+//! The heading begins with `frequency_hz` (also `frequency [Hz]`, `f_hz`, `f [Hz]`, round brackets
+//! likewise) and `damping_ratio`. A table without shapes may have no damping ratios. One column of
+//! frequencies needs no heading where the file is opened as this format. Commas, semicolons or
+//! tabulators part the cells, `#` (blanks may stand before it) begins a line of remarks, a line
+//! whose cells are all empty is skipped. An empty cell or `NaN` is a value that is not known: a
+//! degree of freedom without one is not in that shape. Where cells are not parted by commas, a
+//! number may have a decimal comma. The text is UTF-8 or UTF-16.
 //!
 //! | column | meaning |
 //! |---|---|

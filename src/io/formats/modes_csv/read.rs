@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
 
-use super::column::{Column, FIRST, NAMED, Part};
+use super::column::{Column, NAMED, Part, named_column};
 use crate::dof::Dof;
 use crate::io::formats::number::field;
 use crate::io::{IoError, ModeEntry};
@@ -49,16 +49,28 @@ fn cells(line: &str, delimiter: char) -> Vec<&str> {
     cells.collect()
 }
 
-/// The number of the first line and what parts its cells, if it is the heading of a table of modes.
+/// Parts no cells of a single column, in which a number may have a decimal comma.
+const DELIMITER_OF_ONE_COLUMN: char = ';';
+
+/// The number of the first line and what parts its cells, if it is the heading of a table of modes:
+/// frequencies first, then damping ratios or properties alone. A table of frequencies and degrees
+/// of freedom may hold FRFs.
 pub(super) fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     let (number, line) = lines(bytes).next().unwrap_or((1, b""));
     let line = String::from_utf8_lossy(line);
     let delimiters = DELIMITERS.map(char::from).into_iter();
     let begins = |delimiter: &char| {
-        let cells = cells(&line, *delimiter);
-        let mut first = FIRST.iter().zip(&cells);
-        cells.len() >= FIRST.len() && first.all(|(name, cell)| cell.eq_ignore_ascii_case(name))
+        let columns = cells(&line, *delimiter).into_iter().map(named_column);
+        let columns: Vec<Option<Column>> = columns.collect();
+        match columns.as_slice() {
+            [Some(Column::Frequency), Some(Column::Damping), ..] => true,
+            [Some(Column::Frequency), others @ ..] => others.iter().all(Option::is_some),
+            _ => false,
+        }
     };
+    if begins(&DELIMITER_OF_ONE_COLUMN) {
+        return (number, Some(DELIMITER_OF_ONE_COLUMN));
+    }
     let mut delimiters = delimiters.filter(begins);
     (number, delimiters.next())
 }
@@ -96,9 +108,8 @@ impl Reader<'_> {
     }
 
     fn column(&self, name: &str) -> Result<Column, IoError> {
-        let mut named = NAMED.iter();
-        if let Some((_, column)) = named.find(|(heading, _)| name.eq_ignore_ascii_case(heading)) {
-            return Ok(column.clone());
+        if let Some(column) = named_column(name) {
+            return Ok(column);
         }
         let (dof, part) = match name.rsplit_once(' ') {
             Some((dof, "re")) => (dof, Part::Real),
@@ -260,25 +271,30 @@ impl Reader<'_> {
     }
 }
 
-/// The modes of all rows that are right, and what is wrong with the others.
+/// The modes of all rows that are right, and what is wrong with the others. Numbers without a
+/// heading, one in a line, are frequencies.
 pub(super) fn read(bytes: &[u8], path: &str) -> Result<(Vec<ModeEntry>, Vec<IoError>), IoError> {
     let (line, delimiter) = heading(bytes);
     let mut reader = Reader {
         path,
         line,
-        delimiter: delimiter.unwrap_or(','),
+        delimiter: delimiter.unwrap_or(DELIMITER_OF_ONE_COLUMN),
     };
-    let mut lines = lines(bytes);
-    let first = lines.next().map_or(&b""[..], |(_, text)| text);
-    let Some(delimiter) = delimiter else {
-        let got = String::from_utf8_lossy(first);
-        return Err(reader.error(
-            "heading",
-            got.trim(),
-            "frequency_hz,damping_ratio,... first",
-        ));
+    let mut lines = lines(bytes).peekable();
+    let first = lines.peek().map_or(&b""[..], |(_, text)| text);
+    let text = String::from_utf8_lossy(first);
+    let is_number = |text: &str| matches!(reader.number("", text, FREQUENCY), Ok(Some(_)));
+    let columns = match delimiter {
+        Some(delimiter) => {
+            lines.next();
+            reader.columns(&cells(reader.text(first)?, delimiter))?
+        }
+        None if is_number(text.trim()) => vec![Column::Frequency],
+        None => {
+            let expected = "frequency_hz alone, or first and then damping_ratio";
+            return Err(reader.error("heading", text.trim(), expected));
+        }
     };
-    let columns = reader.columns(&cells(reader.text(first)?, delimiter))?;
     let (mut modes, mut damage) = (Vec::new(), Vec::new());
     for (line, text) in lines {
         reader.line = line;
