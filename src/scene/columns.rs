@@ -6,6 +6,7 @@ use crate::quantity::{FrfUnit, Quantity, Unit, UnitError};
 
 use super::SceneError;
 use super::error::value_error;
+use super::faults::Faults;
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
 /// Errors of the keys of one channel.
@@ -26,30 +27,40 @@ impl ChannelErrors<'_> {
 /// # Errors
 /// [`SceneError::Value`] with the key.
 pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
-    let columns = test.channel.iter().map(|channel| column(channel, path));
-    let axis_to_si = test
-        .channel
-        .iter()
-        .map(|channel| axis_factor(channel, path));
-    let axis_to_si: Vec<Option<f64>> = axis_to_si.collect::<Result<_, _>>()?;
-    Ok(TableSpec {
-        axis_to_si: axis_to_si.into_iter().flatten().next(),
-        delimiter: delimiter(test.delimiter.as_deref(), path)?,
+    let mut faults = Faults::default();
+    let of_channel = |faults: &mut Faults, channel| {
+        let axis = faults.take(axis_factor(channel, path)).flatten();
+        (axis, faults.take(column(channel, path)))
+    };
+    let channels = test.channel.iter();
+    let (axes, columns): (Vec<Option<f64>>, Vec<Option<TableColumn>>) = channels
+        .map(|channel| of_channel(&mut faults, channel))
+        .unzip();
+    let spec = TableSpec {
+        axis_to_si: axes.into_iter().flatten().next(),
+        delimiter: faults
+            .take(delimiter(test.delimiter.as_deref(), path))
+            .flatten(),
         skip_lines: test.skip_lines,
-        dimensions: dimensions(test.dimensions.as_deref(), path)?,
-        sampling_rate_hz: sampling_rate(test.sampling_rate_hz, path)?,
-        columns: columns.collect::<Result<_, _>>()?,
-    })
+        dimensions: faults
+            .take(dimensions(test.dimensions.as_deref(), path))
+            .flatten(),
+        sampling_rate_hz: faults
+            .take(sampling_rate(test.sampling_rate_hz, path))
+            .flatten(),
+        columns: columns.into_iter().flatten().collect(),
+    };
+    faults.into_result().map(|()| spec)
 }
 
 fn sampling_rate(rate: Option<f64>, path: &str) -> Result<Option<f64>, SceneError> {
     match rate {
-        Some(hz) if !(hz.is_finite() && hz > 0.0) => Err(SceneError::Value {
-            path: path.to_owned(),
-            key: "[[test]] sampling_rate_hz".to_owned(),
-            got: hz.to_string(),
-            expected: "a positive number of samples per second".to_owned(),
-        }),
+        Some(hz) if !(hz.is_finite() && hz > 0.0) => Err(value_error(
+            path,
+            "[[test]] sampling_rate_hz",
+            &hz.to_string(),
+            "a positive number of samples per second",
+        )),
         other => Ok(other),
     }
 }
@@ -61,12 +72,12 @@ fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneE
         Some("semicolon") => Ok(Some(Delimiter::Semicolon)),
         Some("tab") => Ok(Some(Delimiter::Tab)),
         Some("blank") => Ok(Some(Delimiter::Blank)),
-        Some(other) => Err(SceneError::Value {
-            path: path.to_owned(),
-            key: "[[test]] delimiter".to_owned(),
-            got: format!("{other:?}"),
-            expected: "comma, semicolon, tab or blank".to_owned(),
-        }),
+        Some(other) => Err(value_error(
+            path,
+            "[[test]] delimiter",
+            &format!("{other:?}"),
+            "comma, semicolon, tab or blank",
+        )),
     }
 }
 
@@ -76,12 +87,8 @@ fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneE
 /// [`SceneError::Value`] for an unknown name.
 pub(super) fn window(name: Option<&str>, path: &str) -> Result<Option<Window>, SceneError> {
     let Some(name) = name else { return Ok(None) };
-    let unknown = || SceneError::Value {
-        path: path.to_owned(),
-        key: "[[test]] window".to_owned(),
-        got: format!("{name:?}"),
-        expected: Window::names(),
-    };
+    let got = format!("{name:?}");
+    let unknown = || value_error(path, "[[test]] window", &got, &Window::names());
     Window::from_name(name).map(Some).ok_or_else(unknown)
 }
 
@@ -103,13 +110,12 @@ fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimensi
     };
     match found.filter(each_once) {
         Some(dimensions) => Ok(Some(dimensions)),
-        None => Err(SceneError::Value {
-            path: path.to_owned(),
-            key: "[[test]] dimensions".to_owned(),
-            got: format!("{names:?}"),
-            expected: "hit, channel and sample, slowest first, each at most once and sample always"
-                .to_owned(),
-        }),
+        None => Err(value_error(
+            path,
+            "[[test]] dimensions",
+            &format!("{names:?}"),
+            "hit, channel and sample, slowest first, each at most once and sample always",
+        )),
     }
 }
 

@@ -12,6 +12,7 @@ use crate::quantity::Quantity;
 
 use super::draft_columns::{TableContent, arrays_text};
 use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
+use super::model_draft::PointLine;
 use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
 
@@ -40,7 +41,7 @@ pub struct DraftModel {
 }
 
 /// A drafted scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     /// Text of `scene.toml`.
     pub scene: String,
@@ -48,6 +49,8 @@ pub struct Draft {
     pub open_lines: usize,
     /// Points of sensors and hits that have no position although others have one.
     pub points_without_position: Vec<String>,
+    /// The line of the points, for the model of a beam.
+    pub line: Option<PointLine>,
 }
 
 /// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one,
@@ -88,6 +91,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     Draft {
         scene: text,
         open_lines,
+        line: PointLine::of(&dofs, &geometry),
         points_without_position: match plan.model {
             _ if geometry.nodes.is_empty() => Vec::new(),
             Some(model) if model.has_sensors => Vec::new(),

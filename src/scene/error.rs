@@ -40,16 +40,24 @@ pub enum SceneError {
         others: Vec<usize>,
     },
     /// A value that parses but is not valid.
-    #[error("{path}: {key}: got {got}, expected {expected}")]
+    #[error("{path}{}: {key}: got {got}, expected {expected}", place_text(place.as_deref()))]
     Value {
         /// Path as given.
         path: String,
+        /// Where the file has the key, as far as it does.
+        place: Option<Box<Place>>,
         /// The key, with its table.
         key: String,
         /// The value as given.
         got: String,
         /// The accepted values.
         expected: String,
+    },
+    /// Faults of a scene and of the files that it names.
+    #[error("{}", several_lines(faults))]
+    Several {
+        /// The faults, two or more.
+        faults: Vec<SceneError>,
     },
     /// FRF estimation failed.
     #[error("test {test:?}: {source}")]
@@ -79,10 +87,12 @@ pub enum SceneError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// A model file that is not valid.
-    #[error("{path}: {source}")]
+    #[error("{path}{}: {source}", place_text(place.as_deref()))]
     Model {
         /// Path as given.
         path: String,
+        /// Where the file has the part, as far as the error names one.
+        place: Option<Box<Place>>,
         /// The model's reason.
         source: Box<TheoryError>,
     },
@@ -98,6 +108,22 @@ pub enum SceneError {
     /// The synthetic test failed.
     #[error(transparent)]
     Synth(#[from] SynthError),
+}
+
+/// A place in a text file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line from 1.
+    pub line: usize,
+    /// Column from 1.
+    pub column: usize,
+}
+
+/// `:3:1` behind a path.
+fn place_text(place: Option<&Place>) -> String {
+    place.map_or_else(String::new, |place| {
+        format!(":{}:{}", place.line, place.column)
+    })
 }
 
 /// A fault of a TOML file.
@@ -144,6 +170,39 @@ fn fault_lines(path: &str, faults: &[TomlFault], all_found: bool) -> String {
     }
 }
 
+/// The number of the faults, and a line for each.
+fn several_lines(faults: &[SceneError]) -> String {
+    let of_fault = |fault: &SceneError| match fault {
+        SceneError::Toml { path, faults, .. } => {
+            let alone = |fault: &TomlFault| fault_lines(path, std::slice::from_ref(fault), true);
+            faults.iter().map(alone).collect()
+        }
+        other => vec![other.to_string()],
+    };
+    let lines: Vec<String> = faults.iter().flat_map(of_fault).collect();
+    let further = lines.len().saturating_sub(MAX_LISTED_FAULTS);
+    let further = (further > 0).then(|| format!("and {further} more"));
+    let count = lines.len();
+    let shown = lines.into_iter().take(MAX_LISTED_FAULTS);
+    // A hint stands on a separate line.
+    let shown = shown.map(|line| line.replace('\n', "\n    "));
+    let shown: Vec<String> = shown.chain(further).collect();
+    let path = common_path(faults).map_or_else(String::new, |path| format!("{path}: "));
+    format!("{path}{count} faults\n  {}", shown.join("\n  "))
+}
+
+/// The file of all faults, where it is one.
+fn common_path(faults: &[SceneError]) -> Option<&str> {
+    let mut paths = faults.iter().map(|fault| match fault {
+        SceneError::Toml { path, .. }
+        | SceneError::Value { path, .. }
+        | SceneError::Model { path, .. } => Some(path.as_str()),
+        _ => None,
+    });
+    let first = paths.next()??;
+    paths.all(|path| path == Some(first)).then_some(first)
+}
+
 fn axes_text(count: usize) -> String {
     match count {
         0 => "no FRFs (what columns and arrays hold that say nothing of themselves is stated by [[test.channel]] of a scene)"
@@ -170,16 +229,24 @@ pub(super) fn value_error(path: &str, key: &str, got: &str, expected: &str) -> S
     let expected = second_part.map_or(expected, |(_, expected)| expected);
     SceneError::Value {
         path: path.to_owned(),
+        place: None,
         key: key.to_owned(),
         got: got.to_owned(),
         expected: expected.to_owned(),
     }
 }
 
-/// The error of a model with the file that states it.
+/// The error of a model with the file that states it; several are a fault each.
 pub(super) fn model_error(path: &str, source: TheoryError) -> SceneError {
-    SceneError::Model {
+    let of_file = |source: TheoryError| SceneError::Model {
         path: path.to_owned(),
+        place: None,
         source: Box::new(source),
+    };
+    match source {
+        TheoryError::Several { faults } => SceneError::Several {
+            faults: faults.into_iter().map(of_file).collect(),
+        },
+        single => of_file(single),
     }
 }

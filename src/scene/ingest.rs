@@ -18,7 +18,9 @@ use crate::signal::TriggerOptions;
 
 use super::SceneError;
 use super::columns::{table_spec, window};
+use super::draft_columns::TableContent;
 use super::error::value_error;
+use super::faults::Faults;
 use super::file_dofs::dofs_of_files;
 use super::modes_file::held;
 use super::test_plan::FilePlan;
@@ -98,6 +100,18 @@ pub struct IngestOptions<'a> {
 pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Ingested, SceneError> {
     let opened = files.iter().map(|file| open(file, options));
     collect_data(opened.collect::<Result<Vec<_>, SceneError>>()?, options)
+}
+
+/// Opens the files of a test for their faults alone.
+///
+/// # Errors
+/// All faults of [`ingest_files`] that opening shows.
+pub(super) fn check_files(files: &[FilePlan], options: &IngestOptions) -> Result<(), SceneError> {
+    let mut faults = Faults::default();
+    for file in files {
+        faults.take(open(file, options));
+    }
+    faults.into_result()
 }
 
 fn open(file: &FilePlan, options: &IngestOptions) -> Result<HitFile, SceneError> {
@@ -288,7 +302,8 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
             "records",
         ));
         data.frfs = usable_set(frf_sets(&mut files)?).into_iter().collect();
-        if let (true, Some(unnamed)) = (data.frfs.is_empty(), columns_alone(&files)) {
+        let unnamed = columns_alone(&files, options.frfs_first);
+        if let (true, Some(unnamed)) = (data.frfs.is_empty(), unnamed) {
             return Err(unnamed.into());
         }
         for set in &data.frfs {
@@ -299,13 +314,23 @@ fn collect_data(mut files: Vec<HitFile>, options: &IngestOptions) -> Result<Inge
     Ok(data)
 }
 
-/// The error of the first file with columns or arrays, where no file states what it holds.
-fn columns_alone(files: &[HitFile]) -> Option<IoError> {
+/// The error of the first file with columns or arrays, where no file states what it holds. Of FRFs
+/// alone it names the headings, else what time records need as well.
+fn columns_alone(files: &[HitFile], frfs_alone: bool) -> Option<IoError> {
     let catalogs = || files.iter().map(|file| file.source.catalog());
     if catalogs().any(|catalog| !catalog.entries.is_empty() || !catalog.modes.is_empty()) {
         return None;
     }
     let catalog = catalogs().find(|catalog| !catalog.arrays.is_empty())?;
+    if !frfs_alone && !TableContent::of(catalog).is_some_and(|table| table.is_functions) {
+        return Some(IoError::NotStated {
+            path: catalog.path.clone(),
+            what: format!("the meaning of time records ({})", held(catalog)),
+            expected: "sampling rate or time column, the column of the force with unit and hit \
+                       point, and those of the responses with unit and DOF"
+                .to_owned(),
+        });
+    }
     Some(IoError::NotStated {
         path: catalog.path.clone(),
         what: format!("an FRF ({})", held(catalog)),

@@ -6,6 +6,7 @@ use toml::de::DeTable;
 use crate::correlate::TestSummary;
 
 use super::error::{SceneError, value_error};
+use super::faults::Faults;
 use super::toml_text::parse;
 
 /// Absolute limits; `None` is not checked.
@@ -73,30 +74,28 @@ impl Limits {
     /// [`SceneError::Value`] with the keys of the limits.
     pub fn check(&self, used: LimitsUse<'_>, path: &str) -> Result<(), SceneError> {
         let table = |key: &str| format!("[limits] {key}");
+        let mut faults = Faults::default();
         let percent = "max_frequency_error_percent";
-        check_percent(self.max_frequency_error_percent, path, &table(percent))?;
+        let stated = self.max_frequency_error_percent;
+        faults.take(check_percent(stated, path, &table(percent)));
         let is_mac = |mac: f64| (0.0..=1.0).contains(&mac);
-        check_value(
+        faults.take(check_value(
             self.min_mac,
             is_mac,
             path,
             &table("min_mac"),
             "a MAC from 0 to 1",
-        )?;
+        ));
         for (number, mode) in (1..).zip(&self.mode) {
-            mode.check(path, &format!("[[limits.mode]] {number}"))?;
+            faults.take(mode.check(path, &format!("[[limits.mode]] {number}")));
         }
         let undecided = self.undecided(used.decided_by);
-        if undecided.is_empty() {
-            return Ok(());
+        if !undecided.is_empty() {
+            let got = format!("limits that {} does not decide", used.result);
+            let keys = undecided.join(", ");
+            faults.add(value_error(path, &keys, &got, used.expected));
         }
-        let got = format!("limits that {} does not decide", used.result);
-        Err(value_error(
-            path,
-            &undecided.join(", "),
-            &got,
-            used.expected,
-        ))
+        faults.into_result()
     }
 
     /// Keys of the stated limits that no result of these kinds decides.
@@ -142,36 +141,30 @@ impl ModeLimit {
         let key = |name: &str| format!("{table} {name}");
         let is_positive = |value: f64| value.is_finite() && value > 0.0;
         let (hz, ratio) = ("a finite frequency above 0 Hz", "a finite ratio above 0");
-        check_value(
-            Some(self.frequency_hz),
-            is_positive,
-            path,
-            &key("frequency_hz"),
-            hz,
-        )?;
-        check_value(
-            self.damping_ratio,
-            is_positive,
-            path,
-            &key("damping_ratio"),
-            ratio,
-        )?;
+        let mut faults = Faults::default();
+        let mut check = |value, name: &str, expected| {
+            faults.take(check_value(value, is_positive, path, &key(name), expected));
+        };
+        check(Some(self.frequency_hz), "frequency_hz", hz);
+        check(self.damping_ratio, "damping_ratio", ratio);
         let percent = key("max_frequency_error_percent");
-        check_percent(Some(self.max_frequency_error_percent), path, &percent)?;
+        let stated = Some(self.max_frequency_error_percent);
+        faults.take(check_percent(stated, path, &percent));
         let percent = key("max_damping_error_percent");
-        check_percent(self.max_damping_error_percent, path, &percent)?;
-        let expected = "both, or none";
-        match (self.damping_ratio, self.max_damping_error_percent) {
-            (Some(_), None) => {
-                let got = "`damping_ratio` without `max_damping_error_percent`";
-                Err(value_error(path, table, got, expected))
-            }
-            (None, Some(_)) => {
-                let got = "`max_damping_error_percent` without `damping_ratio`";
-                Err(value_error(path, table, got, expected))
-            }
-            _ => Ok(()),
+        faults.take(check_percent(
+            self.max_damping_error_percent,
+            path,
+            &percent,
+        ));
+        let got = match (self.damping_ratio, self.max_damping_error_percent) {
+            (Some(_), None) => Some("`damping_ratio` without `max_damping_error_percent`"),
+            (None, Some(_)) => Some("`max_damping_error_percent` without `damping_ratio`"),
+            _ => None,
+        };
+        if let Some(got) = got {
+            faults.add(value_error(path, table, got, "both, or none"));
         }
+        faults.into_result()
     }
 }
 
@@ -229,7 +222,22 @@ impl LimitCheck {
 /// A file with `[limits]`, such as a scene, whose other tables are ignored.
 #[derive(Deserialize)]
 struct LimitsFile {
-    limits: Limits,
+    limits: Option<Limits>,
+}
+
+/// The error of a file without a table of limits.
+fn no_limits(text: &str, path: &str) -> SceneError {
+    let is_remark = |line: &str| {
+        let remark = line.trim_start().strip_prefix('#');
+        remark.is_some_and(|remark| remark.trim().starts_with("[limits"))
+    };
+    let got = match text.lines().any(is_remark) {
+        true => "a table that is commented out",
+        false => "no such table",
+    };
+    let expected = "the line `[limits]` and a line for each limit, such as `min_mac = 0.9` or \
+                    `max_frequency_error_percent = 5.0`";
+    value_error(path, "[limits]", got, expected)
 }
 
 /// The limits of a file with `[limits]`, such as a scene, for these results.
@@ -248,8 +256,10 @@ pub fn limits_from_toml(text: &str, path: &str, used: LimitsUse<'_>) -> Result<L
             return Err(value_error(path, key, got, "it below the line [limits]"));
         }
     }
-    limits.check(used, path)?;
-    Ok(limits)
+    let limits = limits.ok_or_else(|| no_limits(text, path))?;
+    let mut faults = Faults::default();
+    faults.take(limits.check(used, path));
+    faults.located(path, text).into_result().map(|()| limits)
 }
 
 /// Checks every stated absolute limit on a comparison for every test.
@@ -426,7 +436,7 @@ mod tests {
         let error = limits_from_toml(text, "l.toml", used).unwrap_err();
         let error = error.to_string();
         let named = parts.iter().all(|part| error.contains(part));
-        assert!(named && error.starts_with("l.toml: "), "{text}: {error}");
+        assert!(named && error.starts_with("l.toml:"), "{text}: {error}");
     }
 
     #[test]

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::axis::Band;
+use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::{Geometry, Node, Sensor, Target};
 use crate::linalg::{RealMatrix, SparseMatrix};
@@ -14,16 +15,18 @@ use crate::modal::ModalModel;
 use crate::theory::{
     Assumption, BeamFile, BeamModel, DetailComparison, LumpedFile, LumpedModel, ModeOptions,
     ModelQuantity, ModelRoot, ModelSupport, ParameterSpec, ReleasedMode, ResponseSpan,
-    RootSensitivity, SCHEMA, Sweep, SweepRange, TheoreticalModel, TheoryModes, TimeResponse,
+    RootSensitivity, Sweep, SweepRange, TheoreticalModel, TheoryError, TheoryModes, TimeResponse,
     built_in, compare_details, coordinate_sensors, damped_model, model_roots, model_sensitivities,
     model_support, modes, override_values, released_modes, sweep,
 };
 
 use super::error::{SceneError, model_error, value_error};
+use super::faults::{Faults, parse_checked};
 use super::matrices::matrix_model;
 use super::model_name::{is_built_in, named_model};
 use super::modes_file::{LoadedModes, ModesOptions, is_modes_file, load_modes};
-use super::toml_text::{check_schema, parse, read_text};
+use super::sensor_findings::sensor_findings;
+use super::toml_text::{parse, read_text};
 use super::typed::{ModelTable, SensorTable};
 
 /// A model that can be solved, with the values of its parameters.
@@ -78,7 +81,7 @@ struct KindKeys {
 }
 
 /// `[[sensor]]` tables of a model file of any kind.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 struct SensorTables {
     #[serde(default)]
     sensor: Vec<SensorTable>,
@@ -111,32 +114,54 @@ pub(super) fn model_of_text(
 ) -> Result<LoadedModel, SceneError> {
     let path = name.display().to_string();
     let KindKeys { kind, matrices } = parse(text, &path)?;
-    let tables = parse::<SensorTables>(text, &path)?.sensor;
-    let mut sensors_of_file = sensors(&tables, &path)?;
+    let mut faults = Faults::default();
+    let tables = faults.take(parse::<SensorTables>(text, &path));
+    let tables = tables.unwrap_or_default().sensor;
+    let sensors_of_file = faults.take(sensors(&tables, &path)).unwrap_or_default();
     let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
-    let model: Box<dyn TheoreticalModel> = match kind.as_deref() {
+    let model = faults.take(model_of_kind(kind.as_deref(), text, name));
+    let (model, sensors_of_matrices) = faults.located(&path, text).finish(model)?;
+    let sensors = match sensors_of_file.is_empty() {
+        true => sensors_of_matrices,
+        false => sensors_of_file,
+    };
+    let mut loaded = with_parameters(model, sensors, overrides)?;
+    loaded.unused = unused_parameters(loaded.model.as_ref(), &loaded.values);
+    Ok(loaded)
+}
+
+/// The model of a kind, with the sensors that matrices have.
+type ModelOfKind = (Box<dyn TheoreticalModel>, Vec<Sensor>);
+
+fn model_of_kind(kind: Option<&str>, text: &str, name: &Path) -> Result<ModelOfKind, SceneError> {
+    let path = name.display().to_string();
+    Ok(match kind {
         Some("matrices") => {
             let folder = name.parent().unwrap_or(Path::new(""));
             let model = matrix_model(text, &path, folder)?;
-            if sensors_of_file.is_empty() {
-                sensors_of_file = model.sensors();
-            }
-            Box::new(model)
+            let sensors = model.sensors();
+            (Box::new(model), sensors)
         }
-        Some("beam") => Box::new(beam_model(parse::<BeamFile>(text, &path)?, &path)?),
+        Some("beam") => {
+            let beam = |file: BeamFile, _| {
+                let model = BeamModel::new(file);
+                model.map_err(|source| model_error(&path, source))
+            };
+            (Box::new(parse_checked(text, &path, beam)?), Vec::new())
+        }
         Some("lumped") | None => {
-            let file = parse::<LumpedFile>(text, &path)?;
-            Box::new(LumpedModel::new(file).map_err(|source| model_error(&path, source))?)
+            let lumped = |file: LumpedFile, _| {
+                let model = LumpedModel::new(file);
+                model.map_err(|source| model_error(&path, source))
+            };
+            (Box::new(parse_checked(text, &path, lumped)?), Vec::new())
         }
         Some(other) => {
             let got = format!("{other:?}");
             let expected = "\"lumped\", \"beam\" or \"matrices\"";
             return Err(value_error(&path, "kind", &got, expected));
         }
-    };
-    let mut loaded = with_parameters(model, sensors_of_file, overrides)?;
-    loaded.unused = unused_parameters(loaded.model.as_ref(), &loaded.values);
-    Ok(loaded)
+    })
 }
 
 /// The parameters on which neither mass, damping nor stiffness depends. A part of a model file has
@@ -182,11 +207,6 @@ fn with_parameters(
     })
 }
 
-fn beam_model(file: BeamFile, path: &str) -> Result<BeamModel, SceneError> {
-    check_schema(&file.schema, SCHEMA, path)?;
-    BeamModel::new(file).map_err(|source| model_error(path, source))
-}
-
 /// The sensors of `[[sensor]]` tables.
 ///
 /// # Errors
@@ -194,27 +214,22 @@ fn beam_model(file: BeamFile, path: &str) -> Result<BeamModel, SceneError> {
 /// coordinate, or is named twice.
 pub fn sensors(tables: &[SensorTable], path: &str) -> Result<Vec<Sensor>, SceneError> {
     let mut found: Vec<Sensor> = Vec::with_capacity(tables.len());
+    let mut faults = Faults::default();
     for table in tables {
         let key = format!("[[sensor]] {}", table.dof);
-        let sensor = table.sensor().ok_or_else(|| {
-            value_error(
-                path,
-                &key,
-                "another combination",
-                "`body` and `at_m` (and `direction` for a scalar), or `coordinate`",
-            )
-        })?;
+        let Some(sensor) = table.sensor() else {
+            let expected = "`body` and `at_m` (and `direction` for a scalar), or `coordinate`";
+            faults.add(value_error(path, &key, "another combination", expected));
+            continue;
+        };
         if found.iter().any(|other| other.dof == sensor.dof) {
-            return Err(value_error(
-                path,
-                &key,
-                "the same degree of freedom twice",
-                "each one once",
-            ));
+            let got = "the same degree of freedom twice";
+            faults.add(value_error(path, &key, got, "each one once"));
+            continue;
         }
         found.push(sensor);
     }
-    Ok(found)
+    faults.into_result().map(|()| found)
 }
 
 impl LoadedModel {
@@ -239,6 +254,10 @@ impl LoadedModel {
             Finding::new(Severity::Warning, Code::ParameterUnused, location)
         });
         solved.model.findings.extend(unused);
+        if default_sensors.is_empty() {
+            let of_sensors = sensor_findings(self.model.as_ref(), &self.values, sensors)?;
+            solved.model.findings.extend(of_sensors);
+        }
         let parameters = self
             .model
             .parameters()
@@ -414,15 +433,74 @@ pub fn theory(
     sensors: &[Sensor],
     options: &ModeOptions,
 ) -> Result<Theory, SceneError> {
+    open_model(table, folder, path, sensors)?.theory(sensors, options)
+}
+
+/// A model that a `[model]` table means, read and checked.
+#[derive(Debug)]
+pub(super) enum OpenedModel {
+    /// A built-in model or a model file.
+    Model(LoadedModel),
+    /// Finished modes.
+    Modes(LoadedModes),
+}
+
+impl OpenedModel {
+    /// The model solved at the sensors, or its finished modes.
+    ///
+    /// # Errors
+    /// The error of the model.
+    pub(super) fn theory(
+        self,
+        sensors: &[Sensor],
+        options: &ModeOptions,
+    ) -> Result<Theory, SceneError> {
+        match self {
+            OpenedModel::Model(model) => model.solve(&model.sensors_with(sensors), options),
+            OpenedModel::Modes(modes) => Ok(modes.into()),
+        }
+    }
+}
+
+/// Reads the model of a `[model]` table and checks that it has a place for every sensor.
+///
+/// # Errors
+/// As [`theory`].
+pub(super) fn open_model(
+    table: &ModelTable,
+    folder: &Path,
+    path: &str,
+    sensors: &[Sensor],
+) -> Result<OpenedModel, SceneError> {
     let Some(model) = table_model(table, folder, path)? else {
         let options = ModesOptions {
             partial: table.partial,
             ..ModesOptions::default()
         };
         let modes = load_modes(&named_model(table, folder, path)?, &options)?;
-        return Ok(modes.into());
+        return Ok(OpenedModel::Modes(modes));
     };
-    model.solve(&model.sensors_with(sensors), options)
+    let mut faults = Faults::default();
+    for sensor in model.sensors_with(sensors) {
+        let row = model.model.observation_row(&model.values, &sensor.target);
+        let is_of_scene = sensors.iter().any(|other| other.dof == sensor.dof);
+        let of_sensor = |error: TheoryError| match is_of_scene {
+            true => sensor_error(path, &sensor.dof, error),
+            false => error.into(),
+        };
+        faults.take(row.map_err(of_sensor));
+    }
+    faults.into_result().map(|()| OpenedModel::Model(model))
+}
+
+/// The error of a sensor without a place in the model, with its key in the scene.
+fn sensor_error(path: &str, dof: &Dof, error: TheoryError) -> SceneError {
+    let text = error.to_string();
+    let parts = text.strip_prefix("sensor: got ");
+    match parts.and_then(|parts| parts.split_once(", expected ")) {
+        Some((got, expected)) => value_error(path, &format!("[[sensor]] {dof}"), got, expected),
+        None => error.into(),
+    }
 }
 
 /// The model that a `[model]` table means with its parameters; `None` for finished modes.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::finding::{Code, Finding, Location, Severity};
 
+use super::model_draft::ModelDraft;
 use super::model_name::is_built_in;
 use super::modes_file::is_modes_file;
 use super::plan::Scene;
@@ -36,14 +37,15 @@ pub fn model_kind(path: &Path) -> ModelKind {
     }
 }
 
-/// The finding on a built-in model whose name a file, or a folder with a scene, has too.
+/// The finding on a built-in model, or a model file to begin with, whose name a file, or a folder
+/// with a scene, has too.
 pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
     let other = match (path.is_file(), has_scene(path)) {
         (true, _) => "file",
         (_, true) => "folder",
         (false, false) => return None,
     };
-    if model_kind(path) != ModelKind::BuiltIn {
+    if model_kind(path) != ModelKind::BuiltIn && ModelDraft::at(path).is_none() {
         return None;
     }
     let location = Location::File {

@@ -15,6 +15,16 @@ pub(super) fn is_built_in(name: &Path) -> bool {
     short && BUILT_IN.iter().any(|model| Some(model.name) == first)
 }
 
+/// Number of the first elastic root of a model in tables: that of a built-in model, else 1.
+pub fn first_root(name: &Path) -> usize {
+    let text = name.to_string_lossy();
+    let mut models = BUILT_IN.iter();
+    let found = models.find(|model| Some(model.name) == text.split('/').next());
+    found
+        .filter(|_| is_built_in(name))
+        .map_or(1, |model| model.first_root)
+}
+
 /// The model that a `[model]` table names: a built-in name as it stands, or the path of a file.
 ///
 /// # Errors

@@ -10,6 +10,7 @@ use crate::io::{
 use crate::modal::{InputFile, ModalModel};
 
 use super::SceneError;
+use super::error::value_error;
 use super::model_name::is_built_in;
 use super::toml_text::read_text;
 
@@ -80,7 +81,17 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
         path: name.clone(),
         table: None,
     };
-    let mut source = open_path(path, &hints, Some(format.name()))?;
+    let opened = open_path(path, &hints, Some(format.name()));
+    let mut source = opened.map_err(|error| match error {
+        IoError::NotStated { what, .. } => {
+            no_modes(&name, &format!("a table in which {what} is open"))
+        }
+        other => other.into(),
+    })?;
+    let is_list = format.name() == "table" && is_single_column(source.catalog());
+    if is_list {
+        source = open_path(path, &hints, Some("modes-csv"))?;
+    }
     let needs: &[Need] = match options.positions {
         true => &[Need::Modes, Need::Positions],
         false => &[Need::Modes],
@@ -88,14 +99,8 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
     let partly_bad = check_damage(source.as_mut(), needs, options.partial)?;
     let catalog = source.catalog();
     if catalog.modes.is_empty() {
-        return Err(SceneError::Io(IoError::NotStated {
-            path: name,
-            what: format!("a mode ({})", held(catalog)),
-            expected: "mode shapes, such as universal datasets 55 or 2414, a modes.json, or a \
-                       table with the headings `frequency_hz`, `damping_ratio`, then `1:+Z`, or \
-                       `1:+Z re` and `1:+Z im`, for each DOF"
-                .to_owned(),
-        }));
+        let got = format!("a file without modes ({})", held(catalog));
+        return Err(no_modes(&name, &got));
     }
     let input = InputFile {
         path: name,
@@ -107,6 +112,25 @@ pub fn load_modes(path: &Path, options: &ModesOptions) -> Result<LoadedModes, Sc
         geometry: catalog.geometry.clone(),
         partly_bad,
     })
+}
+
+/// The error of a file without modes, with the columns that a table of modes has.
+fn no_modes(name: &str, got: &str) -> SceneError {
+    let expected = "mode shapes, such as universal datasets 55 or 2414, a modes.json, or a table \
+                    with the headings `frequency_hz`, `damping_ratio`, then `1:+Z`, or `1:+Z re` \
+                    and `1:+Z im`, for each DOF (cells of `damping_ratio` may be empty), or with \
+                    `frequency_hz` alone";
+    value_error(name, "modes", got, expected)
+}
+
+/// Whether a table has one column, which may be a list of natural frequencies.
+fn is_single_column(catalog: &Catalog) -> bool {
+    let mut columns = catalog.arrays.iter();
+    let is_single = matches!(
+        columns.next().map(|array| array.shape.as_slice()),
+        Some([_] | [_, 1])
+    );
+    is_single && columns.next().is_none() && catalog.entries.is_empty()
 }
 
 /// Contents of a file without modes: its columns or arrays by name, else the number of its records

@@ -7,7 +7,6 @@ use crate::modal::ModalModel;
 
 use super::SceneError;
 use super::error::value_error;
-use super::test_plan::TestPlan;
 use super::test_result::TestResult;
 use super::typed::PlacementTable;
 
@@ -37,14 +36,13 @@ pub struct PlacedTest {
 /// [`SceneError::Value`] for an unknown test and for a pattern that no sensor has.
 pub(super) fn placement_plans(
     stated: Vec<PlacementTable>,
-    tests: &[TestPlan],
+    tests: &[&str],
     sensors: &[Sensor],
     path: &str,
 ) -> Result<Vec<PlacementPlan>, SceneError> {
     let plan = |table: PlacementTable| {
-        if !tests.iter().any(|test| test.name == table.test) {
-            let names: Vec<&str> = tests.iter().map(|test| test.name.as_str()).collect();
-            let expected = format!("one of the tests {}", names.join(", "));
+        if !tests.contains(&table.test.as_str()) {
+            let expected = format!("one of the tests {}", tests.join(", "));
             let got = format!("{:?}", table.test);
             return Err(value_error(path, "[[placement]] test", &got, &expected));
         }

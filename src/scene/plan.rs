@@ -12,16 +12,19 @@ use crate::signal::{ForceWindow, Offset};
 use super::SceneError;
 use super::error::value_error;
 use super::expected::{Expected, published_results};
+use super::faults::{Faults, Soundness, parse_checked};
+use super::file_faults::collect_file_faults;
 use super::limits::{LimitedResult, Limits, LimitsUse};
 use super::model::sensors;
-use super::model_name::named_model;
+use super::model_name::{first_root, named_model};
 use super::placement::{PlacementPlan, placement_plans};
 use super::test_plan::{TestPlan, test_plan};
-use super::toml_text::{check_schema, parse, read_text};
+use super::toml_text::{check_schema, read_text};
 use super::typed::{
     FrfTable, IdentifyTable, ModelTable, PointTable, ReportTableTable, SCENE_SCHEMA, SceneFile,
     UpdateTable,
 };
+use super::update_options::check_update;
 
 /// The flank of a force window as a fraction of its hold.
 const FLANK_OF_HOLD: f64 = 0.5;
@@ -98,6 +101,12 @@ impl Scene {
             path.to_path_buf()
         };
         let name = file.display().to_string();
+        if path.is_dir() && !file.exists() {
+            let expected =
+                "a folder with scene.toml; `modalign new DIR FILE...` drafts one from recordings";
+            let (path, got) = (path.display().to_string(), "a folder without scene.toml");
+            return Err(value_error(&path, "scene", got, expected));
+        }
         if file.is_file() && file.extension().is_none_or(|extension| extension != "toml") {
             let expected = "a folder with scene.toml, or that file; `modalign new DIR FILE...` drafts one from recordings";
             return Err(value_error(
@@ -107,18 +116,26 @@ impl Scene {
                 expected,
             ));
         }
-        let typed: SceneFile = parse(&read_text(&file)?, &name)?;
-        check_schema(&typed.schema, SCENE_SCHEMA, &name)?;
+        let check = |typed: SceneFile, soundness| Self::checked(typed, soundness, &file);
+        parse_checked(&read_text(&file)?, &name, check)
+    }
+
+    /// The scene of a typed file; where it has a fault, those of the files that it names are
+    /// collected too.
+    fn checked(typed: SceneFile, soundness: Soundness, file: &Path) -> Result<Self, SceneError> {
+        let name = file.display().to_string();
         let folder = file.parent().unwrap_or(Path::new(".")).to_path_buf();
-        let tests = typed
-            .test
-            .iter()
-            .map(|test| test_plan(test, &folder, &name))
-            .collect::<Result<Vec<_>, _>>()?;
-        check_tests(&tests, typed.model.is_some(), &name)?;
-        let limits_use = limits_use(!tests.is_empty(), typed.model.is_some());
-        typed.limits.check(limits_use, &name)?;
-        typed.pair.validate().map_err(|error| match error {
+        let mut faults = Faults::default();
+        faults.take(check_schema(&typed.schema, SCENE_SCHEMA, &name));
+        let plans = typed.test.iter();
+        let plans: Vec<Option<TestPlan>> = plans
+            .map(|test| faults.take(test_plan(test, &folder, &name)))
+            .collect();
+        let names: Vec<&str> = typed.test.iter().map(|test| test.name.as_str()).collect();
+        faults.take(check_tests(&names, typed.model.is_some(), &name));
+        let limits_use = limits_use(!names.is_empty(), typed.model.is_some());
+        faults.take(typed.limits.check(limits_use, &name));
+        faults.take(typed.pair.validate().map_err(|error| match error {
             CorrelateError::Option {
                 name: option,
                 got,
@@ -130,40 +147,65 @@ impl Scene {
                 expected,
             ),
             other => other.into(),
-        })?;
-        check_method(&typed.identify, &name)?;
+        }));
+        faults.take(check_method(&typed.identify, &name));
         if let Some(table) = &typed.model {
-            named_model(table, &folder, &name)?;
+            faults.take(named_model(table, &folder, &name));
         }
-        let tables = report_tables(typed.report.table, typed.report.caption, &tests, &name)?;
-        let sensors = sensors(&typed.sensor, &name)?;
+        if let Some(update) = &typed.update {
+            faults.take(check_update(update, &name));
+        }
+        let report = &typed.report;
+        let tables = report_tables(report.table.clone(), report.caption.clone(), &names, &name);
+        let tables = faults.take(tables);
+        let sensors = faults
+            .take(sensors(&typed.sensor, &name))
+            .unwrap_or_default();
         if typed.model.is_none() && !typed.placement.is_empty() {
             let got = "a scene without [model]";
-            return Err(value_error(&name, "[[placement]]", got, "a [model]"));
+            faults.add(value_error(&name, "[[placement]]", got, "a [model]"));
         }
+        let placement = placement_plans(typed.placement.clone(), &names, &sensors, &name);
+        let placement = faults.take(placement);
+        let points = faults.take(stated_points(&typed.point, &name));
+        let hammer = faults.take(hammer_options(&typed.frf, &name));
+        let energies = faults.take(energies_band(report.energies_to_hz, &name));
+        let expected = faults.take(published_results(&folder));
+        if !faults.is_empty() || soundness == Soundness::Repaired {
+            collect_file_faults(&typed, &folder, &name, &sensors, &mut faults);
+        }
+        faults.into_result()?;
         Ok(Self {
-            placement: placement_plans(typed.placement, &tests, &sensors, &name)?,
-            tests,
+            placement: placement.unwrap_or_default(),
+            tests: plans.into_iter().flatten().collect(),
             sensors,
-            points: stated_points(&typed.point, &name)?,
-            hammer: hammer_options(&typed.frf, &name)?,
+            points: points.unwrap_or_default(),
+            hammer: hammer.unwrap_or_default(),
             pair: typed.pair,
-            first_root: typed.report.first_root.unwrap_or(1),
-            energies: energies_band(typed.report.energies_to_hz, &name)?,
-            tables,
+            first_root: report
+                .first_root
+                .unwrap_or_else(|| first_root_of(typed.model.as_ref())),
+            energies: energies.flatten(),
+            tables: tables.unwrap_or_default(),
             title: typed.title,
             model: typed.model,
             method: typed.identify.method,
             order: typed.identify.order,
             update: typed.update,
             limits: typed.limits,
-            expected: published_results(&folder)?,
+            expected: expected.flatten(),
             format: None,
             path: name,
-            file,
+            file: file.to_path_buf(),
             folder,
         })
     }
+}
+
+/// Number of the first elastic root of a scene that states none.
+fn first_root_of(model: Option<&ModelTable>) -> usize {
+    let name = model.and_then(|model| model.name.as_ref());
+    name.map_or(1, |name| first_root(Path::new(name)))
 }
 
 /// Checks the options of `[identify]` before any file is read.
@@ -196,10 +238,10 @@ fn energies_band(highest_hz: Option<f64>, path: &str) -> Result<Option<Band>, Sc
 fn report_tables(
     stated: Vec<ReportTableTable>,
     caption: Option<String>,
-    tests: &[TestPlan],
+    names: &[&str],
     path: &str,
 ) -> Result<Vec<ReportTableTable>, SceneError> {
-    let names: Vec<String> = tests.iter().map(|test| test.name.clone()).collect();
+    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
     if stated.is_empty() {
         let caption = caption.unwrap_or_else(|| "Theory and test compared".to_owned());
         return Ok(vec![ReportTableTable {
@@ -242,31 +284,34 @@ fn report_tables(
 /// The nodes of `[[point]]` tables.
 fn stated_points(tables: &[PointTable], path: &str) -> Result<Geometry, SceneError> {
     let mut points = Geometry::default();
+    let mut faults = Faults::default();
     for PointTable { name, at_m } in tables {
         let key = format!("[[point]] {name}");
-        let refused = |got: &str, expected: &str| value_error(path, &key, got, expected);
+        let mut refuse = |got: &str, expected: &str| {
+            faults.add(value_error(path, &key, got, expected));
+        };
         if at_m.iter().any(|x| !x.is_finite()) {
-            return Err(refused(&format!("at_m = {at_m:?}"), "finite positions"));
+            refuse(&format!("at_m = {at_m:?}"), "finite positions");
+        } else if points.node(name).is_some() {
+            refuse("the same point twice", "each one once");
+        } else {
+            points.nodes.push(Node::new(name, (*at_m).into()));
         }
-        if points.node(name).is_some() {
-            return Err(refused("the same point twice", "each one once"));
-        }
-        points.nodes.push(Node::new(name, (*at_m).into()));
     }
-    Ok(points)
+    faults.into_result().map(|()| points)
 }
 
-fn check_tests(tests: &[TestPlan], model: bool, path: &str) -> Result<(), SceneError> {
-    if tests.is_empty() && !model {
+fn check_tests(names: &[&str], model: bool, path: &str) -> Result<(), SceneError> {
+    if names.is_empty() && !model {
         let expected = "at least one, or a [model] alone";
         return Err(value_error(path, "[[test]]", "no test", expected));
     }
-    for (index, test) in tests.iter().enumerate() {
-        if tests[..index].iter().any(|other| other.name == test.name) {
+    for (index, name) in names.iter().enumerate() {
+        if names[..index].contains(name) {
             return Err(value_error(
                 path,
                 "[[test]] name",
-                &format!("{:?} twice", test.name),
+                &format!("{name:?} twice"),
                 "a distinct name for each test",
             ));
         }
@@ -296,8 +341,9 @@ fn limits_use(has_tests: bool, has_model: bool) -> LimitsUse<'static> {
 }
 
 fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneError> {
-    let estimator = match table.estimator.as_deref() {
-        None => Estimator::H1,
+    let mut faults = Faults::default();
+    let estimator = faults.take(match table.estimator.as_deref() {
+        None => Ok(Estimator::H1),
         Some(name) => Estimator::from_name(name).ok_or_else(|| {
             value_error(
                 path,
@@ -305,10 +351,10 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
                 &format!("{name:?}"),
                 "\"h1\", \"h2\" or \"hv\"",
             )
-        })?,
-    };
-    let excitation = match table.excitation.as_deref() {
-        None => Excitation::Hammer,
+        }),
+    });
+    let excitation = faults.take(match table.excitation.as_deref() {
+        None => Ok(Excitation::Hammer),
         Some(name) => Excitation::from_name(name).ok_or_else(|| {
             let got = format!("{name:?}");
             value_error(
@@ -317,19 +363,22 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
                 &got,
                 "\"hammer\", \"random\" or \"sine\"",
             )
-        })?,
-    };
+        }),
+    });
     let window = |got: &str| {
         let expected = "\"auto\" or \"none\", or a number as response_window_end";
         value_error(path, "[frf] response_window", got, expected)
     };
-    let response_window = match (table.response_window.as_deref(), table.response_window_end) {
-        (None | Some("auto"), None) => ResponseWindow::Auto,
-        (Some("none"), None) => ResponseWindow::Off,
-        (None, Some(end)) => ResponseWindow::End(end),
-        (Some(name), None) => return Err(window(&format!("{name:?}"))),
-        (Some(_), Some(_)) => return Err(window("response_window_end beside it")),
-    };
+    let stated = (table.response_window.as_deref(), table.response_window_end);
+    let response_window = faults.take(match stated {
+        (None | Some("auto"), None) => Ok(ResponseWindow::Auto),
+        (Some("none"), None) => Ok(ResponseWindow::Off),
+        (None, Some(end)) => Ok(ResponseWindow::End(end)),
+        (Some(name), None) => Err(window(&format!("{name:?}"))),
+        (Some(_), Some(_)) => Err(window("response_window_end beside it")),
+    });
+    let checked = estimator.zip(excitation).zip(response_window);
+    let ((estimator, excitation), response_window) = faults.finish(checked)?;
     Ok(HammerOptions {
         excitation,
         block_length_s: table.block_length_s,

@@ -7,14 +7,15 @@ use serde_json::json;
 use crate::io::{FileLabel, Precision, modes_to_json, write_time_records};
 use crate::modal::ModalModel;
 use crate::quantity::Quantity;
-use crate::synth::{Faults, HammerTest, HitPlan, LowPassOptions, Noise, Pulse, roving_hammer};
+use crate::synth::{HammerTest, HitPlan, LowPassOptions, Noise, Pulse, roving_hammer};
 
 use super::SceneError;
 use super::error::value_error;
+use super::faults::{Faults, parse_checked};
 use super::model::sensors;
 use super::synth_spec::{SYNTH_SCHEMA, SynthFile};
 use super::synth_truth::truth;
-use super::toml_text::{check_schema, parse, read_text};
+use super::toml_text::{check_schema, read_text};
 
 /// A synthetic recording with its truth.
 #[derive(Clone, Debug)]
@@ -35,9 +36,112 @@ pub struct SyntheticRecording {
 /// [`SceneError`] with file, line and column.
 pub fn load_synth(path: &Path) -> Result<SynthFile, SceneError> {
     let name = path.display().to_string();
-    let spec: SynthFile = parse(&read_text(path)?, &name)?;
-    check_schema(&spec.schema, SYNTH_SCHEMA, &name)?;
-    Ok(spec)
+    let check = |spec: SynthFile, _| {
+        let mut faults = Faults::default();
+        faults.take(check_schema(&spec.schema, SYNTH_SCHEMA, &name));
+        faults.take(sensors(&spec.sensor, &name));
+        faults.take(response_quantity(&spec.record.response, &name));
+        faults.take(precision(&spec, &name));
+        for fault in spec_faults(&spec) {
+            faults.add(value_error(&name, fault.key, &fault.got, fault.expected));
+        }
+        faults.into_result().map(|()| spec)
+    };
+    parse_checked(&read_text(path)?, &name, check)
+}
+
+/// A number of a spec outside its range.
+struct SpecFault {
+    key: &'static str,
+    got: String,
+    expected: &'static str,
+}
+
+/// The numbers of a spec that no test can have.
+fn spec_faults(spec: &SynthFile) -> Vec<SpecFault> {
+    let SynthFile { record, pulse, .. } = spec;
+    let is_above_0 = |value: f64| value.is_finite() && value > 0.0;
+    let (above_0, from_0) = ("a finite number above 0", "a finite number of 0 or more");
+    let is_from_0 = |value: f64| value.is_finite() && value >= 0.0;
+    let (is_fraction, fraction) = (|value: f64| (0.0..1.0).contains(&value), "0 up to below 1");
+    let damping = spec.truth.damping_ratio.unwrap_or(0.0);
+    let checks = [
+        (
+            "[record] sampling_rate_hz",
+            record.sampling_rate_hz,
+            is_above_0(record.sampling_rate_hz),
+            above_0,
+        ),
+        (
+            "[record] samples",
+            record.samples as f64,
+            record.samples >= 2,
+            "2 or more",
+        ),
+        (
+            "[record] pretrigger_s",
+            record.pretrigger_s,
+            is_from_0(record.pretrigger_s),
+            from_0,
+        ),
+        (
+            "[pulse] duration_s",
+            pulse.duration_s,
+            is_above_0(pulse.duration_s),
+            above_0,
+        ),
+        (
+            "[pulse] peak_n",
+            pulse.peak_n,
+            is_above_0(pulse.peak_n),
+            above_0,
+        ),
+        (
+            "[pulse] duration_spread",
+            pulse.duration_spread,
+            is_fraction(pulse.duration_spread),
+            fraction,
+        ),
+        (
+            "[pulse] peak_spread",
+            pulse.peak_spread,
+            is_fraction(pulse.peak_spread),
+            fraction,
+        ),
+        (
+            "averages",
+            spec.averages as f64,
+            spec.averages > 0,
+            "1 or more",
+        ),
+        (
+            "[truth] damping_ratio",
+            damping,
+            is_fraction(damping),
+            fraction,
+        ),
+    ];
+    let faulty = checks.into_iter().filter(|(_, _, is_valid, _)| !is_valid);
+    let fault = |(key, got, _, expected): (_, f64, _, _)| SpecFault {
+        key,
+        got: got.to_string(),
+        expected,
+    };
+    faulty.map(fault).collect()
+}
+
+/// The precision of the records in the file.
+fn precision(spec: &SynthFile, path: &str) -> Result<Precision, SceneError> {
+    match spec.record.precision.as_deref() {
+        None | Some("single") => Ok(Precision::Single),
+        Some("double") => Ok(Precision::Double),
+        Some(other) => Err(value_error(
+            path,
+            "[record] precision",
+            &format!("{other:?}"),
+            "\"single\" or \"double\"",
+        )),
+    }
 }
 
 /// The test that a spec means; relative paths are taken from the spec's folder.
@@ -72,7 +176,7 @@ pub fn hammer_test(spec: &SynthFile, path: &Path) -> Result<HammerTest, SceneErr
             force_snr_db: spec.noise.force_snr_db,
             response_snr_db: spec.noise.response_snr_db,
         },
-        faults: Faults::default(),
+        faults: crate::synth::Faults::default(),
         seed: spec.seed,
     };
     test.validate()?;
@@ -116,21 +220,9 @@ pub fn record(
     path: &Path,
 ) -> Result<SyntheticRecording, SceneError> {
     let hits = test.generate()?;
-    let precision = match spec.record.precision.as_deref() {
-        None | Some("single") => Precision::Single,
-        Some("double") => Precision::Double,
-        Some(other) => {
-            let name = path.display().to_string();
-            return Err(value_error(
-                &name,
-                "[record] precision",
-                &format!("{other:?}"),
-                "\"single\" or \"double\"",
-            ));
-        }
-    };
-    let mut uff = Vec::new();
     let name = path.display().to_string();
+    let precision = precision(spec, &name)?;
+    let mut uff = Vec::new();
     write_time_records(
         &mut uff,
         &FileLabel {

@@ -19,10 +19,12 @@ use crate::theory::{ModeOptions, ModelRoot, Support};
 
 use super::SceneError;
 use super::expected::ExpectedResult;
+use super::faults::Faults;
+use super::file_faults::{check_existence, collect_source_faults};
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, check_comparison, check_modes};
 use super::mass_line::{body_findings, leaving_list, mass_line_findings, test_rigid_body};
-use super::model::{Theory, theory};
+use super::model::{OpenedModel, Theory, open_model};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
 use super::placement::placed_tests;
@@ -30,9 +32,12 @@ use super::plan::Scene;
 use super::quantities::quantities;
 use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 use super::result::SceneResult;
+use super::sensor_findings::shared_points;
 use super::supports::{add_support_findings, suspension_findings};
 use super::test_plan::{TestPlan, TestSource};
 use super::test_result::TestResult;
+use super::toml_text::read_text;
+use super::update_options::check_parameter_names;
 
 /// Maximum number of rejected columns that a result without modes lists.
 const MAX_REJECTED_COLUMNS: usize = 3;
@@ -52,6 +57,7 @@ pub fn run(scene: &Scene) -> Result<SceneResult, SceneError> {
 pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResult, SceneError> {
     let steps = scene.tests.len() + 2 * usize::from(scene.model.is_some());
     let step = |what: &str, number| observer.step(what, number, steps);
+    let model = check_named_files(scene)?;
     let one = |(test, number): (&TestPlan, _)| {
         step(&test.name, number);
         run_test(scene, test)
@@ -60,7 +66,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
     let tests = tests.collect::<Result<Vec<_>, _>>()?;
     let limits = tests.iter().flat_map(|test| mode_limits(scene, test));
     let mut limits: Vec<LimitCheck> = limits.collect();
-    let Some(table) = &scene.model else {
+    let Some(model) = model else {
         return tests_only_result(scene, tests, limits);
     };
     step("model", tests.len() + 1);
@@ -68,7 +74,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         band: theory_band(scene, &tests),
         ..ModeOptions::default()
     };
-    let mut theory = theory(table, &scene.folder, &scene.path, &scene.sensors, &options)?;
+    let mut theory = model.theory(&scene.sensors, &options)?;
     let named: Vec<NamedTest> = tests
         .iter()
         .map(|test| NamedTest {
@@ -109,6 +115,41 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         pairings,
         table,
     })
+}
+
+/// The model. Faults of the files that the scene names are reported before the long work on the
+/// tests, all at once where there is one.
+fn check_named_files(scene: &Scene) -> Result<Option<OpenedModel>, SceneError> {
+    let mut faults = Faults::default();
+    let sources = || scene.tests.iter().map(|test| &test.source);
+    faults.take(check_existence(sources()));
+    let open = |table| open_model(table, &scene.folder, &scene.path, &scene.sensors);
+    let model = scene.model.as_ref().map(open).transpose();
+    let model = faults.take(model.and_then(|model| check_parameters(scene, model)));
+    for source in sources() {
+        if let TestSource::Synth(path) = source {
+            faults.take(load_synth(path));
+        }
+    }
+    if !faults.is_empty() {
+        for test in &scene.tests {
+            collect_source_faults(&test.source, test.partial, &scene.path, &mut faults);
+        }
+        let text = read_text(&scene.file).unwrap_or_default();
+        faults = faults.located(&scene.path, &text);
+    }
+    faults.finish(model)
+}
+
+/// The model, checked to have every parameter that `[update]` names.
+fn check_parameters(
+    scene: &Scene,
+    model: Option<OpenedModel>,
+) -> Result<Option<OpenedModel>, SceneError> {
+    if let (Some(update), Some(OpenedModel::Model(model))) = (&scene.update, &model) {
+        check_parameter_names(update, model.model.parameters(), &scene.path)?;
+    }
+    Ok(model)
 }
 
 /// The published results, if there are any, compared with the model.
@@ -187,6 +228,7 @@ pub(super) fn run_test(scene: &Scene, test: &TestPlan) -> Result<TestResult, Sce
     result.modes.findings.extend(suspension);
     let not_rigid = body_findings(&result.modes, &scene.sensors);
     result.modes.findings.extend(not_rigid);
+    result.modes.findings.extend(shared_points(&scene.points));
     Ok(result)
 }
 
@@ -232,10 +274,12 @@ pub fn test_data(scene: &Scene, test: &TestPlan) -> Result<TestData, SceneError>
             trigger,
             typed,
         } => {
-            let inputs = files
-                .iter()
-                .map(|file| input_file(&file.path))
-                .collect::<Result<Vec<_>, _>>()?;
+            let mut faults = Faults::default();
+            let inputs = files.iter();
+            let inputs: Vec<InputFile> = inputs
+                .filter_map(|file| faults.take(input_file(&file.path)))
+                .collect();
+            faults.into_result()?;
             let (typed, partial) = (Some(typed.as_ref()), test.partial);
             let options = IngestOptions {
                 hits: *hits,

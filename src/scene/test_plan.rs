@@ -13,6 +13,7 @@ use crate::signal::TriggerOptions;
 
 use super::columns;
 use super::error::{SceneError, value_error};
+use super::faults::Faults;
 use super::test_state::TestState;
 use super::typed::TestTable;
 
@@ -91,46 +92,61 @@ pub(super) fn test_plan(
             .trim_end()
             .to_owned()
     };
+    let mut faults = Faults::default();
     let band = test.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
-    let band = band.map_err(|error| {
+    let band = faults.take(band.map_err(|error| {
         value_error(
             path,
             &key("band_hz"),
             &format!("{:?}", test.band_hz.unwrap_or_default()),
             &error.to_string(),
         )
-    })?;
-    columns::window(test.window.as_deref(), path)?;
-    let source = match (test.files.is_empty(), &test.synth, &test.modes) {
-        (false, None, None) => files_source(test, folder, path)?,
+    }));
+    faults.take(columns::window(test.window.as_deref(), path));
+    let source = faults.take(test_source(test, folder, path));
+    let state = faults.take(test.state.clone().checked(&test.name, path));
+    let checked = band.zip(source).zip(state);
+    let ((band, source), state) = faults.finish(checked)?;
+    Ok(TestPlan {
+        name: test.name.clone(),
+        source,
+        band,
+        state,
+        partial: test.partial,
+        accept: test.accept.clone(),
+        reject: test.reject.clone(),
+    })
+}
+
+/// The source of the data of a `[[test]]`.
+///
+/// # Errors
+/// As [`test_plan`].
+pub(super) fn test_source(
+    test: &TestTable,
+    folder: &Path,
+    path: &str,
+) -> Result<TestSource, SceneError> {
+    let key = format!("[[test]] {:?}", test.name);
+    match (test.files.is_empty(), &test.synth, &test.modes) {
+        (false, None, None) => files_source(test, folder, path),
         (true, synth, modes)
             if synth.is_some() != modes.is_some()
                 && (describes_files(test) || (test.partial && synth.is_some())) =>
         {
             let got =
                 "hits, partial, sampling_rate_hz, delimiter, skip_lines, window, channel or file";
-            return Err(value_error(path, &key(""), got, "these with `files` alone"));
+            Err(value_error(path, &key, got, "these with `files` alone"))
         }
-        (true, Some(spec), None) => TestSource::Synth(folder.join(spec)),
-        (true, None, Some(modes)) => TestSource::Modes(folder.join(modes)),
-        _ => {
-            return Err(value_error(
-                path,
-                &key(""),
-                "none or several of files, synth, modes",
-                "exactly one of them",
-            ));
-        }
-    };
-    Ok(TestPlan {
-        name: test.name.clone(),
-        source,
-        band,
-        state: test.state.clone().checked(&test.name, path)?,
-        partial: test.partial,
-        accept: test.accept.clone(),
-        reject: test.reject.clone(),
-    })
+        (true, Some(spec), None) => Ok(TestSource::Synth(folder.join(spec))),
+        (true, None, Some(modes)) => Ok(TestSource::Modes(folder.join(modes))),
+        _ => Err(value_error(
+            path,
+            &key,
+            "none or several of files, synth, modes",
+            "exactly one of them",
+        )),
+    }
 }
 
 /// Whether a test states keys that only files need.

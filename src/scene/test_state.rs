@@ -6,6 +6,7 @@ use crate::theory::Support;
 
 use super::SceneError;
 use super::error::value_error;
+use super::faults::Faults;
 
 /// Absolute zero, °C.
 const MIN_TEMPERATURE_C: f64 = -273.15;
@@ -54,9 +55,10 @@ impl TestState {
     /// # Errors
     /// [`SceneError::Value`] with the key.
     pub(super) fn checked(self, test: &str, path: &str) -> Result<Self, SceneError> {
-        let refused = |name: &str, got: &str, expected: &str| {
+        let mut faults = Faults::default();
+        let mut refuse = |name: &str, got: &str, expected: &str| {
             let key = format!("[test.state] of {test:?}: {name}");
-            Err(value_error(path, &key, got, expected))
+            faults.add(value_error(path, &key, got, expected));
         };
         let numbers = [
             (
@@ -88,7 +90,7 @@ impl TestState {
         ];
         for (name, value, minimum, expected) in numbers {
             if let Some(got) = value.filter(|x| !(x.is_finite() && *x >= minimum)) {
-                return refused(name, &got.to_string(), expected);
+                refuse(name, &got.to_string(), expected);
             }
         }
         let has_rigid_body_modes =
@@ -96,18 +98,16 @@ impl TestState {
         if self.highest_rigid_body_hz.is_some() && !has_rigid_body_modes {
             let got = self.support.map_or("none", Support::name);
             let expected = "\"suspended\" or \"mounted\" beside highest_rigid_body_hz";
-            return refused("support", got, expected);
+            refuse("support", got, expected);
         }
         if let Some(got) = self.attached.iter().find(|part| part.trim().is_empty()) {
-            return refused("attached", &format!("{got:?}"), "a name for each part");
+            refuse("attached", &format!("{got:?}"), "a name for each part");
         }
-        match &self.date {
-            Some(got) if !is_iso_date(got) => {
-                let expected = "a date as \"2026-03-31\" (ISO 8601)";
-                refused("date", &format!("{got:?}"), expected)
-            }
-            _ => Ok(self),
+        if let Some(got) = self.date.as_ref().filter(|date| !is_iso_date(date)) {
+            let expected = "a date as \"2026-03-31\" (ISO 8601)";
+            refuse("date", &format!("{got:?}"), expected);
         }
+        faults.into_result().map(|()| self)
     }
 }
 

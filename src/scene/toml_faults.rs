@@ -20,14 +20,21 @@ const MAX_ATTEMPTS: usize = 400;
 /// Values that are tried in the place of a faulty or missing one.
 const SUBSTITUTES: [&str; 8] = [
     "1.0",
-    "\"x\"",
+    "\"stand-in\"",
     "1",
     "true",
     "[]",
     "[1.0, 1.0, 1.0]",
     "{}",
-    "\"1:+Z\"",
+    "\"stand-in:+S\"",
 ];
+
+/// Part of every text that is put in the place of another.
+pub(super) const SUBSTITUTE_TEXT: &str = "stand-in";
+
+/// Maximum number of errors of syntax that are taken for independent: an array, a table or a text
+/// that is not closed makes many of one.
+const MAX_SYNTAX_ERRORS: usize = 3;
 
 /// Substitutes stand at places that no document has: the nth at this one plus n.
 const FIRST_SUBSTITUTE: usize = usize::MAX / 2;
@@ -36,16 +43,13 @@ const FIRST_SUBSTITUTE: usize = usize::MAX / 2;
 ///
 /// # Errors
 /// Every fault that the search finds, in the order of their places; at least one.
-pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlFaults> {
+pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlFaults<T>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        let faults = errors.iter().map(|error| TomlError {
-            message: error.message().to_owned(),
-            span: error.span(),
-        });
         return Err(TomlFaults {
-            faults: faults.collect(),
+            faults: syntax_errors(&errors),
             all_found: true,
+            repaired: None,
         });
     }
     let span = table.span();
@@ -57,12 +61,36 @@ pub(super) fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, TomlFaults
     Err(Search::of(root).faults::<T>(first))
 }
 
+/// The errors of syntax, of many the first.
+fn syntax_errors(errors: &[toml::de::Error]) -> Vec<TomlError> {
+    let start = |error: &&toml::de::Error| error.span().map_or(0, |span| span.start);
+    let further = errors.len().saturating_sub(1);
+    match errors.iter().min_by_key(start) {
+        Some(first) if errors.len() > MAX_SYNTAX_ERRORS => vec![TomlError {
+            message: format!(
+                "{}; {further} faults of syntax behind it may follow from it (an array, a table or a text that is not closed at or above this line)",
+                first.message()
+            ),
+            span: first.span(),
+        }],
+        _ => {
+            let error = |error: &toml::de::Error| TomlError {
+                message: error.message().to_owned(),
+                span: error.span(),
+            };
+            errors.iter().map(error).collect()
+        }
+    }
+}
+
 /// Faults of a document, in the order of their places.
 #[derive(Debug)]
-pub(super) struct TomlFaults {
+pub(super) struct TomlFaults<T> {
     pub faults: Vec<TomlError>,
     /// Whether the search ended with a document without a fault.
     pub all_found: bool,
+    /// The value of that document, whose repaired parts mean nothing.
+    pub repaired: Option<T>,
 }
 
 /// The document with its repairs.
@@ -78,9 +106,9 @@ impl<'de> Search<'de> {
         Self { root, tried }
     }
 
-    fn faults<T: DeserializeOwned>(mut self, first: TomlError) -> TomlFaults {
+    fn faults<T: DeserializeOwned>(mut self, first: TomlError) -> TomlFaults<T> {
         let mut faults: Vec<TomlError> = Vec::new();
-        let mut next = Some(first);
+        let (mut next, mut repaired) = (Some(first), None);
         for _ in 0..MAX_ATTEMPTS {
             let Some(fault) = &next else { break };
             let span = fault.span.clone().unwrap_or(self.root.span());
@@ -92,13 +120,20 @@ impl<'de> Search<'de> {
             if of_document && is_known || !self.repair(&span, &fault.message) {
                 break;
             }
-            next = deserialized::<T>(self.root.clone()).err();
+            next = match deserialized::<T>(self.root.clone()) {
+                Ok(value) => {
+                    repaired = Some(value);
+                    None
+                }
+                Err(error) => Some(error),
+            };
         }
         let start = |fault: &TomlError| fault.span.as_ref().map_or(0, |span| span.start);
         faults.sort_by_key(start);
         TomlFaults {
             faults,
             all_found: next.is_none(),
+            repaired,
         }
     }
 
@@ -310,6 +345,15 @@ mod tests {
         let found = messages("kind = \ntitle = \"a\ndof = \"1:+X\"\n");
         let lines: Vec<usize> = found.iter().map(|(line, _)| *line).collect();
         assert_eq!(lines, [1, 2], "{found:?}");
+    }
+
+    #[test]
+    fn an_unclosed_array_is_one_fault() {
+        let text =
+            "kind = \"beam\"\nplaces = [\n".to_owned() + &"[[spring]]\nname = \"a\"\n".repeat(20);
+        let found = messages(&text);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].1.contains("may follow from it"), "{found:?}");
     }
 
     #[test]

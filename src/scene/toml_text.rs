@@ -8,7 +8,8 @@ use toml::de::DeTable;
 
 use crate::io::{IoError, read_input_part};
 
-use super::error::{SceneError, TomlFault, value_error};
+use super::error::{Place, SceneError, TomlFault, value_error};
+use super::places::place_at;
 use super::toml_faults::from_text;
 use super::toml_value::TomlError;
 
@@ -107,17 +108,52 @@ pub fn open_lines(text: &str) -> Vec<OpenLine> {
 /// [`SceneError::Unfilled`] for a drafted file with a line that is still to be filled in;
 /// [`SceneError::Toml`] with line, column, what was got and expected of every fault.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneError> {
+    parse_repaired(text, path).map_err(|faulty| faulty.error)
+}
+
+/// A document with faults.
+pub(super) struct Faulty<T> {
+    pub error: SceneError,
+    /// Its value with the faulty parts repaired, as far as that was possible.
+    pub repaired: Option<T>,
+    /// The lines of the faults that were repaired by a value of no meaning.
+    pub substituted_lines: Vec<usize>,
+    /// The line of each misspelt key, with the key that is probably meant.
+    pub misspelt_keys: Vec<(usize, String)>,
+}
+
+/// Parses TOML text; of one with faults its repaired value is there for further checks.
+///
+/// # Errors
+/// As [`parse`].
+pub(super) fn parse_repaired<T: DeserializeOwned>(
+    text: &str,
+    path: &str,
+) -> Result<T, Box<Faulty<T>>> {
     let open = open_lines(text);
     if let Some(first) = open.first() {
-        return Err(SceneError::Unfilled {
-            path: path.to_owned(),
-            line: first.line,
-            key: first.key.clone(),
-            expected: first.expected.clone(),
-            others: open[1..].iter().map(|header| header.line).collect(),
-        });
+        return Err(Box::new(Faulty {
+            error: SceneError::Unfilled {
+                path: path.to_owned(),
+                line: first.line,
+                key: first.key.clone(),
+                expected: first.expected.clone(),
+                others: open[1..].iter().map(|header| header.line).collect(),
+            },
+            repaired: None,
+            substituted_lines: Vec::new(),
+            misspelt_keys: Vec::new(),
+        }));
     }
     from_text(text).map_err(|found| {
+        let line = |fault: &TomlError| toml_fault(text, fault).line;
+        let is_substituted = |fault: &&TomlError| !fault.message.starts_with("unknown field");
+        let substituted = found.faults.iter().filter(is_substituted);
+        let substituted_lines = substituted.map(line).collect();
+        let misspelt = found.faults.iter();
+        let misspelt =
+            misspelt.filter_map(|fault| Some((line(fault), nearest_key(&fault.message)?)));
+        let misspelt_keys = misspelt.collect();
         // A scene may name any file: one of another kind is not quoted.
         let is_quoted = has_known_key(text, &found.faults);
         let faults = without_misspelt(text, found.faults).into_iter();
@@ -125,11 +161,16 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &str) -> Result<T, SceneErro
             true => toml_fault(text, &fault),
             false => toml_fault(text, &without_quotation(fault)),
         });
-        SceneError::Toml {
-            path: path.to_owned(),
-            faults: faults.collect(),
-            all_found: found.all_found,
-        }
+        Box::new(Faulty {
+            error: SceneError::Toml {
+                path: path.to_owned(),
+                faults: faults.collect(),
+                all_found: found.all_found,
+            },
+            repaired: found.repaired.filter(|_| is_quoted),
+            substituted_lines,
+            misspelt_keys,
+        })
     })
 }
 
@@ -190,13 +231,13 @@ fn is_same_table(text: &str, table: usize, key: usize) -> bool {
 
 fn toml_fault(text: &str, error: &TomlError) -> TomlFault {
     let offset = error.span.as_ref().map_or(0, |span| span.start);
-    let before = text.get(..offset).unwrap_or(text);
+    let Place { line, column } = place_at(text, offset);
     let message = error.message.replace('\n', " ");
     let hint = nearest_key(&message)
         .map_or_else(String::new, |key| format!("\nhint: did you mean `{key}`?"));
     TomlFault {
-        line: before.matches('\n').count() + 1,
-        column: before.rsplit('\n').next().unwrap_or("").chars().count() + 1,
+        line,
+        column,
         message: format!("{}{hint}", got_and_expected(&message)),
     }
 }

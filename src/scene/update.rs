@@ -8,20 +8,23 @@ use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::theory::{ModeOptions, coordinate_sensors};
 use crate::update::{
-    Explanation, MeasuredModes, ParameterChoice, Prior, Residuals, UpdateOptions, UpdateProblem,
-    UpdateResult, check_always, explain, update,
+    Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
+    check_always, explain, update,
 };
 
 use super::SceneError;
 use super::error::value_error;
 use super::expected::Expected;
+use super::file_faults::check_existence;
 use super::model::{LoadedModel, Theory, table_model};
 use super::model_name::named_model;
 use super::plan::Scene;
 use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
+use super::sensor_findings::{named, unmoved_sensors};
 use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
+use super::update_options::{residuals, update_band};
 use super::updated_model::{model_table_text, overrides_note, replace_nominal_values};
 
 /// Name of the published frequencies among the tests.
@@ -63,7 +66,6 @@ pub struct SceneUpdate {
 /// effect; those of the stages.
 pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let stated = scene.update.clone().unwrap_or_default();
-    check_effect(&stated, &scene.path)?;
     let table = scene
         .model
         .as_ref()
@@ -72,12 +74,14 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         let got = "a file of finished modes";
         value_error(&scene.path, "[model] file", got, "a model with parameters")
     })?;
+    let sensors = sensors(&model, scene)?;
+    check_existence(scene.tests.iter().map(|test| &test.source))?;
+    check_moved_sensors(&model, &sensors, &scene.path)?;
     let tests = counted_tests(scene, &stated)?;
     let measured = measured(scene, &stated, &tests)?;
-    let sensors = sensors(&model, scene)?;
     let options = options(scene, &stated)?;
     let choices = choices(&stated, &model, &scene.path)?;
-    let band = band(&stated, &scene.path)?;
+    let band = update_band(&stated, &scene.path)?;
     let in_band: Vec<Measured> = measured
         .iter()
         .map(|measured_modes| measured_modes.counted(band, stated.doubtful_modes))
@@ -187,35 +191,24 @@ fn doubtful_left_out(measured: &[Measured], band: Option<Band>, counted: bool) -
     doubtful.map(finding).collect()
 }
 
-/// Checks that every stated option has an effect.
-fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
-    if !stated.always.is_empty() && !stated.explain {
-        let got = stated.always.join(", ");
-        let expected = "explain = true beside it, the trials that it is for";
-        return Err(value_error(path, "[update] always", &got, expected));
+/// Checks, before the long work on the tests, that the model moves at a sensor at least.
+fn check_moved_sensors(
+    model: &LoadedModel,
+    sensors: &[Sensor],
+    path: &str,
+) -> Result<(), SceneError> {
+    let unmoved = unmoved_sensors(model.model.as_ref(), &model.values, sensors)?;
+    if sensors.is_empty() || unmoved.len() < sensors.len() {
+        return Ok(());
     }
-    let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
-    let of_frfs = stated.residuals.as_ref().filter(|name| of_frfs(name));
-    if let Some(name) = of_frfs.filter(|_| stated.explain) {
-        let expected = "residuals of modes beside it, by which its trials are ranked";
-        let got = format!("true beside {name:?}");
-        return Err(value_error(path, "[update] explain", &got, expected));
-    }
-    if of_frfs.is_none() {
-        let floor = stated.frf_floor.map(|floor| ("frf_floor", floor));
-        let lines = stated.frf_lines.map(|lines| ("frf_lines", lines as f64));
-        if let Some((key, got)) = floor.or(lines) {
-            let expected = "residuals of FRFs beside it, the only ones to which it applies";
-            let key = format!("[update] {key}");
-            return Err(value_error(path, &key, &format!("{got}"), expected));
-        }
-    }
-    if let Some(floor) = stated.shape_floor.filter(|_| stated.shapes == Some(false)) {
-        let expected = "no shape_floor beside shapes = false";
-        let got = format!("{floor}");
-        return Err(value_error(path, "[update] shape_floor", &got, expected));
-    }
-    Ok(())
+    let names: Vec<String> = unmoved.iter().map(|s| s.dof.to_string()).collect();
+    let got = format!(
+        "sensors at which the model does not move in their direction ({})",
+        named(&names)
+    );
+    let expected = "directions of [[sensor]] in which the model moves (a beam along its \
+                    `deflection`): without them no mode pairs and nothing can be updated";
+    Err(value_error(path, "[[sensor]]", &got, expected))
 }
 
 /// The tests that `[update]` names; all of them where it names none and no published frequencies
@@ -336,15 +329,6 @@ fn measured(
     Ok(all)
 }
 
-/// The stated band.
-fn band(stated: &UpdateTable, path: &str) -> Result<Option<Band>, SceneError> {
-    let band = stated.band_hz.map(|[lo, hi]| Band::new(lo, hi)).transpose();
-    band.map_err(|error| {
-        let got = format!("{:?}", stated.band_hz.unwrap_or_default());
-        value_error(path, "[update] band_hz", &got, &error.to_string())
-    })
-}
-
 /// The scene's sensors and the model's; without any, one on every coordinate.
 fn sensors(model: &LoadedModel, scene: &Scene) -> Result<Vec<Sensor>, SceneError> {
     let model_sensors = model.sensors_with(&scene.sensors);
@@ -371,17 +355,6 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
         seed: stated.seed.unwrap_or(default.seed),
         max_iterations: stated.max_iterations.unwrap_or(default.max_iterations),
         pair: scene.pair.clone(),
-    })
-}
-
-fn residuals(stated: &UpdateTable, path: &str) -> Result<Residuals, SceneError> {
-    let Some(name) = &stated.residuals else {
-        return Ok(Residuals::Modes);
-    };
-    Residuals::from_name(name).ok_or_else(|| {
-        let known = Residuals::ALL.map(Residuals::name).join(", ");
-        let (got, expected) = (format!("{name:?}"), format!("one of {known}"));
-        value_error(path, "[update] residuals", &got, &expected)
     })
 }
 

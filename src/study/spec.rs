@@ -43,6 +43,7 @@ pub fn parse_study(text: &str, path: &str) -> Result<StudyFile, SceneError> {
         return Ok(file);
     }
     Err(SceneError::Value {
+        place: None,
         path: path.to_owned(),
         key: "schema".to_owned(),
         got: format!("{:?}", file.schema),

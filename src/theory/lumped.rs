@@ -60,8 +60,7 @@ impl LumpedModel {
         };
         // Rows of more coordinates would exceed the memory.
         if bodies.coordinates.len() >= MAX_COORDINATES {
-            faults.into_result()?;
-            faults = CollectedFaults::default();
+            return faults.into_result().and(Err(TheoryError::Several { faults: Vec::new() }));
         }
         for point in &file.points {
             let used_by = format!("point `{}`", point.name);

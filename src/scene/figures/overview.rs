@@ -110,7 +110,7 @@ fn cell_of_test(cell: &TestCell, theory_hz: Option<f64>) -> OverviewCell {
 /// The square of the mean ratio of test to theory over all pairs, where all lie on one side of 1
 /// and the mean is off by more than twice its standard deviation: the larger of that from the
 /// tests' frequencies and that from the scatter of the pairs.
-fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
+pub fn stiffness_factor(table: &ComparisonTable) -> Option<f64> {
     let (mut ratios, mut variance) = (Vec::new(), 0.0);
     for row in &table.rows {
         let Some(theory) = &row.theory else { continue };

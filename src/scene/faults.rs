@@ -1,0 +1,173 @@
+//! Faults of a scene and of the files that it names are collected, so that one run names all.
+
+use serde::de::DeserializeOwned;
+
+use super::error::SceneError;
+use super::places::located;
+use super::toml_faults::SUBSTITUTE_TEXT;
+use super::toml_text::parse_repaired;
+
+/// Collected faults.
+#[derive(Debug, Default)]
+pub(super) struct Faults(Vec<SceneError>);
+
+impl Faults {
+    /// The value of a result, whose error is collected.
+    pub fn take<T>(&mut self, result: Result<T, SceneError>) -> Option<T> {
+        result.map_err(|error| self.add(error)).ok()
+    }
+
+    /// Adds an error, each once.
+    pub fn add(&mut self, error: SceneError) {
+        match error {
+            SceneError::Several { faults } => faults.into_iter().for_each(|fault| self.add(fault)),
+            // One with further faults says so and stays whole.
+            SceneError::Toml {
+                path,
+                faults,
+                all_found: true,
+            } if faults.len() > 1 => {
+                let alone = |fault| SceneError::Toml {
+                    path: path.clone(),
+                    faults: vec![fault],
+                    all_found: true,
+                };
+                faults.into_iter().for_each(|fault| self.add(alone(fault)));
+            }
+            single => {
+                let text = single.to_string();
+                if self.0.iter().all(|known| known.to_string() != text) {
+                    self.0.push(single);
+                }
+            }
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The value that was checked.
+    ///
+    /// # Errors
+    /// The faults, where there is one or no value.
+    pub fn finish<T>(self, value: Option<T>) -> Result<T, SceneError> {
+        let none = SceneError::Several { faults: Vec::new() };
+        self.into_result().and_then(|()| value.ok_or(none))
+    }
+
+    /// Nothing where there is no fault.
+    ///
+    /// # Errors
+    /// The fault, or [`SceneError::Several`].
+    pub fn into_result(mut self) -> Result<(), SceneError> {
+        match self.0.len() {
+            0 => Ok(()),
+            1 => self.0.pop().map_or(Ok(()), Err),
+            _ => Err(SceneError::Several { faults: self.0 }),
+        }
+    }
+
+    /// The faults with their places in a file, those of the file first, by line.
+    pub fn located(self, file: &str, text: &str) -> Self {
+        let faults = self.0.into_iter();
+        let mut faults: Vec<SceneError> = faults.map(|fault| located(fault, file, text)).collect();
+        let line = |fault: &SceneError| match fault {
+            SceneError::Toml { path, faults, .. } if path == file => {
+                faults.first().map_or(0, |fault| fault.line)
+            }
+            SceneError::Value { path, place, .. } | SceneError::Model { path, place, .. }
+                if path == file =>
+            {
+                place.as_ref().map_or(0, |place| place.line)
+            }
+            _ => usize::MAX,
+        };
+        faults.sort_by_key(line);
+        Faults(faults)
+    }
+}
+
+/// Whether a value that is checked is that of its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Soundness {
+    /// It is.
+    Sound,
+    /// The file has faults, the places of which were repaired for further checks.
+    Repaired,
+}
+
+/// What a check makes of a parsed file. Where the file has faults, those that the check finds in
+/// its other parts are named with them.
+///
+/// # Errors
+/// The faults with their places.
+pub(super) fn parse_checked<T: DeserializeOwned, M>(
+    text: &str,
+    path: &str,
+    check: impl FnOnce(T, Soundness) -> Result<M, SceneError>,
+) -> Result<M, SceneError> {
+    let mut faults = Faults::default();
+    let faulty = match parse_repaired(text, path) {
+        Ok(value) => {
+            let checked = faults.take(check(value, Soundness::Sound));
+            return faults.located(path, text).finish(checked);
+        }
+        Err(faulty) => faulty,
+    };
+    faults.add(faulty.error);
+    if let Some(repaired) = faulty.repaired {
+        let mut further = Faults::default();
+        further.take(check(repaired, Soundness::Repaired));
+        let further = further.located(path, text);
+        let repairs = Repairs {
+            path,
+            text,
+            substituted_lines: faulty.substituted_lines,
+            misspelt_keys: faulty.misspelt_keys,
+        };
+        let is_sound = |fault: &SceneError| repairs.leave(fault);
+        let sound = further.0.into_iter().filter(is_sound);
+        sound.for_each(|fault| faults.add(fault));
+    }
+    faults.located(path, text).finish(None)
+}
+
+/// The repairs of a file.
+struct Repairs<'a> {
+    path: &'a str,
+    text: &'a str,
+    substituted_lines: Vec<usize>,
+    misspelt_keys: Vec<(usize, String)>,
+}
+
+impl Repairs<'_> {
+    /// Whether a fault of the repaired file is one of the file itself: it names no repaired part,
+    /// its table has none, and it is not about a key that is misspelt there.
+    fn leave(&self, fault: &SceneError) -> bool {
+        let message = fault.to_string();
+        let (path, place) = match fault {
+            SceneError::Value { path, place, .. } | SceneError::Model { path, place, .. } => {
+                (path.as_str(), place.as_deref())
+            }
+            _ => return !message.contains(SUBSTITUTE_TEXT),
+        };
+        if message.contains(SUBSTITUTE_TEXT) || path != self.path {
+            return !message.contains(SUBSTITUTE_TEXT);
+        }
+        place.is_some_and(|place| {
+            let is_same_table = |line: usize| self.head(line) == self.head(place.line);
+            let mut substituted = self.substituted_lines.iter();
+            let mut misspelt = self.misspelt_keys.iter();
+            !substituted.any(|line| is_same_table(*line))
+                && !misspelt.any(|(line, key)| is_same_table(*line) && message.contains(key))
+        })
+    }
+
+    /// The line of the head of the table to which a line belongs; `None` above the first.
+    fn head(&self, line: usize) -> Option<usize> {
+        let lines: Vec<&str> = self.text.lines().take(line).collect();
+        let is_head = |line: &&str| line.trim_start().starts_with('[');
+        lines.iter().rposition(is_head)
+    }
+}

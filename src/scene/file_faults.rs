@@ -1,0 +1,98 @@
+//! Faults of the files that a scene names: its model, the specs of its synthetic tests, and its
+//! recordings.
+
+use std::path::Path;
+
+use crate::geometry::Sensor;
+use crate::io::IoError;
+
+use super::error::SceneError;
+use super::faults::Faults;
+use super::ingest::{IngestOptions, check_files};
+use super::model::open_model;
+use super::modes_file::{ModesOptions, load_modes};
+use super::recording::{hammer_test, load_synth};
+use super::test_plan::{TestSource, test_source};
+use super::typed::SceneFile;
+
+/// Collects the faults of the files of a scene that has faults itself.
+pub(super) fn collect_file_faults(
+    typed: &SceneFile,
+    folder: &Path,
+    path: &str,
+    sensors: &[Sensor],
+    faults: &mut Faults,
+) {
+    if let Some(table) = &typed.model {
+        faults.take(open_model(table, folder, path, sensors));
+    }
+    for test in &typed.test {
+        // A fault of the source is known already.
+        if let Ok(source) = test_source(test, folder, path) {
+            collect_source_faults(&source, test.partial, path, faults);
+        }
+    }
+}
+
+/// Collects the faults of the files of a test.
+pub(super) fn collect_source_faults(
+    source: &TestSource,
+    partial: bool,
+    scene: &str,
+    faults: &mut Faults,
+) {
+    match source {
+        TestSource::Modes(path) => {
+            let options = ModesOptions {
+                partial,
+                ..ModesOptions::default()
+            };
+            faults.take(load_modes(path, &options));
+        }
+        TestSource::Synth(path) => {
+            let spec = load_synth(path);
+            faults.take(spec.and_then(|spec| hammer_test(&spec, path)));
+        }
+        TestSource::Files {
+            files,
+            hits,
+            trigger,
+            typed,
+        } => {
+            let options = IngestOptions {
+                hits: *hits,
+                trigger: *trigger,
+                typed: Some(typed.as_ref()),
+                partial,
+                scene,
+                ..IngestOptions::default()
+            };
+            faults.take(check_files(files, &options));
+        }
+    }
+}
+
+/// The files of the sources that do not exist.
+///
+/// # Errors
+/// All of them.
+pub(super) fn check_existence<'s>(
+    sources: impl IntoIterator<Item = &'s TestSource>,
+) -> Result<(), SceneError> {
+    let mut faults = Faults::default();
+    for source in sources {
+        let paths: Vec<&Path> = match source {
+            TestSource::Modes(path) | TestSource::Synth(path) => vec![path],
+            TestSource::Files { files, .. } => files.iter().map(|file| &*file.path).collect(),
+        };
+        for path in paths {
+            let opened = path.metadata().map_err(|source| IoError::System {
+                path: path.display().to_string(),
+                action: "open",
+                source,
+            });
+            faults.take(opened.map_err(SceneError::from));
+        }
+    }
+    faults.into_result()
+}
