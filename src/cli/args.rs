@@ -121,7 +121,7 @@ impl Verb {
             Verb::Update(args) => vec![&args.scene],
             Verb::Synth(args) => vec![&args.spec],
             Verb::Study(args) => vec![args.study.path()],
-            Verb::Check(args) => vec![&args.against],
+            Verb::Check(args) => args.against.iter().collect(),
             Verb::New(args) => args.model.iter().collect(),
             Verb::Inspect(_)
             | Verb::Identify(_)
@@ -508,9 +508,10 @@ pub struct SynthArgs {
 pub struct CheckArgs {
     /// comparison.json, modes.json or update.json.
     pub result: PathBuf,
-    /// A TOML file with [limits] (a scene will do), or an earlier result of the same kind.
+    /// A TOML file with [limits] (a scene or its folder will do), or an earlier result of the same
+    /// kind; required.
     #[arg(long, value_name = "BASELINE")]
-    pub against: PathBuf,
+    pub against: Option<PathBuf>,
     /// Largest change of every frequency against a baseline result; by default from the
     /// uncertainties of both, else 0.05.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
@@ -653,6 +654,9 @@ fn language(text: &str) -> Result<Language, String> {
     Language::from_name(text).ok_or_else(|| format!("got `{text}`, expected en or zh"))
 }
 
+/// Characters in a line of the list of codes.
+const CODE_LIST_WIDTH: usize = 100;
+
 fn code(text: &str) -> Result<Code, String> {
     let found = Code::ALL.iter().copied().find(|code| code.name() == text);
     found.ok_or_else(|| {
@@ -660,7 +664,10 @@ fn code(text: &str) -> Result<Code, String> {
         let near = nearest(text, all.iter().map(String::as_str));
         match near {
             Some(near) => format!("got code `{text}`; did you mean `{near}`?"),
-            None => format!("got code `{text}`, expected one of {}", all.join(" ")),
+            None => {
+                let list = textwrap::fill(&all.join(" "), CODE_LIST_WIDTH);
+                format!("got code `{text}`, expected one of\n{list}")
+            }
         }
     })
 }

@@ -1,6 +1,6 @@
 //! `modalign check`: a result against limits or a baseline.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -71,30 +71,33 @@ impl ResultFile {
 
 /// Exit code 0 when every limit is met, 1 when one is missed.
 pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
-    let read = [args.result.clone(), args.against.clone()];
+    let against = &baseline_path(args)?;
+    let read = [args.result.clone(), against.clone()];
     check_targets(&targets([("--junit", args.junit.as_ref())]), &read)?;
     let (result, _) = read_result(&args.result)?;
-    let is_json = args
-        .against
+    let is_json = against
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let (rows, not_compared) = if is_json {
-        let (baseline, value) = read_result(&args.against)?;
+        let (baseline, value) = read_result(against)?;
         let not_compared = not_compared(&value, baseline.compared_keys());
-        (against_baseline(&result, &baseline, args)?, not_compared)
+        (
+            against_baseline(&result, &baseline, against, args)?,
+            not_compared,
+        )
     } else {
-        (against_limits(&result, args)?, Vec::new())
+        (against_limits(&result, args, against)?, Vec::new())
     };
     if rows.is_empty() {
         return Err(Error::Argument {
             argument: "--against",
-            got: format!("{}, which states no limit for this kind of result", args.against.display()),
+            got: format!("{}, which states no limit for this kind of result", against.display()),
             expected: "a TOML file with [limits] for this kind of result, or an earlier result of the same kind".to_owned(),
         });
     }
     if let Some(path) = &args.junit {
         let suite = args.result.display().to_string();
-        let against = args.against.display().to_string();
+        let against = against.display().to_string();
         output.add_file(path, junit(&suite, &against, &rows));
     }
     output.add_result(
@@ -103,6 +106,39 @@ pub fn check(args: &CheckArgs, output: &mut Output) -> Result<Outcome, Error> {
     );
     output.add_json(|| checks_json(&rows, &not_compared));
     Ok(Outcome::missed_if(rows.iter().any(|row| !row.is_met())))
+}
+
+/// The limits or the baseline: of a folder its scene.
+///
+/// # Errors
+/// [`Error::Argument`] with the usual command, where a scene stands in the place of the result, or
+/// without `--against`.
+fn baseline_path(args: &CheckArgs) -> Result<PathBuf, Error> {
+    let result = &args.result;
+    let (scene, is_toml) = (
+        result.display(),
+        result.extension().is_some_and(|e| e == "toml"),
+    );
+    if is_toml || result.is_dir() {
+        return Err(Error::Argument {
+            argument: "RESULT",
+            got: format!("{scene}, which is no result of a command"),
+            expected: format!(
+                "a result: `modalign run {scene} -o DIR`, then `modalign check DIR/comparison.json --against {scene}`"
+            ),
+        });
+    }
+    let against = args.against.as_ref().ok_or_else(|| Error::Argument {
+        argument: "--against",
+        got: "none".to_owned(),
+        expected: format!(
+            "limits or a baseline: `modalign check {scene} --against SCENE`, or an earlier result of the same kind"
+        ),
+    })?;
+    Ok(match against.is_dir() {
+        true => against.join("scene.toml"),
+        false => against.clone(),
+    })
 }
 
 /// A result, with all values of its file.
@@ -151,7 +187,11 @@ fn json_error(name: &str, error: JsonError) -> Error {
     }
 }
 
-fn against_limits(result: &ResultFile, args: &CheckArgs) -> Result<Vec<RowVerdict>, Error> {
+fn against_limits(
+    result: &ResultFile,
+    args: &CheckArgs,
+    path: &Path,
+) -> Result<Vec<RowVerdict>, Error> {
     let used = match result {
         ResultFile::Comparison(_) => LimitsUse {
             decided_by: &[LimitedResult::Comparison],
@@ -171,7 +211,6 @@ fn against_limits(result: &ResultFile, args: &CheckArgs) -> Result<Vec<RowVerdic
             expected: "an earlier update.json",
         },
     };
-    let path = &args.against;
     let limits = limits_from_toml(&read_text(path)?, &path.display().to_string(), used)?;
     let checks = match result {
         ResultFile::Comparison(file) => {
@@ -222,6 +261,7 @@ fn group_by_row(checks: Vec<LimitCheck>) -> Vec<RowVerdict> {
 fn against_baseline(
     now: &ResultFile,
     before: &ResultFile,
+    before_path: &Path,
     args: &CheckArgs,
 ) -> Result<Vec<RowVerdict>, Error> {
     let limits = ChangeLimits {
@@ -234,7 +274,7 @@ fn against_baseline(
     let changes = match (now, before) {
         (ResultFile::Comparison(now), ResultFile::Comparison(before)) => {
             check_summary(now, &args.result)?;
-            check_summary(before, &args.against)?;
+            check_summary(before, before_path)?;
             comparison_changes(now, before, &limits)
         }
         (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),

@@ -12,7 +12,7 @@ use crate::correlate::{
 };
 use crate::dof::Dof;
 use crate::error::Error;
-use crate::finding::Finding;
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::{Geometry, Sensor};
 use crate::io::modes_to_json;
 use crate::modal::ModalModel;
@@ -23,12 +23,13 @@ use crate::report::{
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
-    compare_tests, has_functions_only, load_model, load_modes, model_kind, table_model, theory,
+    compare_tests, first_root, has_functions_only, load_model, load_modes, model_kind, table_model,
+    theory,
 };
 use crate::theory::ModeOptions;
 
 use super::args::CorrelateArgs;
-use super::correlate_dofs::{MatchedTheory, check_common_dofs, match_dofs};
+use super::correlate_dofs::{MatchedTheory, check_common_dofs, has_no_common_dof, match_dofs};
 use super::correlate_frfs::correlate_frfs;
 use super::correlation_output::{CorrelationOutput, print};
 use super::outcome::Outcome;
@@ -50,7 +51,7 @@ pub fn correlate(
     let Some(theory) = &args.theory else {
         return compare_with_itself(args, format, output);
     };
-    if has_functions_only(theory, format) {
+    if model_kind(theory) != ModelKind::BuiltIn && has_functions_only(theory, format) {
         return correlate_frfs(args, theory, format, output);
     }
     if args.band.is_some() || args.lines.is_some() {
@@ -90,7 +91,11 @@ fn compare_with_theory(
         .iter()
         .map(|path| Ok((path.display().to_string(), load(path, args, format)?.theory)))
         .collect::<Result<Vec<_>, Error>>()?;
-    let Loaded { theory, model } = load(theory, args, format)?;
+    let Loaded {
+        theory,
+        model,
+        first_root,
+    } = load(theory, args, format)?;
     let loaded = tests.iter().map(|(_, test)| test).chain([&theory]);
     let partly_bad = loaded.into_iter().any(|loaded| loaded.partly_bad);
     let MatchedTheory {
@@ -98,8 +103,16 @@ fn compare_with_theory(
         names,
         alignment,
     } = match_dofs(args, &mut tests, theory)?;
+    let states_no_sensors = model.as_ref().is_some_and(|model| model.sensors.is_empty());
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
+        if states_no_sensors && has_no_common_dof(&test.modes, &theory.modes) {
+            let code = Code::ModelWithoutSensors;
+            let finding = Finding::new(Severity::Warning, code, Location::Whole);
+            test.modes.findings.push(finding);
+            reversed.push((name.clone(), Vec::new()));
+            continue;
+        }
         check_common_dofs(name, &test.modes, &theory.modes)?;
         let sensors = correct_reversed_sensors(args, &mut test.modes, &theory.modes, &options)?;
         reversed.push((name.clone(), sensors));
@@ -112,7 +125,8 @@ fn compare_with_theory(
             frfs: &[],
         })
         .collect();
-    let comparison = compare_tests(&theory.modes, &named, &options)?;
+    let mut comparison = compare_tests(&theory.modes, &named, &options)?;
+    comparison.table = comparison.table.labelled_from(first_root);
     let requested = RequestedResults {
         args,
         reduction,
@@ -376,6 +390,8 @@ fn pair_flag(option: &str) -> &'static str {
 struct Loaded {
     theory: Theory,
     model: Option<SolvedModel>,
+    /// Number of the first elastic root in the comparison.
+    first_root: usize,
 }
 
 /// A model with the sensors at which it was solved.
@@ -391,6 +407,7 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
     let finished = |theory| Loaded {
         theory,
         model: None,
+        first_root: 1,
     };
     let kind = model_kind(path);
     if kind == ModelKind::Modes {
@@ -401,23 +418,27 @@ fn load(path: &Path, args: &CorrelateArgs, format: Option<&str>) -> Result<Loade
         };
         return Ok(finished(load_modes(path, &options)?.into()));
     }
-    let (model, sensors) = if kind == ModelKind::Scene {
+    let (model, sensors, first_root) = if kind == ModelKind::Scene {
         let scene = SceneReading { format, partial }.scene(path)?;
         let table = scene.model.clone().unwrap_or_default();
         let Some(model) = table_model(&table, &scene.folder, &scene.path)? else {
             let options = ModeOptions::default();
             let theory = theory(&table, &scene.folder, &scene.path, &scene.sensors, &options)?;
-            return Ok(finished(theory));
+            return Ok(Loaded {
+                first_root: scene.first_root,
+                ..finished(theory)
+            });
         };
         let sensors = model.sensors_with(&scene.sensors);
-        (model, sensors)
+        (model, sensors, scene.first_root)
     } else {
         let model = load_model(path, &Default::default())?;
         let sensors = model.sensors.clone();
-        (model, sensors)
+        (model, sensors, first_root(path))
     };
     Ok(Loaded {
         theory: model.solve(&sensors, &ModeOptions::default())?,
         model: Some(SolvedModel { model, sensors }),
+        first_root,
     })
 }

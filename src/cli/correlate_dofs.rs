@@ -151,6 +151,12 @@ fn check_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {
     })
 }
 
+/// Whether the test has shapes, and none of its degrees of freedom is one of the theory.
+pub fn has_no_common_dof(test: &ModalModel, theory: &ModalModel) -> bool {
+    let map = DofMap::of_models(test, theory);
+    map.is_empty() && !map.test_alone.is_empty()
+}
+
 /// Checks that shapes of test and theory have a degree of freedom in common.
 pub fn check_common_dofs(name: &str, test: &ModalModel, theory: &ModalModel) -> Result<(), Error> {
     let example = |model: &ModalModel| {

@@ -11,6 +11,8 @@ use crate::report::Language;
 const MAX_LINE_CHARS: usize = 200;
 /// Characters of a value with its limit behind a sentence.
 const NUMBERS_CHARS: usize = 30;
+/// Minimum number of characters of a place that remain: those of a mode.
+const MIN_PLACE_CHARS: usize = 24;
 /// Maximum number of bad parts of the input of one kind that have a line on the screen.
 const MAX_SCREEN_ERRORS: usize = 5;
 /// Maximum number of kinds of warnings that have a line on the screen.
@@ -133,8 +135,8 @@ impl Kind<'_> {
         lines
     }
 
-    /// A finding; where its text leaves no room for its numbers, with the first sentence alone, or
-    /// else the numbers before it.
+    /// A finding; where its text leaves no room for its numbers, with the first sentence alone and,
+    /// if that does not suffice, with the end of a long place.
     fn single_line(&self, line: &str, language: Language) -> String {
         let tag = self.tag();
         let text = line.strip_suffix(&tag).unwrap_or(line);
@@ -144,12 +146,8 @@ impl Kind<'_> {
         match text.split_once(sentence) {
             _ if is_line(text, &tag) => format!("{text}{tag}"),
             Some((place, numbers)) if leaves_no_room(place, sentence, &tag) => {
-                if !leaves_no_room(place, first, &tag) {
-                    return cut_before(&format!("{place}{first}{numbers}"), &tag);
-                }
-                let numbers = numbers.trim_start_matches([' ', ';']);
-                let between = if numbers.is_empty() { "" } else { ": " };
-                cut_before(&format!("{place}{numbers}{between}{first}"), &tag)
+                let place = shortened_place(place, &[first, numbers, &tag]);
+                cut_before(&format!("{place}{first}{numbers}"), &tag)
             }
             _ => cut_before(text, &tag),
         }
@@ -194,6 +192,24 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
     });
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.join("; ")
+}
+
+/// A place with its severity and its end, where it leaves no room for the numbers otherwise.
+fn shortened_place(place: &str, behind: &[&str]) -> String {
+    let taken: usize = behind.iter().map(|text| text.chars().count()).sum();
+    let room = MAX_LINE_CHARS.saturating_sub(taken);
+    let length = place.chars().count();
+    let (severity, end) = place.split_once(' ').unwrap_or(("", place));
+    let kept = room.saturating_sub(severity.chars().count() + 2);
+    let kept = kept.max(MIN_PLACE_CHARS);
+    if length <= room {
+        return place.to_owned();
+    }
+    let skipped = end.chars().count().saturating_sub(kept);
+    format!(
+        "{severity} …{}",
+        end.chars().skip(skipped).collect::<String>()
+    )
 }
 
 /// The first sentence of a text.
@@ -282,6 +298,19 @@ mod tests {
         let expected = "warning: a test with a long name: mode at 12.00 Hz: \
                         The resonance is few frequency lines wide (89 %) [damping-biased-high]";
         assert_eq!(lines[0], expected);
+    }
+
+    #[test]
+    fn the_numbers_of_a_finding_stand_behind_its_sentence() {
+        let finding = Finding::new(Severity::Warning, Code::Ambiguous, Location::Mode(12.0));
+        let test = "a/folder/with/a/long/name/".repeat(7) + "test.modes.json";
+        let named = (test, finding.value(0.01, "").limit(0.05));
+        let lines = screen_lines(&[named], Language::English);
+        assert!(lines[0].starts_with("warning: …"), "{}", lines[0]);
+        let expected = "test.modes.json: mode at 12.00 Hz: This pair is ambiguous \
+                        (0.01000, limit at least 0.05000) [ambiguous]";
+        assert!(lines[0].ends_with(expected), "{}", lines[0]);
+        assert!(lines[0].chars().count() <= MAX_LINE_CHARS);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::io::IoError;
-use crate::scene::SceneError;
+use crate::scene::{ModelDraft, SceneError};
 use crate::theory::BUILT_IN;
 
 /// A line `hint: did you mean ...?` for a file that does not exist beside one of nearly that name,
@@ -16,10 +16,62 @@ pub fn hint(error: &Error) -> String {
     {
         return "\nhint: a scene states it; `modalign new DIR FILE...` drafts one".to_owned();
     }
-    let found = missing_path(error).and_then(nearest_path);
+    if let Some(hint) = folder_path(error).map(folder_hint) {
+        return hint;
+    }
+    if let Some(path) = toml_path(error) {
+        return format!(
+            "\nhint: {path} is a scene or a model, no data; `modalign run SCENE` runs a scene"
+        );
+    }
+    let missing = missing_path(error);
+    if let Some(draft) = missing.and_then(ModelDraft::at) {
+        let kind = draft.kind;
+        return format!(
+            "\nhint: `modalign new DIR FILE... --model {kind}` drafts a model file of this kind"
+        );
+    }
+    let found = missing.and_then(nearest_path);
     found.map_or_else(String::new, |name| {
         format!("\nhint: did you mean `{name}`?")
     })
+}
+
+/// A TOML file that was given where data are expected.
+fn toml_path(error: &Error) -> Option<&str> {
+    match error {
+        Error::Io(io) | Error::Scene(SceneError::Io(io)) if io.is_no_measurement() => match io {
+            IoError::NoNumbers { path, .. } | IoError::UnknownFormat { path, .. } => {
+                Some(path.as_str()).filter(|path| path.ends_with(".toml"))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The folder that was given where a file is to be read.
+fn folder_path(error: &Error) -> Option<&Path> {
+    let (path, action) = match error {
+        Error::Io(IoError::System { path, action, .. })
+        | Error::Scene(SceneError::Io(IoError::System { path, action, .. })) => (path, *action),
+        _ => return None,
+    };
+    let is_read = matches!(action, "open" | "read");
+    Some(Path::new(path)).filter(|path| is_read && path.is_dir())
+}
+
+/// The way from a folder to what a verb takes.
+fn folder_hint(folder: &Path) -> String {
+    let name = folder.display();
+    if folder.join("scene.toml").is_file() {
+        format!(
+            "\nhint: {name} is a scene, which `modalign run {name}` runs; else name a file in it"
+        )
+    } else {
+        "\nhint: name the files in it; `modalign new DIR FILE...` drafts a scene from them"
+            .to_owned()
+    }
 }
 
 fn missing_path(error: &Error) -> Option<&Path> {

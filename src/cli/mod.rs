@@ -43,6 +43,7 @@ mod test_stem;
 mod theory;
 mod update;
 mod watch;
+mod wrapping;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -60,6 +61,7 @@ use hint::hint;
 use interrupt::report_files_that_are_too_long;
 use outcome::Outcome;
 use output::Output;
+use wrapping::{DEFAULT_WIDTH, error_width, output_width, wrapped};
 
 /// Runs the program on the process's arguments; the exit code is 0 done, 1 a limit missed or input
 /// partly bad, 2 error. `limit_memory` sets the most bytes that the program may hold, and returns
@@ -95,6 +97,11 @@ pub fn main(limit_memory: impl FnOnce(usize) -> bool) -> ExitCode {
             let line = format!("error: {error}{}", hint(&error));
             let line = printable_message(&line).into_owned();
             let stderr = std::io::stderr();
+            // A program reads lines as they are.
+            let line = match error_width() {
+                Some(width) => wrapped(&line, width),
+                None => line,
+            };
             let paints = cli.global.color.is_enabled_on(&stderr);
             let line = if paints {
                 color::color_message(&line)
@@ -236,12 +243,11 @@ fn start_threads(cli: &Cli) -> Result<(), Error> {
 
 fn dispatch(cli: &Cli, output: &mut Output) -> Result<Outcome, Error> {
     if let Some(code) = cli.global.explain {
-        output.add_text(&format!(
-            "{}: {}\n\n{}",
-            code.name(),
-            output.language().sentence(code),
-            output.language().explanation(code)
-        ));
+        let language = output.language();
+        let sentence = format!("{}: {}", code.name(), language.sentence(code));
+        let explanation = language.explanation(code);
+        let width = output_width().unwrap_or(DEFAULT_WIDTH);
+        output.add_text(&wrapped(&format!("{sentence}\n\n{explanation}"), width));
         return Ok(Outcome::Done);
     }
     if cli.global.confine {

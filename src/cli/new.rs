@@ -14,8 +14,9 @@ use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModelKind, OpenLine, StatedUnits,
-    TableContent, draft_scene, load_model, model_kind, open_lines, read_text,
+    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModelKind, ModesOptions, OpenLine,
+    StatedUnits, TableContent, built_in_name_finding, draft_scene, load_model, load_modes,
+    model_kind, open_lines, read_text,
 };
 
 use crate::study::counted;
@@ -49,6 +50,9 @@ const EXPECTED_TEMPLATE: &str =
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let TestFiles { opened, left_out } = open_files(args, format, output)?;
     check_new_files(args, &opened)?;
+    // Before the folder of the new scene has the name.
+    let model_name = args.model.as_deref();
+    let taken = model_name.and_then(built_in_name_finding);
     let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
     let is_complete = !opened.iter().any(|file| file.is_bad)
         && !left_out.iter().any(|file| file.may_hold_data(&read));
@@ -111,18 +115,20 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         written.push((args.folder.join(name), NewFile::Text(text)));
     }
     let model_draft = args.model.as_deref().and_then(ModelDraft::at);
-    written.extend(model_draft.map(|draft| {
-        (
-            args.folder.join(ModelDraft::FILE),
-            NewFile::Text(draft.text),
-        )
-    }));
+    let model_text = model_draft.map(|model| model.text_along(draft.line.as_ref()));
+    let model_path = args.folder.join(ModelDraft::FILE);
+    written.extend(
+        model_text
+            .iter()
+            .map(|text| (model_path.clone(), NewFile::Text(text))),
+    );
     let writing = output.guard_writing();
     write_all_new(&written)?;
     drop(writing);
     for file in &opened {
         output.add_findings(&file.catalog.findings);
     }
+    output.add_findings(taken.as_slice());
     output.add_blocks(vec![Block::Text(next_steps(
         args,
         &files,
@@ -300,11 +306,15 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
         "SOURCE.md (where the data come from) and expected.toml (published results) are optional."
             .to_owned(),
     );
-    if args.model.as_deref().and_then(ModelDraft::at).is_some() {
-        let model = args.folder.join(ModelDraft::FILE);
+    if let Some(model) = args.model.as_deref().and_then(ModelDraft::at) {
+        let path = args.folder.join(ModelDraft::FILE);
+        let values = match (model.kind, draft.line) {
+            ("beam", Some(_)) => "line and bending are those of the points, the other values those",
+            _ => "the values are those",
+        };
         paragraphs.push(format!(
-            "{}: the values are those of an example; state those of the structure.",
-            model.display()
+            "{}: {values} of an example; state those of the structure.",
+            path.display()
         ));
     }
     let next = if args.model.is_some() {
@@ -554,12 +564,18 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
     let draft = ModelDraft::at(path);
-    let kind = model_kind(path);
-    let is_file = kind != ModelKind::BuiltIn && path.exists();
+    let is_built_in = draft.is_some() || model_kind(path) == ModelKind::BuiltIn;
+    let is_file = !is_built_in && path.exists();
     let is_toml = path
         .extension()
         .is_some_and(|extension| extension == "toml");
     if is_file && !is_toml {
+        // What `run` could not read is not drafted.
+        let options = ModesOptions {
+            partial: args.partial,
+            ..ModesOptions::default()
+        };
+        load_modes(path, &options)?;
         return Ok(DraftModel {
             line: text(
                 "file",

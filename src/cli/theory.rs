@@ -14,8 +14,8 @@ use crate::report::{
     sweep_blocks, theory_block,
 };
 use crate::scene::{
-    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding, load_model,
-    load_modes, model_kind, table_model, theory as scene_theory,
+    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding, first_root,
+    load_model, load_modes, model_kind, table_model, theory as scene_theory,
 };
 use crate::theory::{ModeOptions, ModelQuantity};
 
@@ -150,7 +150,7 @@ impl ModelInput {
                 let model = load_model(&args.model, &settings)?;
                 return Ok(ModelInput::Model {
                     model,
-                    first_root: 1,
+                    first_root: first_root(&args.model),
                 });
             }
         }
