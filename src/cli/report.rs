@@ -281,10 +281,9 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     comparison.extend(limits_block(&result.limits));
     comparison.extend(states_block(&result.tests, &result.theory));
     let mut published: Vec<Block> = Vec::new();
-    published.extend(
-        expected
-            .and_then(|published_values| published_roots_block(published_values, &result.theory)),
-    );
+    published.extend(expected.and_then(|published_values| {
+        published_roots_block(published_values, &result.theory, Some(scene.first_root))
+    }));
     published.extend(expected.and_then(published_comparison_block));
     published.extend(expected.and_then(claims_block));
     for table in expected.iter().flat_map(|table| &table.quantities) {

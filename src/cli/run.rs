@@ -9,7 +9,7 @@ use crate::io::{Encoding, FileLabel, modes_to_json, write_frfs};
 use crate::report::{
     Block, CsvText, Language, RENDERERS, Renderer, TableGroup, claims_block, comparison_blocks,
     comparison_of_all_tests, comparison_page, energies_block, json, limits_block, modes_block,
-    modes_page, parameters_block, placement_blocks, published_comparison_block,
+    modes_page, next_step, parameters_block, placement_blocks, published_comparison_block,
     published_roots_block, quantities_block, run_screen, states_block,
 };
 use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
@@ -61,16 +61,8 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE."
         }
     };
-    let scene = args.scene.display();
-    let next =
-        format!("Next, the parameters that bring the model to the test: modalign update {scene}.");
-    let can_update = result.table.is_some() && !result.theory.parameters.is_empty();
-    let lines = [
-        earlier,
-        left_out,
-        can_update.then_some(next),
-        Some(rest.to_owned()),
-    ];
+    let next = next_step(&args.scene.display().to_string(), &result);
+    let lines = [earlier, left_out, next, Some(rest.to_owned())];
     let lines: Vec<String> = lines.into_iter().flatten().collect();
     output.add_rest_note(&lines.join("\n"));
     match &result.table {
@@ -162,7 +154,9 @@ struct TableBlocks {
 fn blocks(scene: &Scene, result: &SceneResult, columns: Columns) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(scene.title.clone())];
     let expected = result.expected.as_ref();
-    blocks.extend(expected.and_then(|e| published_roots_block(e, &result.theory)));
+    blocks.extend(
+        expected.and_then(|e| published_roots_block(e, &result.theory, Some(scene.first_root))),
+    );
     if scene.energies.is_some() {
         let (caption, roots) = ("Energy of the model's roots", &result.theory.roots);
         blocks.extend(energies_block(
@@ -297,7 +291,7 @@ fn published_tables(result: &SceneResult) -> Vec<(String, Vec<u8>)> {
     let tables = [
         (
             "published-roots.csv",
-            published_roots_block(expected, &result.theory),
+            published_roots_block(expected, &result.theory, None),
         ),
         (
             "published-comparison.csv",

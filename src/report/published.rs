@@ -9,13 +9,20 @@ use crate::scene::{ExpectedResult, Source, Theory};
 use crate::theory::ModelQuantity;
 
 use super::comparison::theory_sources;
-use super::modes::largest_energy_fractions;
+use super::modes::{largest_energy_fractions, root_labels};
 use super::table::seven_digits;
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
 /// The published natural frequencies and those of the model; `None` where none are printed.
-pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Option<Block> {
+///
+/// With the number of the first elastic root a published label that looks like that of a mode has
+/// the label of the mode beside it where the two differ, because the publication counts otherwise.
+pub fn published_roots_block(
+    expected: &ExpectedResult,
+    theory: &Theory,
+    first_root: Option<usize>,
+) -> Option<Block> {
     let roots = expected.roots.as_ref()?;
     let in_hz = roots.published().all(|root| root.printed_hz.is_some());
     let (model_head, printed_head) = match in_hz {
@@ -33,6 +40,13 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
         Column::text("class as printed"),
         Column::text("kinetic energy"),
     ];
+    let labels = first_root.map(|first| root_labels(&theory.roots, first));
+    let modes: Vec<(f64, String)> = theory
+        .roots
+        .iter()
+        .map(|root| root.omega_rad_s)
+        .zip(labels.into_iter().flatten())
+        .collect();
     // The many roots of a discretised model above the highest printed one are not compared.
     let shown = roots
         .rows
@@ -44,7 +58,7 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
         columns,
         rows: (1..)
             .zip(&roots.rows[..shown])
-            .map(|(number, row)| root_cells(number, row, in_hz))
+            .map(|(number, row)| root_cells(number, row, in_hz, &modes))
             .collect(),
         footnotes: root_footnotes(roots, shown, &expected.source)
             .into_iter()
@@ -53,8 +67,26 @@ pub fn published_roots_block(expected: &ExpectedResult, theory: &Theory) -> Opti
     }))
 }
 
-/// `in_hz`: every root is printed as a frequency.
-fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
+/// The published label, with that of the mode where both are such labels and differ.
+fn label_with_mode(published: &str, row: &RootRow, modes: &[(f64, String)]) -> String {
+    let is_mode_label = |label: &str| {
+        let number = label.strip_prefix('f');
+        number.is_some_and(|number| number.parse::<usize>().is_ok())
+    };
+    let omega = row.model.as_ref().map(|root| root.omega_rad_s);
+    let mut found = modes.iter();
+    let mode = found.find(|(root, label)| omega == Some(*root) && is_mode_label(label));
+    match mode {
+        Some((_, label)) if is_mode_label(published) && label != published => {
+            format!("{published} (mode {label})")
+        }
+        _ => published.to_owned(),
+    }
+}
+
+/// `in_hz`: every root is printed as a frequency; `modes`: angular frequencies of the roots of the
+/// model with their labels.
+fn root_cells(number: usize, row: &RootRow, in_hz: bool, modes: &[(f64, String)]) -> Vec<Cell> {
     let (model, published) = (row.model.as_ref(), row.published.as_ref());
     let whole = |n: usize| Cell::text(n.to_string());
     let text = |text: Option<&String>| text.map_or(Cell::Missing, Cell::text);
@@ -69,7 +101,7 @@ fn root_cells(number: usize, row: &RootRow, in_hz: bool) -> Vec<Cell> {
     let energy = model.map(largest_energy_fractions);
     let label = published.map_or_else(
         || format!("root {number}: not printed"),
-        |root| root.label.clone(),
+        |root| label_with_mode(&root.label, row, modes),
     );
     vec![
         Cell::text(label),

@@ -306,6 +306,9 @@ pub(super) static TEXTS: Texts = Texts {
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
         no_limits: "Limits of the scene: none stated.", "限值：未给出。";
         limits_met: "Limits of the scene: all met ({}).", "限值：全部满足 ({})。";
+        limits_met_one_kind: "Limits of the scene: all met ({}: {} only).", "限值：全部满足 ({}：仅有 {})。";
+        model_too_stiff_on_screen: "The model is too stiff or too light: one factor {} on all stiffnesses removes the mean error.", "模型过刚或过轻：所有刚度乘以 {} 可消除平均误差。";
+        model_too_soft_on_screen: "The model is too soft or too heavy: one factor {} on all stiffnesses removes the mean error.", "模型过软或过重：所有刚度乘以 {} 可消除平均误差。";
         limits_met_nearest: "Limits of the scene: all met ({}), nearest {}.", "限值：全部满足 ({})，最接近的是 {}。";
         limits_missed: "Limits of the scene: {} of {} MISSED ({}).", "限值：{} / {} 未满足 ({})。";
         pairs_in_numbers: "Pairs: {} of {}, {} by shape, {} by frequency{}.", "配对：{} / {}，按振型 {}，仅按频率 {}{}。";
@@ -317,6 +320,10 @@ pub(super) static TEXTS: Texts = Texts {
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
         statements_not_reproduced: "Not reproduced: {}.", "未复现：{}。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";
+        next_sensors: "Next, as no mode is paired: the positions and directions of [[sensor]] in the model.", "下一步 (没有配对的模态)：请检查模型中 [[sensor]] 的位置与方向。";
+        next_model: "Next, as no mode is paired: model, its support, and points and directions of [[sensor]].", "下一步 (没有配对的模态)：请检查模型、其支承以及 [[sensor]] 的位置与方向。";
+        next_sensor: "Next, before an update: check {} ({}).", "下一步，修正之前：请检查 {} ({})。";
+        next_support: "Next, before an update: one support for test and model ({}).", "下一步，修正之前：试验与模型须有相同的支承 ({})。";
         next_update: "Next, the parameters that bring the model to the test: modalign update {}.", "下一步，使模型与试验一致的参数：modalign update {}。";
         rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
         rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";

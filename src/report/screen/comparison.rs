@@ -12,8 +12,10 @@ use crate::report::{Block, Cell, Column, Table};
 
 use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
-/// Maximum number of reasons of unmatched and ambiguous modes on the screen.
+/// Maximum number of reasons of unmatched and ambiguous modes of one test on the screen.
 const MAX_REASONS: usize = 2;
+/// The same of several tests, whose table takes more lines.
+const MAX_REASONS_OF_SEVERAL_TESTS: usize = 1;
 /// The names of tests in the first column have at most the width of the screen over this.
 const SCREEN_OVER_NAME_WIDTH: usize = 5;
 /// Width at which the name of a test is wrapped in a head.
@@ -470,7 +472,10 @@ pub(super) fn reasons(table: &ComparisonTable) -> Vec<String> {
     };
     let statuses = [Status::MissedUnexpected, Status::Extra, Status::Ambiguous];
     let mut all: Vec<String> = statuses.into_iter().flat_map(of_status).collect();
-    all.truncate(MAX_REASONS);
+    all.truncate(match table.summary.len() {
+        0 | 1 => MAX_REASONS,
+        _ => MAX_REASONS_OF_SEVERAL_TESTS,
+    });
     all
 }
 

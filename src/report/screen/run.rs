@@ -7,7 +7,7 @@ use super::MAX_ROWS;
 use super::comparison::{comparison_tables, reasons};
 use super::modes::{modes_and_advice, roots_screen};
 use super::sentences::{
-    assumptions, limits, next_points, pairs, published, synthetic, verdict_warnings,
+    assumptions, common_error, limits, next_points, pairs, published, synthetic, verdict_warnings,
 };
 
 /// What to try where a test has no modes.
@@ -23,6 +23,7 @@ pub fn run_screen(scene: &Scene, result: &SceneResult, width: usize) -> Vec<Bloc
     let verdict = [
         result.table.as_ref().map(|_| limits(&result.limits)),
         result.table.as_ref().map(pairs),
+        result.table.as_ref().and_then(common_error),
         synthetic(&result.tests),
         assumptions(&result.theory),
     ];

@@ -9,7 +9,7 @@ use crate::finding::{Code, Finding, Severity};
 use crate::report::Cell;
 use crate::report::placement::label;
 use crate::report::table::significant;
-use crate::scene::{ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory};
+use crate::scene::{ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory, stiffness_factor};
 use crate::theory::ParameterStatus;
 
 use super::counted;
@@ -28,14 +28,20 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
     }
     if missed.is_empty() {
         let all = checks.len();
+        let kinds = limited_kinds(checks);
+        let which = match kinds.as_slice() {
+            [only] => format!("{all}: {only} only"),
+            few if few.len() <= MAX_NAMED_KINDS => format!("{all}: {}", few.join(", ")),
+            _ => all.to_string(),
+        };
         return match nearest_limit(checks) {
             Some(nearest) => {
                 format!(
-                    "Limits of the scene: all met ({all}), nearest {}.",
+                    "Limits of the scene: all met ({which}), nearest {}.",
                     limit(nearest)
                 )
             }
-            None => format!("Limits of the scene: all met ({all})."),
+            None => format!("Limits of the scene: all met ({which})."),
         };
     }
     let named = missed
@@ -53,8 +59,24 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
     )
 }
 
+/// Maximum number of kinds of limits that a sentence names.
+pub(super) const MAX_NAMED_KINDS: usize = 3;
+
+/// The kinds of the limited quantities, without their tests and units.
+pub(super) fn limited_kinds(checks: &[LimitCheck]) -> Vec<&str> {
+    let mut kinds: Vec<&str> = Vec::new();
+    for check in checks {
+        let what = check.what.rsplit(": ").next().unwrap_or_default();
+        let kind = what.split(" (").next().unwrap_or_default();
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    kinds
+}
+
 /// The limit of a ratio or an error that is nearest to being missed; counts are none.
-fn nearest_limit(checks: &[LimitCheck]) -> Option<&LimitCheck> {
+pub(super) fn nearest_limit(checks: &[LimitCheck]) -> Option<&LimitCheck> {
     let distance = |check: &&LimitCheck| (check.value.unwrap_or(f64::NAN) / check.limit).ln().abs();
     let is_count = |check: &LimitCheck| {
         check.limit.fract() <= 0.0 && check.value.is_none_or(|value| value.fract() <= 0.0)
@@ -66,7 +88,7 @@ fn nearest_limit(checks: &[LimitCheck]) -> Option<&LimitCheck> {
 }
 
 /// A limit with its value.
-fn limit(check: &LimitCheck) -> String {
+pub(super) fn limit(check: &LimitCheck) -> String {
     let limit = check.limit.to_string();
     let value = check.value.map_or("none".to_owned(), |value| {
         // Rounded, a missed limit could read as met.
@@ -222,6 +244,19 @@ pub(super) fn verdict_warnings(findings: &[(String, Vec<Finding>)]) -> Vec<Strin
         (!tests.is_empty()).then(|| format!("Warning: {sentence}{names}."))
     };
     Code::ON_THE_VERDICT.iter().filter_map(of_code).collect()
+}
+
+/// The factor on all stiffnesses that brings the mean frequency of the pairs to the tests; `None`
+/// where their errors have no common sign.
+pub(super) fn common_error(table: &ComparisonTable) -> Option<String> {
+    let factor = stiffness_factor(table)?;
+    let model = match factor < 1.0 {
+        true => "stiff or too light",
+        false => "soft or too heavy",
+    };
+    Some(format!(
+        "The model is too {model}: one factor {factor:.3} on all stiffnesses removes the mean error."
+    ))
 }
 
 /// What the model assumes beyond printed or measured values; `None` where it assumes nothing.

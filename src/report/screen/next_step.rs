@@ -1,0 +1,61 @@
+//! The next step after `run` follows from the worst finding: an update is advised only where pairs
+//! exist and neither a sensor nor a support is in doubt.
+
+use crate::finding::{Code, Finding, Location, Severity};
+use crate::scene::SceneResult;
+
+/// The next step for the scene of this path; `None` where the model has no parameter to update.
+pub fn next_step(scene: &str, result: &SceneResult) -> Option<String> {
+    let table = result.table.as_ref()?;
+    let findings = result.findings_by_test();
+    let warnings = || {
+        let all = findings.iter().flat_map(|(_, findings)| findings);
+        all.filter(|finding| finding.severity > Severity::Info)
+    };
+    let has = |code: Code| warnings().any(|finding| finding.code == code);
+    let explained = |code: Code| format!("--explain {}", code.name());
+    let wrong_sensor = warnings().find(|finding| finding.code == Code::SensorNotRigid);
+    if table.summary.iter().all(|test| test.paired == 0) {
+        let text = match has(Code::SensorUnmoved) {
+            true => {
+                "Next, as no mode is paired: the positions and directions of [[sensor]] in the model."
+            }
+            false => {
+                "Next, as no mode is paired: model, its support, and points and directions of [[sensor]]."
+            }
+        };
+        return Some(text.to_owned());
+    }
+    if let Some(finding) = wrong_sensor {
+        let (sensor, explained) = (sensor_name(finding), explained(finding.code));
+        return Some(format!(
+            "Next, before an update: check {sensor} ({explained})."
+        ));
+    }
+    let of_support = [Code::SupportDiffers, Code::ModelSupportContradicted];
+    if let Some(code) = of_support.into_iter().find(|code| has(*code)) {
+        let explained = explained(code);
+        return Some(format!(
+            "Next, before an update: one support for test and model ({explained})."
+        ));
+    }
+    let can_update = !result.theory.parameters.is_empty();
+    can_update.then(|| {
+        format!("Next, the parameters that bring the model to the test: modalign update {scene}.")
+    })
+}
+
+/// The sensor or hit that a finding is about.
+fn sensor_name(finding: &Finding) -> String {
+    match &finding.location {
+        Location::Function {
+            response: Some(dof),
+            ..
+        } => format!("sensor {dof}"),
+        Location::Function {
+            reference: Some(dof),
+            ..
+        } => format!("hit {dof}"),
+        location => location.to_string(),
+    }
+}
