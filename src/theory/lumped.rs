@@ -60,7 +60,9 @@ impl LumpedModel {
         };
         // Rows of more coordinates would exceed the memory.
         if bodies.coordinates.len() >= MAX_COORDINATES {
-            return faults.into_result().and(Err(TheoryError::Several { faults: Vec::new() }));
+            return faults
+                .into_result()
+                .and(Err(TheoryError::Several { faults: Vec::new() }));
         }
         for point in &file.points {
             let used_by = format!("point `{}`", point.name);

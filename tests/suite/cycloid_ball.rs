@@ -232,14 +232,15 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(screen, 60, 100, "standard output");
     assert_fits(findings, 12, 200, "standard error");
     for said in [
-        "Limits of the scene: all met (5)",
+        "Limits of the scene: all met (5: extra modes only).",
         "The recordings are synthetic, not measured: computed from cycloid-ball with changes",
         "Warning: The supports of test and model differ: large cylinder; small cylinder; centre",
         "!: doubtful mode, see",
         "Not reproduced: 14 single roots, counted in …; 37 natural frequencies in all …; 10 more",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",
-        "f10, large cylinder: from housing.1:+S to output.3:+Y its peak would stand 75.3 dB",
+        "f9, centre disc face: from housing.3:+S to output.3:+Y its peak would stand 76.8 dB",
+        "Next, before an update: one support for test and model (--explain support-differs).",
         "Published statements: 32 reproduced, 12 not reproduced, 0 not checkable.",
         "Measure next in virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
     ] {

@@ -17,6 +17,7 @@ mod exports;
 mod faults;
 mod faulty_streams;
 mod file_circles;
+mod first_steps;
 mod free_free_beam;
 mod gate;
 mod gate_mutations;

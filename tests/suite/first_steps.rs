@@ -1,0 +1,544 @@
+//! First steps of a new user: models by name, lists of frequencies, folders in the place of files,
+//! and the next step that a screen advises.
+
+use std::path::Path;
+
+use crate::command::{modalign_in, write};
+
+/// Standard output and error of the program in a folder, and its exit code.
+fn said(folder: &Path, line: &str) -> (String, String, Option<i32>) {
+    let output = modalign_in(folder, line.split_whitespace());
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        text(output.stdout),
+        text(output.stderr),
+        output.status.code(),
+    )
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// Bending modes of a free beam of 1 m at five points, in one direction.
+fn beam_modes(axis: &str) -> String {
+    let points = ["1", "2", "3", "4", "5"];
+    let heads: Vec<String> = points
+        .iter()
+        .map(|point| format!("{point}:+{axis}"))
+        .collect();
+    format!(
+        "frequency_hz,damping_ratio,{}\n\
+         53.1,0.004,2.0,-0.2,-1.2,-0.2,2.0\n\
+         146.3,0.004,2.0,-1.2,0.0,1.2,-2.0\n\
+         286.9,0.004,2.0,-1.0,1.4,-1.0,2.0\n",
+        heads.join(",")
+    )
+}
+
+/// Positions of the points on a line along z.
+const POINTS: &str = "point,x,y,z\n1,0,0,0\n2,0,0,0.25\n3,0,0,0.5\n4,0,0,0.75\n5,0,0,1\n";
+
+#[test]
+fn built_in_name_wins_over_a_folder_and_the_values_are_said_to_be_an_example() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for kind in ["beam", "lumped"] {
+        std::fs::create_dir(folder.join(kind)).unwrap();
+    }
+    let modes = beam_modes("Z");
+    write(folder, &[("modes.csv", &modes), ("lumped/scene.toml", "")]);
+    for (scene, kind) in [("beam", "beam"), ("other", "lumped")] {
+        let (screen, findings, code) =
+            said(folder, &format!("new {scene} modes.csv --model {kind}"));
+        assert_eq!(code, Some(0), "{findings}");
+        assert!(screen.contains("those of an example"), "{screen}");
+        assert_eq!(
+            findings.contains("[built-in-taken]"),
+            kind == "lumped",
+            "{findings}"
+        );
+        assert!(read(folder, &format!("{scene}/scene.toml")).contains("file = \"model.toml\""));
+        assert!(folder.join(scene).join("model.toml").is_file());
+    }
+    let (_, error, code) = said(folder, "new third modes.csv --model ./beam");
+    assert_eq!(code, Some(2));
+    assert!(!error.contains("os error"), "{error}");
+    // A built-in name as the theory of a comparison, beside FRFs of that name.
+    write(
+        folder,
+        &[(
+            "cycloid-ball",
+            "frequency [Hz],re 1:+Z|2:+Z [(m/s2)/N],im 1:+Z|2:+Z [(m/s2)/N]\n1,2,3\n2,3,4\n",
+        )],
+    );
+    let (_, error, _) = said(folder, "correlate --test modes.csv --theory cycloid-ball");
+    assert!(error.contains("[built-in-taken]"), "{error}");
+}
+
+#[test]
+fn a_beam_is_drafted_along_the_points_and_pairs_with_its_test() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("X")), ("points.csv", POINTS)],
+    );
+    let (screen, error, code) = said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    assert_eq!(code, Some(0), "{error}");
+    assert!(
+        screen.contains("line and bending are those of the points"),
+        "{screen}"
+    );
+    let model = read(folder, "bar/model.toml");
+    for line in ["to_m = [0.0, 0.0, 1.0]", "deflection = [1.0, 0.0, 0.0]"] {
+        assert!(model.contains(line), "{model}");
+    }
+    let (screen, findings, code) = said(folder, "run bar");
+    assert_eq!(code, Some(0), "{findings}");
+    assert!(
+        screen.contains("Pairs: 3 of 3 model modes, 3 by shape"),
+        "{screen}"
+    );
+    assert!(screen.contains("modalign update bar"), "{screen}");
+}
+
+#[test]
+fn sensors_that_the_model_cannot_move_are_said_before_an_update() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("X")), ("points.csv", POINTS)],
+    );
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let model = read(folder, "bar/model.toml");
+    let model = model.replace(
+        "deflection = [1.0, 0.0, 0.0]",
+        "deflection = [0.0, 1.0, 0.0]",
+    );
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, findings, _) = said(folder, "run bar");
+    assert!(screen.contains("Pairs: 0 of 3"), "{screen}");
+    assert!(!screen.contains("modalign update"), "{screen}");
+    assert!(
+        screen.contains("Next, as no mode is paired: the positions and directions"),
+        "{screen}"
+    );
+    assert!(findings.contains("[sensor-unmoved]"), "{findings}");
+    let (_, error, code) = said(folder, "update bar");
+    assert_eq!(code, Some(2));
+    assert!(
+        error.contains("the model does not move") && error.contains("1:+X"),
+        "{error}"
+    );
+    // Frequencies without shapes, far from those of the model.
+    write(folder, &[("bar/far.csv", "frequency_hz\n3100.5\n9000.5\n")]);
+    let scene = read(folder, "bar/scene.toml").replace("../modes.csv", "far.csv");
+    let scene = scene.replace("[model]", "[pair]\nmax_frequency_error = 0.01\n[model]");
+    let model = model.replace(
+        "deflection = [0.0, 1.0, 0.0]",
+        "deflection = [1.0, 0.0, 0.0]",
+    );
+    let model = model.replace("elements = 60", "elements = 2");
+    write(
+        folder,
+        &[("bar/scene.toml", &scene), ("bar/model.toml", &model)],
+    );
+    let (_, error, code) = said(folder, "update bar");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("pairs with a mode of the model") && !error.contains("gates"),
+        "{error}"
+    );
+}
+
+#[test]
+fn sensors_and_points_of_one_position_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let points = POINTS
+        .replace("0,0,0.5", "0,0,0.25")
+        .replace("0,0,0.75", "0,0,0.25");
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("X")), ("points.csv", &points)],
+    );
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let (_, findings, _) = said(folder, "run bar --full");
+    let expected =
+        "(3); 2:+X, 3:+X, 4:+X: body \"beam\", at_m = [0, 0, 0.25] [sensors-at-one-position]";
+    assert!(findings.contains(expected), "{findings}");
+    said(folder, "new alone modes.csv --points points.csv");
+    let (_, findings, _) = said(folder, "run alone --full");
+    assert!(
+        findings.contains("points 2, 3, 4: at_m = [0, 0, 0.25]"),
+        "{findings}"
+    );
+}
+
+#[test]
+fn a_list_of_frequencies_is_a_model_and_other_columns_are_refused_in_the_draft() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[("modes.csv", &beam_modes("Z"))]);
+    let lists = [
+        "frequency_hz\n53\n146.5\n",
+        "53\n146.5\n",
+        "f_hz\n53\n146.5\n",
+        "f (Hz)\n53\n146,5\n",
+        "frequency [Hz]\n53\n146.5\n",
+        "frequency_hz,frequency_std_hz\n53,0.1\n146.5,0.1\n",
+    ];
+    for (number, list) in lists.iter().enumerate() {
+        let (name, scene) = (format!("list{number}.csv"), format!("scene{number}"));
+        write(folder, &[(name.as_str(), list)]);
+        let (_, error, code) = said(folder, &format!("new {scene} modes.csv --model {name}"));
+        assert_eq!(code, Some(0), "{list}: {error}");
+        let (screen, findings, code) = said(folder, &format!("run {scene}"));
+        assert_eq!(code, Some(0), "{list}: {findings}");
+        assert!(screen.contains("Pairs: 2 of 2"), "{list}: {screen}");
+    }
+    for list in [
+        "mode,f\n1,53\n2,146.5\n",
+        "frequency_hz,1:+Z\n53,1\n146.5,1\n",
+        "speed\nslow\n",
+    ] {
+        write(folder, &[("wrong.csv", list)]);
+        let (_, error, code) = said(folder, "new wrong modes.csv --model wrong.csv");
+        assert_eq!(code, Some(2), "{list}");
+        assert!(!error.contains("modalign new"), "{error}");
+        assert!(!folder.join("wrong").exists());
+    }
+    write(
+        folder,
+        &[("wrong.csv", "frequency_hz,1:+Z\n53,1\n146.5,1\n")],
+    );
+    let (_, error, _) = said(folder, "new wrong modes.csv --model wrong.csv");
+    assert!(
+        error.contains("cells of `damping_ratio` may be empty"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_folder_or_a_scene_in_the_place_of_a_file_has_a_hint() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[("modes.csv", &beam_modes("Z"))]);
+    said(folder, "new bar modes.csv");
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    for (line, hint) in [
+        ("identify bar", "`modalign run bar`"),
+        ("identify bar/scene.toml", "is a scene or a model"),
+        ("inspect bar", "`modalign run bar`"),
+        ("inspect empty", "name the files in it"),
+        ("inspect bar/scene.toml", "is a scene or a model"),
+        ("new other empty", "name the files in it"),
+        ("run empty", "`modalign new DIR FILE...`"),
+        ("theory empty", "`modalign new DIR FILE...`"),
+        ("theory beam", "--model beam"),
+        ("check bar", "modalign run bar -o DIR"),
+        ("check bar/scene.toml", "--against bar/scene.toml"),
+        (
+            "check modes.json",
+            "modalign check modes.json --against SCENE",
+        ),
+    ] {
+        let (_, error, code) = said(folder, line);
+        assert_eq!(code, Some(2), "{line}");
+        assert!(
+            error.contains(hint) && !error.contains("os error"),
+            "{line}: {error}"
+        );
+    }
+    // Time records of unknown meaning.
+    write(
+        folder,
+        &[(
+            "hit.csv",
+            "time,force,acceleration\n0,1,2\n0.1,2,3\n0.2,2,1\n",
+        )],
+    );
+    let (_, error, _) = said(folder, "frf hit.csv");
+    for said in [
+        "the column of the force",
+        "sampling rate",
+        "modalign new DIR FILE...",
+    ] {
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn limits_are_named_by_kind_and_asked_for_where_there_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[
+            ("modes.csv", &beam_modes("Z")),
+            ("list.csv", "f_hz\n53\n146.5\n286\n"),
+        ],
+    );
+    said(folder, "new bar modes.csv --model list.csv");
+    let (_, error, _) = said(folder, "run bar -o out");
+    assert_eq!(error, "", "{error}");
+    let (_, error, code) = said(folder, "check out/comparison.json --against bar");
+    assert_eq!(code, Some(2));
+    assert!(
+        error.contains("bar/scene.toml: [limits]: got a table that is commented out"),
+        "{error}"
+    );
+    let scene = read(folder, "bar/scene.toml");
+    write(
+        folder,
+        &[(
+            "bar/scene.toml",
+            &scene.replace("# [limits]", "[limits]\nmax_extra = 0"),
+        )],
+    );
+    let (screen, _, _) = said(folder, "run bar");
+    assert!(
+        screen.contains("Limits of the scene: all met (1: extra modes only)."),
+        "{screen}"
+    );
+    let (screen, _, code) = said(folder, "check out/comparison.json --against bar");
+    assert_eq!(code, Some(0));
+    assert!(
+        screen.contains("1 of 1 row met, 1 check in all: extra modes."),
+        "{screen}"
+    );
+}
+
+#[test]
+fn a_model_without_sensors_is_named_where_no_mac_exists() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("Z")), ("points.csv", POINTS)],
+    );
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let (_, findings, code) = said(folder, "correlate --test modes.csv --theory bar/model.toml");
+    assert_eq!(code, Some(0), "{findings}");
+    assert!(findings.contains("[model-without-sensors]"), "{findings}");
+    let (_, findings, _) = said(folder, "correlate --test modes.csv --theory bar");
+    assert!(!findings.contains("[model-without-sensors]"), "{findings}");
+}
+
+/// Asserts that an error names a number of faults and has all these parts.
+fn assert_faults(error: &str, count: usize, parts: &[&str]) {
+    assert!(
+        error.contains(&format!("{count} faults")),
+        "{count}: {error}"
+    );
+    for part in parts {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+}
+
+#[test]
+fn all_faults_of_a_scene_and_its_files_are_named_in_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let model = "schema = \"modalign-model/1\"\ntitle = \"m\"\n\
+        [[body]]\nname = \"a\"\nat_m = [0, 0, 0]\nmass_kg = -1\nfree = [\"z\"]\n\
+        [[body]]\nname = \"b\"\nat_m = [0, 0, 1]\nmass_kg = -2\nfree = [\"z\"]\n\
+        [[point]]\nname = \"p\"\nbody = \"c\"\nat_m = [0, 0, 0]\n\
+        [[spring]]\nname = \"s\"\nfrom = \"p\"\nto = \"q\"\ndirection = [0, 0, 1]\nstiffness_n_per_m = -5\n";
+    write(folder, &[("model.toml", model)]);
+    let (_, error, code) = said(folder, "theory model.toml");
+    assert_eq!(code, Some(2));
+    let of_model = [
+        "model.toml:6:11: body `a`: got mass_kg -1",
+        "model.toml:11:11: body `b`: got mass_kg -2",
+        "point `p`: got body `c`",
+        "spring `s`: got point `q`",
+        "model.toml:22:21: spring `s`: got stiffness_n_per_m -5",
+    ];
+    assert_faults(&error, 5, &of_model);
+    let synth = "schema = \"modalign-synth/1\"\ntitle = \"s\"\nseed = 1\naverages = 0\nhit = []\n\
+        [truth]\nname = \"cycloid-ball\"\ndamping_ratio = -0.1\n\
+        [record]\nsampling_rate_hz = -1\nsamples = 1\npretrigger_s = 0.1\nresponse = \"sound\"\n\
+        [pulse]\nduration_s = 0.001\npeak_n = 100\n";
+    let scene = "title = \"t\"\n[model]\nfile = \"model.toml\"\n\
+        [[test]]\nname = \"a\"\nfiles = [\"one.uff\", \"two.uff\"]\nband_hz = [200, 100]\n\
+        [[test]]\nname = \"b\"\nsynth = \"synth.toml\"\ncolour = \"red\"\n\
+        [pair]\nmin_mac = 95\n\
+        [limits]\nmax_frequency_error_percent = -5\nmin_mac = 95\n";
+    write(folder, &[("scene.toml", scene), ("synth.toml", synth)]);
+    let (_, error, code) = said(folder, "run scene.toml");
+    assert_eq!(code, Some(2));
+    let mut parts = vec![
+        "scene.toml:1:1: got no key `schema`",
+        "scene.toml:7:11: [[test]] \"a\" band_hz",
+        "scene.toml:11:1: got unknown key `colour`",
+        "scene.toml:13:11: [pair] min_mac: got 95",
+        "scene.toml:15:31: [limits] max_frequency_error_percent: got -5",
+        "scene.toml:16:11: [limits] min_mac: got 95",
+        "one.uff: cannot open: there is no such file",
+        "two.uff: cannot open: there is no such file",
+        "synth.toml:4:12: averages: got 0",
+        "synth.toml:10:20: [record] sampling_rate_hz: got -1",
+        "synth.toml:11:11: [record] samples: got 1",
+        "synth.toml:13:12: [record] response: got \"sound\"",
+        "synth.toml:8:17: [truth] damping_ratio: got -0.1",
+    ];
+    parts.extend(of_model);
+    assert_faults(&error, 18, &parts);
+    // Without a fault of the scene those of its files alone.
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n\
+        [[test]]\nname = \"a\"\nfiles = [\"one.uff\", \"two.uff\"]\n\
+        [[test]]\nname = \"b\"\nmodes = \"three.csv\"\n";
+    write(folder, &[("scene.toml", scene)]);
+    let (_, error, _) = said(folder, "run scene.toml");
+    assert_faults(&error, 8, &["one.uff", "two.uff", "three.csv"]);
+}
+
+#[test]
+fn faults_of_a_table_are_named_with_those_of_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let rows = "t,F,a\n0,1,2\n1,2,3\n2,1,1\n";
+    let scene = "schema = \"modalign-scene/2\"\ntitle = \"t\"\n[[test]]\nname = \"a\"\n\
+        files = [\"hit.csv\"]\nsampling_rate_hz = -5\n\
+        [[test.channel]]\ncolumn = \"F\"\nrole = \"force\"\nunit = \"kN/s\"\ndof = \"1:+Z\"\n\
+        [[test.channel]]\ncolumn = \"a\"\nrole = \"response\"\nunit = \"furlong\"\n\
+        [frf]\nestimatr = \"h1\"\nexcitation = \"kick\"\n";
+    write(folder, &[("hit.csv", rows), ("scene.toml", scene)]);
+    let (_, error, _) = said(folder, "run scene.toml");
+    let parts = [
+        "scene.toml:1:10: schema: got \"modalign-scene/2\"",
+        "scene.toml:6:20: [[test]] sampling_rate_hz: got -5",
+        "scene.toml:10:8: [[test.channel]] \"F\" unit",
+        "scene.toml:15:8: [[test.channel]] \"a\" unit",
+        "scene.toml:17:1: got unknown key `estimatr`",
+        "scene.toml:18:14: [frf] excitation: got \"kick\"",
+    ];
+    assert_faults(&error, 6, &parts);
+    // A faulty DOF and an unknown column.
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"a\"\n\
+        files = [\"hit.csv\"]\nsampling_rate_hz = 5\n\
+        [[test.channel]]\ncolumn = \"force\"\nrole = \"force\"\nunit = \"N\"\ndof = \"1:+Z\"\n\
+        [[test.channel]]\ncolumn = \"a\"\nrole = \"response\"\nunit = \"g\"\ndof = \"1;Z\"\n";
+    write(folder, &[("scene.toml", scene)]);
+    let (_, error, _) = said(folder, "run scene.toml");
+    assert_faults(
+        &error,
+        2,
+        &["scene.toml:16:7: ", "expected a column \"force\""],
+    );
+}
+
+#[test]
+fn an_unknown_parameter_of_the_update_is_seen_by_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("Z")), ("points.csv", POINTS)],
+    );
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let scene = read(folder, "bar/scene.toml")
+        + "\n[update]\nresiduals = \"modal\"\n[[update.parameter]]\nname = \"density\"\n";
+    write(folder, &[("bar/scene.toml", &scene)]);
+    let (_, error, _) = said(folder, "run bar");
+    assert!(
+        error.contains("[update] residuals: got \"modal\""),
+        "{error}"
+    );
+    write(
+        folder,
+        &[("bar/scene.toml", &scene.replace("\"modal\"", "\"modes\""))],
+    );
+    let (_, error, code) = said(folder, "run bar");
+    assert_eq!(code, Some(2));
+    assert!(
+        error.contains("[[update.parameter]] \"density\""),
+        "{error}"
+    );
+    assert!(
+        error.contains("a parameter of the model: youngs_modulus"),
+        "{error}"
+    );
+}
+
+#[test]
+fn an_explanation_and_a_list_of_codes_fit_a_hundred_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let (screen, ..) = said(folder, "--explain sensor-not-rigid");
+    assert!(
+        screen.contains("cable, sensitivity") && screen.lines().count() > 4,
+        "{screen}"
+    );
+    let (_, error, code) = said(folder, "--explain foo");
+    assert_eq!(code, Some(2));
+    assert!(error.contains("sensor-unmoved"), "{error}");
+    for line in screen.lines().chain(error.lines()) {
+        assert!(line.chars().count() <= 101, "{line}");
+    }
+}
+
+#[test]
+fn one_mode_of_one_model_has_one_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nname = \"cycloid-ball\"\n";
+    write(
+        folder,
+        &[("scene.toml", scene), ("list.csv", "frequency_hz\n1400\n")],
+    );
+    for line in ["theory cycloid-ball", "theory scene.toml", "run scene.toml"] {
+        let (screen, error, _) = said(folder, line);
+        let row = screen.lines().find(|line| line.contains("1436.9"));
+        assert!(
+            row.is_some_and(|row| row.trim().starts_with("f2 ")),
+            "{line}: {screen}{error}"
+        );
+    }
+    for theory in ["cycloid-ball", "scene.toml"] {
+        let (screen, error, _) = said(
+            folder,
+            &format!("correlate --test list.csv --theory {theory}"),
+        );
+        let row = screen.lines().find(|line| line.contains("1436.9"));
+        assert!(
+            row.is_some_and(|row| row.trim().starts_with("f2 ")),
+            "{theory}: {screen}{error}"
+        );
+    }
+}
+
+#[test]
+fn a_common_error_of_all_pairs_is_said_as_a_factor_on_the_stiffnesses() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(
+        folder,
+        &[
+            ("modes.csv", &beam_modes("Z")),
+            ("model.csv", "frequency_hz\n55\n151\n296\n"),
+        ],
+    );
+    said(folder, "new bar modes.csv --model model.csv");
+    let (screen, findings, _) = said(folder, "run bar");
+    let sentence = "The model is too stiff or too light: one factor 0.93";
+    assert!(screen.contains(sentence), "{screen}{findings}");
+}
