@@ -329,8 +329,8 @@ pub struct ReportTableTable {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct UpdateTable {
-    /// Names of the parameters that may change; all of the model that can when neither this nor
-    /// `[[update.parameter]]` is stated.
+    /// Names of the parameters that may change; the stiffnesses of the model when neither this nor
+    /// `[[update.parameter]]` is stated. Masses and geometry change only where they are named.
     pub parameters: Vec<String>,
     /// Parameters with an individual prior or bounds.
     pub parameter: Vec<UpdateParameterTable>,

@@ -6,7 +6,7 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
-use crate::theory::{ModeOptions, coordinate_sensors};
+use crate::theory::{ModeOptions, coordinate_sensors, is_stiffness};
 use crate::update::{
     Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
     check_always, explain, update,
@@ -373,9 +373,22 @@ fn choices(
         all.push(choice(table, stated, model, path)?);
     }
     if all.is_empty() {
-        let specs = model.model.parameters().iter().zip(&model.values);
-        let above = specs.filter(|(spec, value)| !spec.whole && **value > 0.0);
-        all.extend(above.map(|(spec, _)| plain(&spec.name)));
+        for (j, spec) in model.model.parameters().iter().enumerate() {
+            let is_above = model.values[j] > 0.0;
+            if is_above && is_stiffness(model.model.as_ref(), &model.values, j)? {
+                all.push(plain(&spec.name));
+            }
+        }
+    }
+    if all.is_empty() {
+        let expected = "names of parameters: the model has no stiffness above 0, which are free \
+                        where none is named";
+        return Err(value_error(
+            path,
+            "[update] parameters",
+            "nothing",
+            expected,
+        ));
     }
     Ok(all)
 }

@@ -40,6 +40,7 @@ mod massless;
 mod model_roots;
 mod nearest_name;
 mod parameter;
+mod parameter_effect;
 mod property;
 mod quantity;
 mod reduction;
@@ -105,6 +106,7 @@ pub use model_roots::{ModelRoot, model_roots};
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };
+pub use parameter_effect::is_stiffness;
 pub use quantity::ModelQuantity;
 pub use reduction::{ReducedModel, guyan, serep, serep_expansion};
 pub use residues::{PairResidues, residues};
