@@ -13,6 +13,9 @@ use crate::io::{ArrayInfo, IoError, MatrixEntries};
 /// memory at once.
 const COPIES: u64 = 2;
 
+/// Maximum number of bytes that deflate makes of one.
+const MAX_EXPANSION: u64 = 1032;
+
 /// Arrays smaller than this are read without asking, which costs more than it can save.
 const MIN_CHECKED_BYTES: u64 = 1 << 20;
 
@@ -30,7 +33,10 @@ impl Limited {
     }
 
     fn check(&self, index: usize, bytes: u64) -> Result<(), IoError> {
-        if bytes < MIN_CHECKED_BYTES || has_room(bytes.saturating_mul(COPIES)) {
+        // What the file cannot hold, its reader refuses.
+        let most = self.store.file_bytes().saturating_mul(MAX_EXPANSION);
+        let is_checked = (MIN_CHECKED_BYTES..=most).contains(&bytes);
+        if !is_checked || has_room(bytes.saturating_mul(COPIES)) {
             return Ok(());
         }
         Err(IoError::Memory {
