@@ -31,6 +31,7 @@ mod matrix_models;
 mod misfits;
 mod mode_files;
 mod mutants;
+mod mutated_texts;
 #[path = "../population/mutation.rs"]
 mod mutation;
 mod new_command;
