@@ -37,8 +37,8 @@ const MIN_COMPONENT_WITH_SIGN: f64 = 0.03;
 /// The same of shapes of a model, which have no noise.
 const MIN_MODEL_COMPONENT_WITH_SIGN: f64 = 1e-6;
 /// Maximum relative change of residues, modal mass and scale of a shape. Larger: a wrong
-/// calibration of a sensor passes. Smaller: recordings of the same machine fail, whose residues change by 4 %
-/// in `check_command::another_recording_of_the_same_machine_passes`.
+/// calibration of a sensor passes. Smaller: recordings of the same machine fail, see
+/// `check_command::another_recording_of_the_same_machine_passes_and_a_changed_machine_does_not`.
 const MAX_AMPLITUDE_CHANGE: f64 = 0.1;
 /// Standard deviations of the damping ratio by which an amplitude may change: that of a resonance
 /// is estimated with its damping.

@@ -34,10 +34,34 @@ const MAX_TIME: Duration = Duration::from_secs(60);
 
 /// Values that counts, sizes, masses, frequencies and names cannot have, or hardly.
 const HOSTILE: &[&str] = &[
-    "0", "-1", "1", "2", "-0.0", "1e308", "-1e308", "5e-324", "1e-308", "1e16", "1e-16",
-    "9223372036854775807", "-9223372036854775808", "18446744073709551615", "4294967296",
-    "1000000000", "100000", "inf", "nan", "-inf", "null", "true", "[]", "{}", "\"\"", "\"x\"",
-    "0.5", "1e300",
+    "0",
+    "-1",
+    "1",
+    "2",
+    "-0.0",
+    "1e308",
+    "-1e308",
+    "5e-324",
+    "1e-308",
+    "1e16",
+    "1e-16",
+    "9223372036854775807",
+    "-9223372036854775808",
+    "18446744073709551615",
+    "4294967296",
+    "1000000000",
+    "100000",
+    "inf",
+    "nan",
+    "-inf",
+    "null",
+    "true",
+    "[]",
+    "{}",
+    "\"\"",
+    "\"x\"",
+    "0.5",
+    "1e300",
 ];
 
 /// An input with its changes.
@@ -91,7 +115,10 @@ fn with_changed_lines(text: &str, random: &mut ChaCha8Rng) -> String {
     if lines.is_empty() {
         return String::new();
     }
-    let (one, other) = (random.random_range(0..lines.len()), random.random_range(0..lines.len()));
+    let (one, other) = (
+        random.random_range(0..lines.len()),
+        random.random_range(0..lines.len()),
+    );
     match random.random_range(0..3) {
         0 => drop(lines.remove(one)),
         1 => lines.insert(other, lines[one]),
@@ -102,11 +129,26 @@ fn with_changed_lines(text: &str, random: &mut ChaCha8Rng) -> String {
 
 fn with_hostile_text(text: &str, random: &mut ChaCha8Rng) -> String {
     let quotes: Vec<usize> = text.match_indices('"').map(|(at, _)| at).collect();
-    let Some(pair) = quotes.chunks_exact(2).collect::<Vec<_>>().choose(random).copied() else {
+    let Some(pair) = quotes
+        .chunks_exact(2)
+        .collect::<Vec<_>>()
+        .choose(random)
+        .copied()
+    else {
         return text.to_owned();
     };
     let long = "x".repeat(5000);
-    let texts = ["", "\\u0000", "1:+Z", "../..", "ground", "-", "🦀", "kg", long.as_str()];
+    let texts = [
+        "",
+        "\\u0000",
+        "1:+Z",
+        "../..",
+        "ground",
+        "-",
+        "🦀",
+        "kg",
+        long.as_str(),
+    ];
     let value = texts.choose(random).expect("there are some");
     [&text[..=pair[0]], value, &text[pair[1]..]].concat()
 }
