@@ -106,6 +106,17 @@ fn shortened(text: &str, max: usize) -> Cow<'_, str> {
     Cow::Owned(format!("{head} … ({count} characters) … {end}"))
 }
 
+/// Maximum length of a text in a file name. Longer: with what stands before and behind it a name
+/// exceeds the 255 bytes of a file system. Shorter: usual names of tests are cut.
+const MAX_FILE_NAME_BYTES: usize = 120;
+
+/// The beginning of a text that has room in a file name.
+pub fn file_name_part(text: &str) -> &str {
+    let ends = text.char_indices().map(|(at, c)| at + c.len_utf8());
+    let end = ends.take_while(|end| *end <= MAX_FILE_NAME_BYTES).last();
+    &text[..end.unwrap_or(0)]
+}
+
 /// JSON with the control characters in its texts as `\u` escapes: JSON itself escapes only C0.
 pub fn printable_json(json: String) -> String {
     let is_hidden = |c: char| c >= '\u{7f}' && is_control(c);

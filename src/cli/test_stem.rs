@@ -1,5 +1,6 @@
 //! The name of a test gives the stem of its file names.
 
+use crate::printable::file_name_part;
 use crate::scene::SceneResult;
 
 /// A file name made of a test's name.
@@ -12,7 +13,8 @@ fn file_stem(name: &str) -> String {
         }
     };
     let legal: String = name.chars().map(legal).collect();
-    legal.split_whitespace().collect::<Vec<_>>().join("-")
+    let stem = legal.split_whitespace().collect::<Vec<_>>().join("-");
+    file_name_part(&stem).to_owned()
 }
 
 /// The stem of the files of one test, another for each.

@@ -31,6 +31,7 @@ const TEXTS: &[&str] = &[
     "模态 😀 Ж ا \u{301}",
     "%s %n {} {0}",
     "line\nlimits of the scene: all met",
+    "a name of a test that is longer than the name of a file can be, which has 255 bytes in most file systems, and that has all its letters in the tables and in the report all the same, while the names of its files have only the first hundred and twenty of them 模态",
 ];
 
 /// A scene of two files of modes whose title, test and mode labels are one of the texts.

@@ -177,15 +177,15 @@ fn order_for_a_method_without_orders_is_an_error() {
 }
 
 #[test]
-fn order_below_four_is_an_error_and_order_four_has_poles_of_three_orders() {
+fn orders_out_of_range_are_errors_and_order_four_has_poles_of_three_orders() {
     let (structure, how) = separated_modes(2);
     let set = structure.measured(&how);
     for method in with_order() {
-        for order in 0..4 {
+        for order in (0..4).chain([501, 1_000_000_000]) {
             let error = identify(&set, &options(method, Some(order))).unwrap_err();
             let text = error.to_string();
             let names_order =
-                text.contains(&format!("order = {order}")) && text.contains("4 or more");
+                text.contains(&format!("order = {order}")) && text.contains("4 to 500");
             assert!(names_order && text.contains("three orders"), "{text}");
         }
         let result = identification(&set, &options(method, Some(4))).unwrap();

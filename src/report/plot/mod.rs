@@ -21,6 +21,7 @@ mod update;
 
 use std::collections::BTreeSet;
 
+use crate::printable::file_name_part;
 use crate::scene::{Figures, TestFigures};
 
 use super::test_title::test_title;
@@ -142,11 +143,8 @@ fn file_name(text: &str) -> String {
         }
     };
     let legal: String = text.chars().map(legal).collect();
-    legal
-        .split_whitespace()
-        .collect::<Vec<_>>()
-        .join("-")
-        .to_lowercase()
+    let words = legal.split_whitespace().collect::<Vec<_>>();
+    file_name_part(&words.join("-").to_lowercase()).to_owned()
 }
 
 #[cfg(test)]
