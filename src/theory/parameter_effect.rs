@@ -6,8 +6,8 @@ use super::system::SystemSlope;
 use super::{TheoreticalModel, TheoryError};
 
 /// Whether parameter `j` is a stiffness: it changes the stiffness matrix and not the mass matrix,
-/// and its unit is that of a stiffness, of a modulus, or none. A length or an angle that changes the
-/// stiffness matrix is geometry.
+/// and its unit is that of a stiffness, of a modulus, or none. A length or an angle that changes
+/// the stiffness matrix is geometry.
 ///
 /// # Errors
 /// Those of the model's derivative.

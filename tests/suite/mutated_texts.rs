@@ -248,7 +248,8 @@ fn kinds() -> Vec<Kind> {
         std::fs::copy(beam.join(name), folder.path().join(name)).unwrap();
     }
     modalign_of(&["run", out, "-o", out]);
-    succeed(["update", out, "-o", out]);
+    let updated = folder.path().join("updated");
+    succeed(["update", out, "-o", updated.to_str().unwrap()]);
     let result = |name: &str| read(&folder.path().join(name));
     let kind = |name, text, used: Use| Kind { name, text, used };
     let limits = "[limits]\nmin_mac = 0.9\nmax_missed = 0\nmax_frequency_error_percent = 5.0\n";
@@ -262,7 +263,7 @@ fn kinds() -> Vec<Kind> {
         kind("limits", limits.to_owned(), use_limits),
         kind("modes", result("roving-hammer.modes.json"), use_modes),
         kind("comparison", result("comparison.json"), use_comparison),
-        kind("update", result("update.json"), use_update),
+        kind("update", result("updated/update.json"), use_update),
         kind("report", result("report.json"), use_report),
         kind("selection", selection.to_owned(), use_selection),
     ]

@@ -174,7 +174,7 @@ fn an_invalid_study_is_refused_with_its_reason() {
         fail(command)
     };
     assert!(with("drawn = 4").contains("did you mean `draws`?"));
-    assert!(with("draws = 0").contains("[speed_accuracy] draws: got 0, expected 1 or more"));
+    assert!(with("draws = 0").contains("[speed_accuracy] draws: got 0, expected 1 to 100000"));
     let unknown = with("tests = [\"other\"]");
     assert!(
         unknown.contains("got \"other\"") && unknown.contains("roving hammer"),
