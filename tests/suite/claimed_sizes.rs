@@ -1,5 +1,5 @@
-//! Numbers of an input that memory and time grow with: what is too large is an error at once, before
-//! the memory is taken.
+//! Numbers of an input that memory and time grow with: what is too large is an error at once,
+//! before the memory is taken.
 
 use std::io::Write;
 use std::path::Path;
