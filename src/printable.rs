@@ -17,11 +17,12 @@ const MAX_LINE_CHARS: usize = 20_000;
 const MAX_CELL_CHARS: usize = 1000;
 
 /// Whether the character is a command rather than a sign: C0, DEL and C1 of ISO 6429, marks of
-/// writing direction and invisible characters of Unicode. The end of a line is one, too.
+/// writing direction and invisible characters of Unicode. The end of a line is one, too; joiners,
+/// which some scripts need within words, are not.
 pub fn is_control(c: char) -> bool {
     c.is_control()
         || matches!(c,
-            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}'
             | '\u{e0000}'..='\u{e007f}')
 }
@@ -94,7 +95,7 @@ pub fn printable_message(text: &str) -> Cow<'_, str> {
 /// The first three quarters and the last quarter of a text that is longer than `max` characters:
 /// what a message expects stands at its end.
 fn shortened(text: &str, max: usize) -> Cow<'_, str> {
-    // A character has at most four bytes, so that a short text is not counted.
+    // A character has a byte at least, so that a short text need not be counted.
     if text.len() <= max || text.chars().nth(max).is_none() {
         return Cow::Borrowed(text);
     }

@@ -48,8 +48,9 @@ pub struct Global {
     /// Refuse a scene, model or spec that names files outside its folder: for one from elsewhere.
     #[arg(long, global = true)]
     pub confine: bool,
-    /// Most memory that the program takes, such as 4G or 500M (default: half of the machine's).
-    /// What needs more ends with an error.
+    /// Most memory that the program takes, such as 4G or 500M (default: three quarters of the
+    /// machine's, on Linux). An array of a file that needs more is an error; other work that does
+    /// ends the program.
     #[arg(long, global = true, value_name = "BYTES")]
     pub max_memory: Option<String>,
     /// The result as JSON on standard output.
@@ -129,13 +130,7 @@ impl Verb {
             | Verb::Completions(_)
             | Verb::Man(_) => Vec::new(),
         };
-        let is_toml = |path: &Path| {
-            path.extension()
-                .is_some_and(|extension| extension == "toml")
-        };
-        let named = named.into_iter().map(PathBuf::as_path);
-        let names_files = |path: &&Path| path.is_dir() || path.is_file() && is_toml(path);
-        named.filter(names_files).collect()
+        named.into_iter().map(PathBuf::as_path).collect()
     }
 }
 

@@ -6,7 +6,11 @@ use crate::error::Error;
 /// Limits below this leave no room for the program itself.
 const MIN_BYTES: usize = 16 << 20;
 
-/// Sets the limit of `--max-memory`, or by default half of the memory of the machine.
+/// Share of the machine's memory that is the limit where none is stated, in quarters. Larger: the
+/// machine stops before a file is refused. Smaller: work that the machine can do is refused.
+const DEFAULT_QUARTERS: usize = 3;
+
+/// Sets the limit of `--max-memory`, or by default three quarters of the memory of the machine.
 ///
 /// # Errors
 /// [`Error::Argument`] for a text that is no size.
@@ -15,7 +19,7 @@ pub(super) fn set(
     limit_memory: impl FnOnce(usize) -> bool,
 ) -> Result<(), Error> {
     let limit = match stated {
-        None => machine_bytes().map(|bytes| bytes / 2),
+        None => machine_bytes().map(|bytes| bytes / 4 * DEFAULT_QUARTERS),
         Some(text) => Some(
             bytes_of(text)
                 .filter(|bytes| *bytes >= MIN_BYTES)

@@ -126,23 +126,23 @@ fn print_clap(text: &clap::Error) -> ExitCode {
     }
 }
 
-/// Options that name an output.
-const OUTPUT_OPTIONS: [&str; 6] = [
-    "output",
-    "junit",
-    "expand",
-    "lines",
-    "indicators",
-    "stabilization",
+/// Options that name an output, as the parser and as the user name them.
+const OUTPUT_OPTIONS: [(&str, &str); 6] = [
+    ("output", "-o"),
+    ("junit", "--junit"),
+    ("expand", "--expand"),
+    ("lines", "--lines"),
+    ("indicators", "--indicators"),
+    ("stabilization", "--stabilization"),
 ];
 
 /// An error for an output of the name that other programs give to standard output.
 fn check_output_names(matches: &ArgMatches) -> Result<(), Error> {
-    for name in OUTPUT_OPTIONS {
+    for (name, argument) in OUTPUT_OPTIONS {
         let path = matches.try_get_one::<PathBuf>(name).ok().flatten();
         if path.is_some_and(|path| path == Path::new("-")) {
             return Err(Error::Argument {
-                argument: "output",
+                argument,
                 got: "-".to_owned(),
                 expected: "the name of a file or folder; standard output is /dev/stdout".to_owned(),
             });

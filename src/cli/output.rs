@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::geometry::Geometry;
 use crate::io::{
-    IoError, ResultFile, ResultsFolder, WriteOptions, bytes_for_path, modes_source,
-    open_file_number, write_all_whole,
+    IoError, ResultFile, ResultsFolder, WriteOptions, bytes_for_path, forget_result, modes_source,
+    open_file_number, resolved_target, write_all_whole,
 };
 use crate::modal::ModalModel;
 use crate::printable::{printable_json, printable_message};
@@ -22,6 +22,7 @@ use super::color::{self, ColorChoice};
 use super::finding_lines::{all_lines, screen_lines};
 use super::interrupt::Writing;
 use super::progress::Progress;
+use super::wrapping::{DEFAULT_WIDTH, error_width, output_width};
 
 /// Extensions of the formats that hold modes.
 pub const MODES_EXTENSIONS: &[&str] = &[
@@ -75,17 +76,9 @@ const STANDARD_OUTPUT: u32 = 1;
 /// Number of standard error.
 const STANDARD_ERROR: u32 = 2;
 
-/// Width of the screen where standard output is no terminal.
-const DEFAULT_WIDTH: usize = 100;
-/// Width of the narrowest screen that is used as it is.
-const MIN_WIDTH: usize = 60;
-
 /// Characters in a line of the screen.
 fn screen_width() -> usize {
-    let width = terminal_size::terminal_size_of(std::io::stdout());
-    width.map_or(DEFAULT_WIDTH, |(width, _)| {
-        usize::from(width.0).max(MIN_WIDTH)
-    })
+    output_width().unwrap_or(DEFAULT_WIDTH)
 }
 
 /// Collects the texts and files of a verb, which are printed and written only when it has
@@ -345,6 +338,9 @@ impl Output {
                 .into_iter()
                 .partition(|(path, _)| is_standard_stream(path));
             write_all_whole(&files)?;
+            for (path, _) in &files {
+                forget_result(&resolved_target(path))?;
+            }
             if let Some(results) = self.results.take().filter(|one| !one.files.is_empty()) {
                 results
                     .folder
@@ -364,7 +360,7 @@ impl Output {
         if !self.quiet {
             let stderr = std::io::stderr();
             let paints = self.color.is_enabled_on(&stderr);
-            let width = terminal_size::terminal_size_of(&stderr);
+            let width = error_width();
             let lines = if self.full {
                 all_lines(&self.findings, self.language)
             } else {
@@ -379,8 +375,8 @@ impl Output {
                 };
                 // A terminal breaks long lines within words.
                 let line = match width {
-                    Some((width, _)) => {
-                        let wrapping = textwrap::Options::new(usize::from(width.0).max(MIN_WIDTH));
+                    Some(width) => {
+                        let wrapping = textwrap::Options::new(width);
                         textwrap::fill(&line, wrapping.subsequent_indent("  "))
                     }
                     None => line,

@@ -94,7 +94,7 @@ pub enum IoError {
         expected: String,
     },
     /// Contents for which the memory has no room.
-    #[error("{path}: {what}: got {:.1} GB, expected as much as the memory has room for (--max-memory)", *bytes as f64 / 1e9)]
+    #[error("{path}: {what}: got {:.1} GB, expected an array for which the memory has room twice (--max-memory)", *bytes as f64 / 1e9)]
     Memory {
         /// Path as given.
         path: String,

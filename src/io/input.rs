@@ -25,7 +25,7 @@ type Handle = Mutex<Option<File>>;
 static OPEN_INPUTS: Mutex<VecDeque<Weak<Handle>>> = Mutex::new(VecDeque::new());
 
 /// The contents of the pipes that were read.
-static PIPES: Mutex<BTreeMap<PathBuf, Arc<[u8]>>> = Mutex::new(BTreeMap::new());
+static PIPES: Mutex<BTreeMap<PathBuf, PipeContents>> = Mutex::new(BTreeMap::new());
 
 /// Opens a file or a pipe.
 pub(super) fn open_input(path: &Path) -> Result<Box<dyn ReadSeek>> {
@@ -44,7 +44,7 @@ pub(super) fn open_input(path: &Path) -> Result<Box<dyn ReadSeek>> {
     if is_device(&data) {
         return Err(Error::other("it is a device, expected a file or a pipe"));
     }
-    Ok(Box::new(Cursor::new(pipe_contents(path)?)))
+    Ok(Box::new(Cursor::new(pipe_contents(path, u64::MAX)?)))
 }
 
 /// Reads a file or a pipe.
@@ -61,7 +61,10 @@ pub fn read_input(path: &Path) -> Result<Vec<u8>> {
 /// As [`read_input`].
 pub fn read_input_part(path: &Path, count: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open_input(path)?.take(count).read_to_end(&mut bytes)?;
+    match is_pipe(path) {
+        true => bytes.extend_from_slice(pipe_contents(path, count)?.as_ref()),
+        false => drop(open_input(path)?.take(count).read_to_end(&mut bytes)?),
+    }
     Ok(bytes)
 }
 
@@ -76,16 +79,36 @@ fn is_device(_data: &Metadata) -> bool {
     false
 }
 
-fn pipe_contents(path: &Path) -> Result<Arc<[u8]>> {
-    let mut pipes = locked(&PIPES);
-    if let Some(bytes) = pipes.get(path) {
-        return Ok(Arc::clone(bytes));
+/// Whether a path leads to something that can be read once.
+fn is_pipe(path: &Path) -> bool {
+    let data = std::fs::metadata(path);
+    data.is_ok_and(|data| !data.is_file() && !data.is_dir() && !is_device(&data))
+}
+
+/// The contents of a pipe.
+#[derive(Clone)]
+struct PipeContents(Arc<Vec<u8>>);
+
+impl AsRef<[u8]> for PipeContents {
+    fn as_ref(&self) -> &[u8] {
+        &self.0
+    }
+}
+
+/// What a pipe gives, at most so many bytes; kept where it is all.
+fn pipe_contents(path: &Path, count: u64) -> Result<PipeContents> {
+    let known = locked(&PIPES).get(path).cloned();
+    if let Some(contents) = known {
+        return Ok(contents);
     }
     let mut bytes = Vec::new();
-    File::open(path)?.read_to_end(&mut bytes)?;
-    let bytes: Arc<[u8]> = bytes.into();
-    pipes.insert(path.to_owned(), Arc::clone(&bytes));
-    Ok(bytes)
+    File::open(path)?.take(count).read_to_end(&mut bytes)?;
+    let is_whole = (bytes.len() as u64) < count;
+    let contents = PipeContents(Arc::new(bytes));
+    if is_whole {
+        locked(&PIPES).insert(path.to_owned(), contents.clone());
+    }
+    Ok(contents)
 }
 
 /// The value behind a lock, also after a panic of its holder.
@@ -102,20 +125,21 @@ struct FileInput {
     handle: Arc<Handle>,
 }
 
-/// Identity, length and time of a file, which show a change while the file was closed.
-type Stamp = [u64; 5];
+/// Length and time of a file, which show a change while the file was closed. Its number on the disk
+/// is another at each opening on some file systems of a network.
+type Stamp = [u64; 3];
 
 #[cfg(unix)]
 fn stamp_of(data: &Metadata) -> Stamp {
     use std::os::unix::fs::MetadataExt;
     let (seconds, nanoseconds) = (data.mtime(), data.mtime_nsec());
     let time = [seconds.cast_unsigned(), nanoseconds.cast_unsigned()];
-    [data.dev(), data.ino(), data.len(), time[0], time[1]]
+    [data.len(), time[0], time[1]]
 }
 
 #[cfg(not(unix))]
 fn stamp_of(data: &Metadata) -> Stamp {
-    [0, 0, data.len(), 0, 0]
+    [data.len(), 0, 0]
 }
 
 impl FileInput {

@@ -15,6 +15,8 @@ use super::{IoError, read_input, sha256_hex, sha256_of_bytes};
 
 /// Schema of [`MANIFEST_FILE`].
 pub const MANIFEST_SCHEMA: &str = "modalign-manifest/1";
+/// What the schemas of all versions begin with.
+const MANIFEST_SCHEMA_NAME: &str = "modalign-manifest/";
 
 /// Name of the manifest in a folder of results.
 const MANIFEST_FILE: &str = "manifest.json";
@@ -62,7 +64,7 @@ impl Manifest {
         }
     }
 
-    /// The manifest of a folder; `None` where it has none.
+    /// The manifest of a folder; `None` where it has none, or that of another program.
     fn read(folder: &Path) -> Result<Option<Self>, IoError> {
         let path = folder.join(MANIFEST_FILE);
         if std::fs::symlink_metadata(&path).is_err() {
@@ -77,6 +79,11 @@ impl Manifest {
             got,
             expected: "schema modalign-manifest/1; a damaged one may be removed, then run again",
         };
+        // Web pages and packages have a file of this name, too.
+        let is_ours = memchr::memmem::find(&bytes, MANIFEST_SCHEMA_NAME.as_bytes()).is_some();
+        if !is_ours {
+            return Ok(None);
+        }
         let manifest: Self = serde_json::from_slice(&bytes)
             .map_err(|cause| error(cause.line(), cause.column(), cause.to_string()))?;
         match manifest.schema == MANIFEST_SCHEMA {
@@ -141,10 +148,29 @@ pub fn check_result(path: &Path, content: &[u8]) -> Result<(), IoError> {
     for path in std::iter::once(path).chain(behind_links.as_deref()) {
         let name = path.file_name().and_then(|name| name.to_str());
         if let (Some(name), Some(manifest)) = (name, Manifest::read(folder_of(path))?) {
-            return manifest.check(folder_of(path), name, content);
+            manifest.check(folder_of(path), name, content)?;
         }
     }
     Ok(())
+}
+
+/// Removes a file from the manifest beside it, which a command has written by itself: it is of no
+/// run any more.
+///
+/// # Errors
+/// As [`ResultsFolder::write`].
+pub fn forget_result(path: &Path) -> Result<(), IoError> {
+    let folder = folder_of(path);
+    let name = path.file_name().and_then(|name| name.to_str());
+    let (Some(name), Some(manifest)) = (name, Manifest::read(folder)?) else {
+        return Ok(());
+    };
+    let is_other = |file: &ListedFile| file.name != name;
+    if manifest.files.iter().all(is_other) {
+        return Ok(());
+    }
+    let kept = manifest.files.into_iter().filter(is_other).collect();
+    Manifest::of(kept).write(folder)
 }
 
 /// A file of a folder of results.
@@ -172,8 +198,15 @@ impl ResultsFolder {
     /// [`IoError::Json`] for another program's manifest.
     pub fn open(path: &Path) -> Result<Self, IoError> {
         let lock = FolderLock::take(path)?;
+        let before = Manifest::read(path)?;
+        let file = path.join(MANIFEST_FILE);
+        if before.is_none() && std::fs::symlink_metadata(&file).is_ok() {
+            let other = "it is the file of another program, expected another folder for results";
+            let other = std::io::Error::other(other);
+            return Err(system(&file.display().to_string(), "replace")(other));
+        }
         Ok(Self {
-            before: Manifest::read(path)?.unwrap_or_default(),
+            before: before.unwrap_or_default(),
             path: path.to_owned(),
             _lock: lock,
         })
@@ -293,6 +326,9 @@ mod tests {
         }
         assert!(check_result(&folder.join("a.txt"), b"new").is_ok());
         assert!(check_result(&folder.join("notes.txt"), b"any").is_ok());
+        // A file that another command has written by itself.
+        forget_result(&folder.join("update.json")).unwrap();
+        assert!(check_result(&folder.join("update.json"), b"other").is_ok());
         let error = check_result(&folder.join("a.txt"), b"a").unwrap_err();
         let error = error.to_string();
         assert!(error.contains("a.txt: got content with SHA-256"), "{error}");

@@ -36,7 +36,7 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 
 /// Removes the files that this process has not finished, before it ends at an interrupt.
 pub fn remove_unfinished() {
-    // The thread that panicked may hold the list itself; then no file has been begun.
+    // The list is not waited for: the thread that panicked may hold it.
     let Ok(paths) = UNFINISHED.try_lock() else {
         return;
     };
@@ -59,7 +59,11 @@ pub(super) fn remove_leftovers(folder: &Path) {
         };
         // The lock of a living writer is refused. While it is held here, none begins. The first
         // file is renamed last, so that others without it are leftovers.
-        let opened = File::open(folder.join(first));
+        let first = folder.join(first);
+        if std::fs::symlink_metadata(&first).is_ok_and(|data| !data.is_file()) {
+            continue;
+        }
+        let opened = File::open(first);
         let is_dead = match &opened {
             Ok(file) => file.try_lock().is_ok(),
             Err(error) => error.kind() == ErrorKind::NotFound,
@@ -531,7 +535,7 @@ pub fn write_atomically(
 }
 
 /// Writes several files, each beside its name, and renames them when all are written: a failure
-/// leaves every file that was there as it was.
+/// leaves every file as it was, unless a renaming fails behind others.
 ///
 /// # Errors
 /// [`IoError::System`].

@@ -1,6 +1,6 @@
 //! The Markdown renderer writes pipe tables.
 
-use crate::printable::printable_message;
+use crate::printable::printable;
 
 use super::{Align, Block, Renderer, Table};
 
@@ -28,7 +28,7 @@ impl Renderer for Markdown {
 
 /// The text on a line, whose signs are none of Markdown: a title of a file makes no element.
 fn escape(text: &str) -> String {
-    let text = printable_message(text);
+    let text = printable(text);
     let characters: Vec<char> = text.chars().collect();
     let mut escaped = String::with_capacity(text.len());
     for (index, &c) in characters.iter().enumerate() {
@@ -43,7 +43,7 @@ fn escape(text: &str) -> String {
             ']' => matches!(after, Some('(' | '[' | ':')),
             // Addresses become links without brackets.
             ':' => after == Some('/'),
-            '.' => escaped.to_lowercase().ends_with("www"),
+            '.' => is_www(&characters[..index]),
             '@' => is_in_word(before) && is_in_word(after),
             _ => false,
         };
@@ -53,6 +53,12 @@ fn escape(text: &str) -> String {
         escaped.push(if matches!(c, '\n' | '\t') { ' ' } else { c });
     }
     escaped
+}
+
+/// Whether a text ends like the beginning of an address.
+fn is_www(before: &[char]) -> bool {
+    let last = &before[before.len().saturating_sub(3)..];
+    last.len() == 3 && last.iter().all(|c| matches!(c, 'w' | 'W'))
 }
 
 /// A line of a paragraph, which begins no heading, quotation, numbered list or block of code.

@@ -7,6 +7,11 @@ use super::places::located;
 use super::toml_faults::SUBSTITUTE_TEXT;
 use super::toml_text::parse_repaired;
 
+/// Maximum number of faults that are collected, more than a message lists. Larger: a file with a
+/// fault in each line takes minutes, because each is compared with the others and sought in the
+/// file. Smaller: a message cannot say that there are more.
+const MAX_COLLECTED: usize = 50;
+
 /// Collected faults.
 #[derive(Debug, Default)]
 pub(super) struct Faults(Vec<SceneError>);
@@ -34,12 +39,13 @@ impl Faults {
                 };
                 faults.into_iter().for_each(|fault| self.add(alone(fault)));
             }
-            single => {
+            single if self.0.len() < MAX_COLLECTED => {
                 let text = single.to_string();
                 if self.0.iter().all(|known| known.to_string() != text) {
                     self.0.push(single);
                 }
             }
+            _ => {}
         }
     }
 
@@ -167,7 +173,12 @@ impl Repairs<'_> {
     /// The line of the head of the table to which a line belongs; `None` above the first.
     fn head(&self, line: usize) -> Option<usize> {
         let lines: Vec<&str> = self.text.lines().take(line).collect();
-        let is_head = |line: &&str| line.trim_start().starts_with('[');
+        // A row of an array begins with a number or a text.
+        let is_name = |c: char| c.is_alphabetic() || c == '_';
+        let is_head = |line: &&str| {
+            let name = line.trim_start();
+            name.starts_with('[') && name.trim_start_matches('[').starts_with(is_name)
+        };
         lines.iter().rposition(is_head)
     }
 }

@@ -34,8 +34,9 @@ const MAX_SHIFT_OF_ONE_MODE: f64 = 0.02;
 /// the opposite sign passes, which changes the MAC by less than its limit. Smaller: noise turns the
 /// sign of a component near a node.
 const MIN_COMPONENT_WITH_SIGN: f64 = 0.03;
-/// The same of shapes of a model, which have no noise.
-const MIN_MODEL_COMPONENT_WITH_SIGN: f64 = 1e-6;
+/// The same of shapes of a model, which have no noise. Smaller: a change of the model within its
+/// limits moves a node past a sensor.
+const MIN_MODEL_COMPONENT_WITH_SIGN: f64 = 1e-3;
 /// Maximum relative change of residues, modal mass and scale of a shape. Larger: a wrong
 /// calibration of a sensor passes. Smaller: recordings of the same machine fail, see
 /// `check_command::another_recording_of_the_same_machine_passes_and_a_changed_machine_does_not`.
@@ -43,6 +44,8 @@ const MAX_AMPLITUDE_CHANGE: f64 = 0.1;
 /// Standard deviations of the damping ratio by which an amplitude may change: that of a resonance
 /// is estimated with its damping.
 const AMPLITUDE_STDS: f64 = 4.0;
+/// Most that they may allow: beyond it an amplitude that is lost would pass.
+const MAX_AMPLITUDE_CHANGE_BY_STDS: f64 = 0.5;
 
 /// How far a result may lie from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -528,7 +531,7 @@ fn amplitude_changes(
     };
     let stds = AMPLITUDE_STDS * relative_std(now).hypot(relative_std(before));
     // A deviation that is no number allows nothing more.
-    let most = MAX_AMPLITUDE_CHANGE.max(stds);
+    let most = MAX_AMPLITUDE_CHANGE.max(stds.min(MAX_AMPLITUDE_CHANGE_BY_STDS));
     let mut changes = Vec::new();
     if !before.residues.is_empty() {
         let measure = Measure::AtMost(residue_change(root_now, root), most);
@@ -570,7 +573,11 @@ fn residue_change(now: &[&Mode], before: &[&Mode]) -> Option<f64> {
         difference += (now.get(pair)? - old).norm_sqr();
     }
     let whole: f64 = before.values().map(Complex64::norm_sqr).sum();
-    Some((difference / whole).sqrt())
+    // Residues that are all 0 change by nothing or without measure.
+    Some(match difference == 0.0 {
+        true => 0.0,
+        false => (difference / whole).sqrt(),
+    })
 }
 
 /// Values of a mode at the degrees of freedom that two others have in common; 0 where it has none.

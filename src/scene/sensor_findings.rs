@@ -193,7 +193,7 @@ fn is_one_position(a: &Sensor, b: &Sensor) -> bool {
         ) => {
             let distance = (Vector3::from(*at_m) - Vector3::from(*other_at_m)).norm();
             let directions = unit(*direction).zip(unit(*other_direction));
-            let cosine = directions.map_or(0.0, |(a, b)| a.dot(&b).abs());
+            let cosine = directions.map_or(0.0, |(a, b)| a.dot(&b));
             body == other_body
                 && distance <= MAX_DISTANCE_OF_ONE_POSITION_M
                 && cosine >= MIN_COSINE_OF_ONE_DIRECTION

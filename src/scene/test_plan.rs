@@ -220,7 +220,7 @@ fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSourc
 }
 
 /// The files of one entry of `files`: itself, or the matches of its wildcards in order of name.
-fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, SceneError> {
+pub(super) fn expand(folder: &Path, pattern: &str, path: &str) -> Result<Vec<PathBuf>, SceneError> {
     if !pattern.contains(['*', '?', '[']) || folder.join(pattern).exists() {
         return Ok(vec![folder.join(pattern)]);
     }

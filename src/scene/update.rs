@@ -358,7 +358,7 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
     })
 }
 
-/// The parameters that are named; where none is, all of the model above 0 but numbers of parts.
+/// The parameters that are named; where none is, the stiffnesses of the model above 0.
 fn choices(
     stated: &UpdateTable,
     model: &LoadedModel,
@@ -381,8 +381,7 @@ fn choices(
         }
     }
     if all.is_empty() {
-        let expected = "names of parameters: the model has no stiffness above 0, which are free \
-                        where none is named";
+        let expected = "names of parameters, because the model has no stiffness above 0";
         return Err(value_error(
             path,
             "[update] parameters",

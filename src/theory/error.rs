@@ -462,6 +462,9 @@ fn joined(faults: &[TheoryError]) -> String {
     texts.join("; ")
 }
 
+/// Maximum number of faults of a model that are collected, for the reason of that of a scene.
+const MAX_COLLECTED: usize = 50;
+
 /// Faults of a model file that are collected, so that all are named at once.
 #[derive(Default)]
 pub(super) struct CollectedFaults(Vec<TheoryError>);
@@ -475,7 +478,7 @@ impl CollectedFaults {
     pub fn add(&mut self, error: TheoryError) {
         match error {
             TheoryError::Several { faults } => faults.into_iter().for_each(|fault| self.add(fault)),
-            single if self.0.contains(&single) => {}
+            single if self.0.len() >= MAX_COLLECTED || self.0.contains(&single) => {}
             single => self.0.push(single),
         }
     }

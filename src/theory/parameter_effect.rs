@@ -5,9 +5,14 @@ use crate::linalg::{RealMatrix, SparseMatrix};
 use super::system::SystemSlope;
 use super::{TheoreticalModel, TheoryError};
 
-/// Whether parameter `j` is a stiffness: it changes the stiffness matrix and not the mass matrix,
-/// and its unit is that of a stiffness, of a modulus, or none. A length or an angle that changes
-/// the stiffness matrix is geometry.
+/// Units of lengths, areas, second moments and angles.
+const GEOMETRY_UNITS: [&str; 16] = [
+    "m", "mm", "cm", "in", "ft", "m2", "m^2", "m²", "m4", "m^4", "m⁴", "mm4", "mm^4", "rad", "deg",
+    "°",
+];
+
+/// Whether parameter `j` is a stiffness: it changes the stiffness matrix and not the mass matrix.
+/// A length, an area or an angle that does is geometry.
 ///
 /// # Errors
 /// Those of the model's derivative.
@@ -17,19 +22,14 @@ pub fn is_stiffness(
     j: usize,
 ) -> Result<bool, TheoryError> {
     let spec = &model.parameters()[j];
-    let unit = spec.unit.trim();
-    let is_elastic = unit.contains('N') || unit.contains("Pa") || matches!(unit, "" | "-" | "1");
-    if spec.whole || !is_elastic {
+    if spec.whole || GEOMETRY_UNITS.contains(&spec.unit.trim()) {
         return Ok(false);
     }
-    let dense = |matrix: &RealMatrix| {
-        let places = (0..matrix.ncols()).flat_map(|k| (0..matrix.nrows()).map(move |i| (i, k)));
-        places.map(|place| matrix[place]).all(|value| value == 0.0)
-    };
-    let sparse = |matrix: &SparseMatrix| matrix.entries().all(|(_, _, value)| value == 0.0);
+    let is_dense_zero = |matrix: &RealMatrix| matrix.norm_max() == 0.0;
+    let is_sparse_zero = |matrix: &SparseMatrix| matrix.entries().all(|(_, _, value)| value == 0.0);
     let [is_mass_unchanged, is_stiffness_unchanged] = match SystemSlope::of(model, values, j)? {
-        SystemSlope::Full(by) => [dense(&by.mass), dense(&by.stiffness)],
-        SystemSlope::Sparse(by) => [sparse(&by.mass), sparse(&by.stiffness)],
+        SystemSlope::Full(by) => [&by.mass, &by.stiffness].map(is_dense_zero),
+        SystemSlope::Sparse(by) => [&by.mass, &by.stiffness].map(is_sparse_zero),
     };
     Ok(is_mass_unchanged && !is_stiffness_unchanged)
 }

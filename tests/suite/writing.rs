@@ -354,7 +354,10 @@ fn a_folder_that_a_kill_left_half_written_is_recognised() {
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
-    while fs::read(out.join("manifest.json")).unwrap() == before {}
+    while fs::read(out.join("manifest.json")).unwrap() == before {
+        let ended = child.try_wait().unwrap();
+        assert!(ended.is_none(), "{ended:?}");
+    }
     child.kill().unwrap();
     child.wait().unwrap();
     fs::remove_file(out.join("tables.txt")).unwrap();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::finding::Finding;
-use crate::printable::printable_message;
+use crate::printable::printable;
 
 use super::super::texts::TEXTS;
 use super::super::verdict::Verdict;
@@ -22,7 +22,7 @@ pub(super) fn fragment(blocks: &[Block], language: Language) -> String {
 /// characters.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for c in printable_message(text).chars() {
+    for c in printable(text).chars() {
         match c {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),

@@ -1,7 +1,7 @@
 //! Characters of LaTeX: the commands of those that pdflatex refuses or reads as commands, and their
 //! widths in Computer Modern.
 
-use crate::printable::printable_message;
+use crate::printable::printable;
 
 /// Commands of mathematics for characters that pdflatex refuses or sets from a font that a small
 /// installation lacks.
@@ -136,7 +136,7 @@ pub(super) fn escaped_paragraph(text: &str) -> String {
 
 fn escaped_words(text: &str, breaks_words: bool) -> String {
     // The marks are private characters, which no font has.
-    let text = printable_message(text).replace([CODE, QUOTE], "?");
+    let text = printable(text).replace([CODE, QUOTE], "?");
     let words = text.split([' ', '\n', '\t']);
     let words = words.map(|word| escaped_word(word, breaks_words));
     code_and_quotes(&words.collect::<Vec<_>>().join(" "))

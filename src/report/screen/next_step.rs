@@ -4,7 +4,8 @@
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::scene::SceneResult;
 
-/// The next step for the scene of this path; `None` where the model has no parameter to update.
+/// The next step for the scene of this path; `None` where no test is compared with a model, or the
+/// model has no parameter to update.
 pub fn next_step(scene: &str, result: &SceneResult) -> Option<String> {
     let table = result.table.as_ref()?;
     let findings = result.findings_by_test();

@@ -325,7 +325,7 @@ fn check_sizes(mode: &ModeJson) -> Result<(), String> {
     let residues = mode.residues.values().map(|value| ("residues", value));
     for (key, value) in shape.chain(residues) {
         let size = complex(*value).norm();
-        if !(size <= MAX_SIZE) {
+        if size.is_nan() || size > MAX_SIZE {
             return Err(format!("{key} {size:e}, which is above {MAX_SIZE:e}"));
         }
     }
