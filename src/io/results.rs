@@ -154,8 +154,8 @@ pub fn check_result(path: &Path, content: &[u8]) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Removes a file from the manifest beside it, which a command has written by itself: it is of no
-/// run any more.
+/// Removes a file from the manifest beside it, after a command wrote it alone: it is no longer of
+/// the run that the manifest names.
 ///
 /// # Errors
 /// As [`ResultsFolder::write`].
@@ -326,7 +326,7 @@ mod tests {
         }
         assert!(check_result(&folder.join("a.txt"), b"new").is_ok());
         assert!(check_result(&folder.join("notes.txt"), b"any").is_ok());
-        // A file that another command has written by itself.
+        // A file that another command wrote alone.
         forget_result(&folder.join("update.json")).unwrap();
         assert!(check_result(&folder.join("update.json"), b"other").is_ok());
         let error = check_result(&folder.join("a.txt"), b"a").unwrap_err();

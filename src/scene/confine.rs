@@ -1,7 +1,8 @@
 //! A scene from elsewhere names only files below its folder.
 //!
-//! Every text of its TOML files counts as a path, whatever its key: a key that is added later cannot
-//! be forgotten here. Texts are read, and wildcards expanded, as the readers of the paths do it.
+//! Every text of its TOML files counts as a path, whatever its key: a key that is added later
+//! cannot be forgotten here. Texts are read, and wildcards expanded, as the readers of the paths do
+//! it.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -79,7 +80,7 @@ struct Search {
 }
 
 impl Search {
-    /// Checks the texts of a TOML file; returns the files that they name. Any other file names none.
+    /// Checks the texts of a TOML file; returns the files that they name, of any other file none.
     fn check_file(&mut self, file: &Path) -> Result<Vec<PathBuf>, SceneError> {
         let place = file.canonicalize().unwrap_or_else(|_| file.to_owned());
         if !self.checked.insert(place) {
