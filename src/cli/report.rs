@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::Error;
-use crate::io::{IoError, check_result};
+use crate::io::{IoError, check_result, check_results};
 use crate::report::json::{
     REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, order_from_json,
     report_from_json, report_to_json, speed_accuracy_from_json,
@@ -48,6 +48,7 @@ pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> 
     }
     let companions = read_companions(folder, OtherRun::IsRefused)?;
     let run = read_report(folder)?;
+    check_results(folder)?;
     let page = page_files(&run, &companions, output.language(), args.png);
     // The page shows an incomplete update as far as possible.
     let updated = companions.updated;

@@ -52,7 +52,9 @@ pub use formats::{
 pub use input::{read_input, read_input_part};
 pub use memory::{FrfSource, MemorySource, Merged, frf_source, hit_source, modes_source};
 pub use open::{detect, format_of, open_bytes, open_path, sha256_hex, sha256_of_bytes};
-pub use results::{MANIFEST_SCHEMA, ResultFile, ResultsFolder, check_result, forget_result};
+pub use results::{
+    MANIFEST_SCHEMA, ResultFile, ResultsFolder, check_result, check_results, forget_result,
+};
 pub use write::{
     NewFile, bytes_for_path, is_stream, open_file_number, remove_unfinished, resolved_target,
     writable_extensions, write_all_new, write_all_whole, write_atomically, write_path,

@@ -154,6 +154,37 @@ pub fn check_result(path: &Path, content: &[u8]) -> Result<(), IoError> {
     Ok(())
 }
 
+/// Checks all JSON files of a folder of results that its manifest names.
+///
+/// # Errors
+/// As [`check_result`]; [`IoError::OtherRun`] for one that is missing.
+pub fn check_results(folder: &Path) -> Result<(), IoError> {
+    let Some(manifest) = Manifest::read(folder)? else {
+        return Ok(());
+    };
+    for file in manifest
+        .files
+        .iter()
+        .filter(|file| file.name.ends_with(".json"))
+    {
+        let path = folder.join(&file.name);
+        match read_input(&path) {
+            Ok(content) => manifest.check(folder, &file.name, &content)?,
+            Err(_) => {
+                return Err(IoError::OtherRun {
+                    path: path.display().to_string(),
+                    got: "no file that can be read".to_owned(),
+                    expected: format!(
+                        "the one that {MANIFEST_FILE} names: run `modalign {}` again",
+                        file.verb.escape_debug()
+                    ),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Removes a file from the manifest beside it, after a command wrote it alone: it is no longer of
 /// the run that the manifest names.
 ///

@@ -422,6 +422,11 @@ fn results_of_two_runs_are_refused_by_name() {
         ),
         2,
     );
+    assert!(ends(folder.path(), "modalign report out", 2).contains("out/comparison.json: got"));
+    ends(folder.path(), "mv out/comparison.json aside.json", 0);
+    let error = ends(folder.path(), "modalign report out", 2);
+    assert!(error.contains("no file that can be read"), "{error}");
+    ends(folder.path(), "mv aside.json out/comparison.json", 0);
     fs::copy(&comparison, folder.path().join("alone.json")).unwrap();
     let alone = check.replace("out/comparison.json", "alone.json");
     assert_eq!(bash(folder.path(), &alone).status.code(), ended);

@@ -27,6 +27,12 @@ pub fn next_step(scene: &str, result: &SceneResult) -> Option<String> {
         };
         return Some(text.to_owned());
     }
+    if has(Code::SensorsAtOnePosition) {
+        let explained = explained(Code::SensorsAtOnePosition);
+        return Some(format!(
+            "Next, before an update: the positions of [[sensor]], of which several are one ({explained})."
+        ));
+    }
     if let Some(finding) = wrong_sensor {
         let (sensor, explained) = (sensor_name(finding), explained(finding.code));
         return Some(format!(
