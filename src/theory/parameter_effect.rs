@@ -12,7 +12,8 @@ const GEOMETRY_UNITS: [&str; 16] = [
 ];
 
 /// Whether parameter `j` is a stiffness: it changes the stiffness matrix and not the mass matrix.
-/// A length, an area or an angle that does is geometry.
+/// A length, an area or an angle that does is geometry, and so is a ratio, but for the factor of a
+/// group of matrices.
 ///
 /// # Errors
 /// Those of the model's derivative.
@@ -22,7 +23,9 @@ pub fn is_stiffness(
     j: usize,
 ) -> Result<bool, TheoryError> {
     let spec = &model.parameters()[j];
-    if spec.whole || GEOMETRY_UNITS.contains(&spec.unit.trim()) {
+    let unit = spec.unit.trim();
+    let is_ratio = matches!(unit, "" | "-" | "1") && model.stiffness_parts(values)?.is_empty();
+    if spec.whole || is_ratio || GEOMETRY_UNITS.contains(&unit) {
         return Ok(false);
     }
     let is_dense_zero = |matrix: &RealMatrix| matrix.norm_max() == 0.0;
@@ -32,4 +35,43 @@ pub fn is_stiffness(
         SystemSlope::Sparse(by) => [&by.mass, &by.stiffness].map(is_sparse_zero),
     };
     Ok(is_mass_unchanged && !is_stiffness_unchanged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::{built_in, nominal_values};
+
+    #[test]
+    fn stiffnesses_of_the_transmissions_are_those_of_springs() {
+        for name in [
+            "cycloid-ball",
+            "torsional-planetary",
+            "spider-reducer",
+            "helical-planetary",
+        ] {
+            let model = built_in(name).unwrap();
+            let specs = model.parameters();
+            let values = nominal_values(specs);
+            let found =
+                (0..specs.len()).filter(|j| is_stiffness(model.as_ref(), &values, *j).unwrap());
+            let found: Vec<&str> = found.map(|j| specs[j].unit.as_str()).collect();
+            assert!(!found.is_empty(), "{name}");
+            assert!(
+                found.iter().all(|unit| unit.starts_with('N')),
+                "{name}: {found:?}"
+            );
+        }
+        let model = built_in("cycloid-ball").unwrap();
+        let values = nominal_values(model.parameters());
+        for (j, spec) in model.parameters().iter().enumerate() {
+            let expected = spec.name.starts_with("k_");
+            assert_eq!(
+                is_stiffness(model.as_ref(), &values, j).unwrap(),
+                expected,
+                "{}",
+                spec.name
+            );
+        }
+    }
 }
