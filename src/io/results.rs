@@ -13,7 +13,7 @@ use super::error::system;
 use super::write::{FolderLock, PendingFiles, folder_of, remove_leftovers, write_atomically};
 use super::{IoError, read_input, sha256_hex, sha256_of_bytes};
 
-/// Schema of [`MANIFEST_FILE`].
+/// Schema of `manifest.json` in a folder of results.
 pub const MANIFEST_SCHEMA: &str = "modalign-manifest/1";
 /// What the schemas of all versions begin with.
 const MANIFEST_SCHEMA_NAME: &str = "modalign-manifest/";
