@@ -159,6 +159,8 @@ mod tests {
 
     #[test]
     fn long_values_are_cut_with_their_length() {
+        assert_eq!(shortened("abcdefghij", 8), "abcdef … (10 characters) … ij");
+        assert_eq!(shortened("abcdefgh", 8), "abcdefgh");
         let message = format!("got {}, expected a number", "x".repeat(400_000));
         let shown = printable_message(&message);
         assert!(shown.chars().count() < MAX_WORD_CHARS + 100);

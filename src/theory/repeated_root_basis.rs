@@ -146,6 +146,15 @@ mod tests {
     }
 
     #[test]
+    fn no_coordinate_behind_a_pivot_is_passed_over() {
+        let rows = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|row| row.to_vec());
+        assert_eq!(pivots(&rows, 2, &[1.0; 3]), [0, 1]);
+        // The second row repeats the first.
+        let rows = [[1.0, 1.0], [2.0, 2.0], [0.0, 1.0]].map(|row| row.to_vec());
+        assert_eq!(pivots(&rows, 2, &[1.0; 3]), [0, 2]);
+    }
+
+    #[test]
     fn the_first_of_equally_large_components_becomes_positive() {
         let mut vectors = real_matrix(3, 1, |i, _| [-1.0, 0.5, 1.0 + 1e-9][i]);
         fix_sign(&mut vectors, 0);

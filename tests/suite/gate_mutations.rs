@@ -292,6 +292,16 @@ fn results(folder: &Path) {
     }
 }
 
+/// Writes limits, of modes or under `[limits]`.
+fn write_limits(folder: &Path, limits: &str) {
+    let head = if limits.starts_with("[[") {
+        ""
+    } else {
+        "[limits]\n"
+    };
+    write(folder, &[("limits.toml", &format!("{head}{limits}\n"))]);
+}
+
 /// The exit code of a mutated result against its baseline.
 fn code(folder: &Path, name: &str, result: &Value, against: &str, more: &[&str]) -> i32 {
     let now = folder.join("now").join(name);
@@ -325,15 +335,7 @@ fn wrong_results_and_limits_fail() {
         }
     }
     for (name, limits) in FAILING_LIMITS {
-        let head = if limits.starts_with("[[") {
-            ""
-        } else {
-            "[limits]\n"
-        };
-        write(
-            folder.path(),
-            &[("limits.toml", &format!("{head}{limits}\n"))],
-        );
+        write_limits(folder.path(), limits);
         match code(
             folder.path(),
             name,
@@ -451,15 +453,7 @@ fn results_within_their_deviations_pass() {
             "[[limits.mode]]\nfrequency_hz = 143.2\nmax_frequency_error_percent = 0.1",
         ),
     ] {
-        let head = if limits.starts_with("[[") {
-            ""
-        } else {
-            "[limits]\n"
-        };
-        write(
-            folder.path(),
-            &[("limits.toml", &format!("{head}{limits}\n"))],
-        );
+        write_limits(folder.path(), limits);
         for threads in ["1", "3"] {
             let more = ["--threads", threads];
             match code(
