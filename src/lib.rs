@@ -167,7 +167,7 @@
 //! | `update` | axis correlate dof finding frf geometry linalg modal quantity theory |
 //! | `synth` | axis dof finding fourier modal quantity record |
 //! | `scene` | axis correlate dof finding fourier frf geometry identify io linalg modal printable quantity record signal synth theory update |
-//! | `study` | axis correlate dof finding fourier frf geometry identify io linalg modal quantity record scene signal synth theory update |
+//! | `study` | axis correlate dof finding fourier frf geometry identify io linalg modal printable quantity record scene signal synth theory update |
 //! | `report` | axis correlate dof finding frf geometry identify io linalg modal printable quantity record scene signal study synth theory update |
 //! | `error` | correlate frf identify io scene signal study synth theory update |
 //! | `cli` | axis correlate dof error finding fourier frf geometry identify io linalg modal printable quantity record report scene signal study synth theory update |

@@ -37,6 +37,14 @@ pub fn printable_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_control)
 }
 
+/// A count with its noun, which takes an s: `1 mode`, `3 modes`.
+pub(crate) fn counted(number: usize, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
 /// The text with blanks in place of the ends of its lines: a title prints no line behind it.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     match text.contains(['\n', '\r']) {

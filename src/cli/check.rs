@@ -280,10 +280,12 @@ fn against_baseline(
         (ResultFile::Modes(now), ResultFile::Modes(before)) => mode_changes(now, before, &limits),
         (ResultFile::Update(now), ResultFile::Update(before)) => update_changes(now, before),
         _ => {
-            return Err(argument_error(
-                "results of two kinds",
-                "two results of the same kind",
-            ));
+            let got = format!(
+                "{} and {}, results of two kinds",
+                args.result.display(),
+                before_path.display()
+            );
+            return Err(argument_error(&got, "two results of the same kind"));
         }
     };
     Ok(check_changes(&changes, limits.false_refusals))

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::io::IoError;
+use crate::report::json::REPORT_FILE;
 use crate::scene::{ModelDraft, SceneError};
 use crate::theory::BUILT_IN;
 
@@ -31,10 +32,25 @@ pub fn hint(error: &Error) -> String {
             "\nhint: `modalign new DIR FILE... --model {kind}` drafts a model file of this kind"
         );
     }
-    let found = missing.and_then(nearest_path);
-    found.map_or_else(String::new, |name| {
-        format!("\nhint: did you mean `{name}`?")
-    })
+    if let Some(folder) = missing.and_then(folder_without_report) {
+        let name = folder.display();
+        let (scene, results) = match folder.join("scene.toml").is_file() {
+            true => (name.to_string(), folder.join("out").display().to_string()),
+            false => ("SCENE".to_owned(), "DIR".to_owned()),
+        };
+        return format!(
+            "
+hint: {name} holds no finished run; `modalign run {scene} -o {results}` makes one"
+        );
+    }
+    match (missing.and_then(nearest_path), missing) {
+        (Some(name), _) => format!("\nhint: did you mean `{name}`?"),
+        (None, Some(path)) if is_report(path) => {
+            let folder = path.parent().unwrap_or(Path::new("DIR")).display();
+            format!("\nhint: `modalign run SCENE -o {folder}` makes a report")
+        }
+        _ => String::new(),
+    }
 }
 
 /// A TOML file that was given where data are expected.
@@ -72,6 +88,16 @@ fn folder_hint(folder: &Path) -> String {
         "\nhint: name the files in it; `modalign new DIR FILE...` drafts a scene from them"
             .to_owned()
     }
+}
+
+/// The folder that exists and lacks the file from which `report` builds the page.
+fn folder_without_report(missing: &Path) -> Option<&Path> {
+    let folder = missing.parent().filter(|folder| folder.is_dir());
+    folder.filter(|_| is_report(missing))
+}
+
+fn is_report(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == REPORT_FILE)
 }
 
 fn missing_path(error: &Error) -> Option<&Path> {

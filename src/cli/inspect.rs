@@ -12,8 +12,8 @@ use crate::io::{
     ArrayInfo, Catalog, Domain, Entry, EntryAxis, FunctionType, Hints, ModeEntry, SampleFormat,
     open_path,
 };
+use crate::printable::counted;
 use crate::report::{Block, Cell, Column, Table, abridged};
-use crate::study::counted;
 
 use super::args::InspectArgs;
 use super::left_out::LeftOut;
@@ -331,7 +331,7 @@ fn mode_table(modes: &[ModeEntry]) -> Table {
         ]
     };
     Table {
-        caption: format!("{} modes", modes.len()),
+        caption: counted(modes.len(), "mode"),
         columns: vec![
             Column::number("no."),
             Column::number("frequency [Hz]"),

@@ -19,7 +19,7 @@ use crate::scene::{
     model_kind, open_lines, read_text,
 };
 
-use crate::study::counted;
+use crate::printable::counted;
 
 use super::args::NewArgs;
 use super::first_names::first_names;

@@ -7,8 +7,8 @@ use serde_json::Value;
 use crate::error::Error;
 use crate::io::{IoError, check_result, check_results};
 use crate::report::json::{
-    REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json, order_from_json,
-    report_from_json, report_to_json, speed_accuracy_from_json,
+    REPORT_FILE, REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json,
+    order_from_json, report_from_json, report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
     Block, CompanionResults, Language, TableGroup, before_you_leave_blocks, claims_block,
@@ -24,8 +24,6 @@ use super::outcome::Outcome;
 use super::output::Output;
 use super::test_stem::test_stem;
 
-/// The file from which the page is built.
-const REPORT_FILE: &str = "report.json";
 /// The page.
 const PAGE_FILE: &str = "report.html";
 /// The result of `update -o`.

@@ -1,6 +1,7 @@
 //! `modalign synth`: a synthetic hammer test with its truth.
 
 use crate::error::Error;
+use crate::printable::counted;
 use crate::report::{Block, theory_block};
 use crate::scene::{hammer_test, load_synth, record};
 
@@ -21,8 +22,8 @@ pub fn synth(args: &SynthArgs, output: &mut Output) -> Result<Outcome, Error> {
     output.add_file(&truth, recording.truth_json.clone());
     output.add_file(&args.output, recording.uff.clone());
     let summary = format!(
-        "{} synthetic hits of {} samples at {} Hz: {}; truth: {}",
-        test.hit_count(),
+        "{} of {} samples at {} Hz: {}; truth: {}",
+        counted(test.hit_count(), "synthetic hit"),
         test.samples,
         test.sampling_rate_hz,
         args.output.display(),

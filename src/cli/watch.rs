@@ -8,9 +8,9 @@ use std::time::{Duration, SystemTime};
 use crate::error::Error;
 use crate::frf::{BeforeYouLeave, HammerOptions, evaluate_test};
 use crate::io::HitGrouping;
+use crate::printable::counted;
 use crate::report::{Block, before_you_leave_blocks, before_you_leave_screen, json};
 use crate::scene::{TestState, leaving_list, test_rigid_body};
-use crate::study::counted;
 
 use super::args::FrfArgs;
 use super::frf::{

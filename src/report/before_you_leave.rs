@@ -9,8 +9,8 @@ use crate::frf::{
     BeforeYouLeave, Cause, CheckItem, Drift, DrivingPoints, HitAgain, Linearity, MIN_GOOD_HITS,
     MassLineCheck, PairFigures, PointCheck, Reason, ResonanceDrift, SupportCheck,
 };
+use crate::printable::counted;
 use crate::signal::Rule;
-use crate::study::counted;
 
 use super::table::significant;
 use super::{Block, Cell, Column, Table};

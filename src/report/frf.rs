@@ -2,6 +2,7 @@
 
 use crate::axis::Band;
 use crate::frf::{FrfSet, HitReport};
+use crate::printable::counted;
 use crate::signal::{Check, Outcome, Rule};
 
 use super::verdict::Verdict;
@@ -40,7 +41,11 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
         "estimator",
     ];
     Block::Table(Table {
-        caption: format!("{} FRFs from {used} of {} hits", set.len(), hits.len()),
+        caption: format!(
+            "{} from {used} of {}",
+            counted(set.len(), "FRF"),
+            counted(hits.len(), "hit")
+        ),
         columns: heads
             .map(Column::text)
             .into_iter()

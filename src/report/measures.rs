@@ -7,6 +7,7 @@ use crate::correlate::measures::{
     FrfCorrelation, FunctionCorrelation, LineCorrelation, MacMatrix, Measures, ModeName,
     Orthogonality, Reduction, ReversedSensor, ScaleFactor,
 };
+use crate::printable::counted;
 
 use super::{Block, Cell, Column, Table};
 
@@ -184,7 +185,11 @@ pub fn frf_correlation_blocks(
     });
     let mut footnotes = vec![
         "FRAC = |Σ a* b|²/(Σ |a|² · Σ |b|²) over the lines (Heylen and Lammens 1996); level: rms of the second over the first.".to_owned(),
-        format!("{} FRFs, {lines} lines{band}, both in {}.", correlation.functions.len(), correlation.unit),
+        format!(
+            "{}, {lines} lines{band}, both in {}.",
+            counted(correlation.functions.len(), "FRF"),
+            correlation.unit
+        ),
     ];
     if correlation.first_alone + correlation.second_alone > 0 {
         footnotes.push(format!(
@@ -240,7 +245,10 @@ fn band_table(first: &str, second: &str, correlation: &FrfCorrelation) -> Table 
         caption: format!("FRFs of {first} and {second} over frequency"),
         columns: heads.map(Column::number).to_vec(),
         rows: correlation.bands.iter().map(row).collect(),
-        footnotes: vec![format!("{LINE_DEFINITIONS} {count} FRFs in each vector.")],
+        footnotes: vec![format!(
+            "{LINE_DEFINITIONS} {} in each vector.",
+            counted(count, "FRF")
+        )],
     }
 }
 

@@ -1,5 +1,6 @@
 //! The table of `check` compares results with their limits, row by row.
 
+use crate::printable::counted;
 use crate::scene::{LimitCheck, RowVerdict};
 
 use super::verdict::Verdict;
@@ -22,8 +23,8 @@ pub(super) fn not_compared_block(keys: &[String]) -> Option<Block> {
 pub(super) fn regression_check_block(rows: &[RowVerdict]) -> Block {
     let missed = rows.iter().filter(|row| !row.is_met()).count();
     let caption = match missed {
-        0 => format!("{} rows, all met", rows.len()),
-        missed => format!("{} rows, {missed} MISSED", rows.len()),
+        0 => format!("{}, all met", counted(rows.len(), "row")),
+        missed => format!("{}, {missed} MISSED", counted(rows.len(), "row")),
     };
     Block::Table(Table {
         caption,

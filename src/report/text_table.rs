@@ -306,7 +306,7 @@ pub(super) static TEXTS: Texts = Texts {
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
         no_limits: "Limits of the scene: none stated.", "限值：未给出。";
         limits_met: "Limits of the scene: all met ({}).", "限值：全部满足 ({})。";
-        limits_met_one_kind: "Limits of the scene: all met ({}: {} only).", "限值：全部满足 ({}：仅有 {})。";
+        limits_met_of_kinds: "Limits of the scene: all met ({}, on {}).", "限值：全部满足 ({} 个，关于 {})。";
         model_too_stiff_on_screen: "The model is too stiff or too light: one factor {} on all stiffnesses removes the mean error.", "模型过刚或过轻：所有刚度乘以 {} 可消除平均误差。";
         model_too_soft_on_screen: "The model is too soft or too heavy: one factor {} on all stiffnesses removes the mean error.", "模型过软或过重：所有刚度乘以 {} 可消除平均误差。";
         limits_met_nearest: "Limits of the scene: all met ({}), nearest {}.", "限值：全部满足 ({})，最接近的是 {}。";

@@ -2,8 +2,8 @@
 //! fit before and after, and the changes of one or two parameters.
 
 use crate::correlate::ComparisonTable;
+use crate::printable::counted;
 use crate::scene::{SceneUpdate, Theory};
-use crate::study::counted;
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
 
 use super::comparison::{comparison_of_all_tests, error_head};
@@ -256,11 +256,11 @@ pub(super) fn fit_summary(name: &str, fit: &Fit) -> String {
 
 pub(super) fn convergence_text(result: &UpdateResult) -> String {
     let mut text = format!(
-        "{} after {} iterations. {} of {} starts (seed {}) reach {}",
+        "{} after {}. {} of {} (seed {}) reach {}",
         result.stop_reason.sentence(),
-        result.history.len(),
+        counted(result.history.len(), "iteration"),
         result.starts.reached,
-        result.starts.count,
+        counted(result.starts.count, "start"),
         result.starts.seed,
         if result.frfs.is_some() {
             "the optimum of the modes from which the FRFs were fitted; starts and optima are those of the modes"
@@ -277,8 +277,11 @@ pub(super) fn convergence_text(result: &UpdateResult) -> String {
     text += ".";
     if let Some(first) = result.starts.others.first() {
         text += &format!(
-            " Others end in {} other optima; the lowest has an objective (chi-square of data and prior) of {:.4} ({})",
-            result.starts.others.len(),
+            " Others end in {}; the lowest has an objective (chi-square of data and prior) of {:.4} ({})",
+            match result.starts.others.len() {
+                1 => "another optimum".to_owned(),
+                count => format!("{count} other optima"),
+            },
             first.objective,
             counted(first.count, "start")
         );

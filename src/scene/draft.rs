@@ -1,6 +1,7 @@
 //! A scene drafted from exported files: their headers fill in what they state, and the draft marks
 //! the lines that the user has to fill in.
 
+use crate::printable::counted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -301,7 +302,7 @@ fn lacks_hit_point(catalog: &Catalog) -> bool {
 /// Statements of the headers on FRFs, and the units and points that they do not state.
 fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let frfs = || entries_of_type(files, FunctionType::Frf);
-    let mut text = format!("# The headers state: {} FRFs", frfs().count());
+    let mut text = format!("# The headers state: {}", counted(frfs().count(), "FRF"));
     if let Some(entry) = frfs().next() {
         text += &axis_text(entry);
     }

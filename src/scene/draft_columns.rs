@@ -1,5 +1,6 @@
 //! Columns and arrays in a drafted scene, whose contents the user has to state.
 
+use crate::printable::counted;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -55,7 +56,10 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let is_function = content.is_functions;
     let DraftColumns { columns, unused } = draft;
     let has_axis = is_function || roles.contains(&Some("time"));
-    let mut text = format!("# The file holds {all} columns without saying what they are");
+    let mut text = format!(
+        "# The file holds {} without saying what they are",
+        counted(all, "column")
+    );
     let lengths: BTreeSet<usize> = arrays
         .iter()
         .flat_map(|array| array.shape.iter().copied().max())

@@ -54,4 +54,3 @@ pub use speed_accuracy::{
     Timing, TwinCost, TwinRow, method_verdicts, pareto_front, recommendations, speed_accuracy,
 };
 pub use system::{FrfNoise, System, TrueMode, with_noise};
-pub(crate) use wording::counted;

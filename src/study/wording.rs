@@ -1,5 +1,7 @@
 //! Words that the sentences of several studies share.
 
+pub(super) use crate::printable::counted;
+
 /// `a, b and c`.
 pub(super) fn listed<T: AsRef<str>>(all: &[T]) -> String {
     let all: Vec<&str> = all.iter().map(AsRef::as_ref).collect();
@@ -7,14 +9,6 @@ pub(super) fn listed<T: AsRef<str>>(all: &[T]) -> String {
         None => String::new(),
         Some((last, [])) => (*last).to_owned(),
         Some((last, others)) => format!("{} and {last}", others.join(", ")),
-    }
-}
-
-/// A count with its noun, which takes an s: `1 mode`, `3 modes`.
-pub(crate) fn counted(number: usize, noun: &str) -> String {
-    match number {
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
     }
 }
 

@@ -127,7 +127,7 @@ fn errors_of_scenes_and_tables_are_reported_with_their_line() {
             "force,acceleration\n1,2\n3\n",
             "",
             "",
-            "hits.csv:3: number: got \"1 columns\", expected",
+            "hits.csv:3: number: got \"1 column\", expected",
         ),
         (
             "force,acceleration\n1,2\n",

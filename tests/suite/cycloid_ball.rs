@@ -232,7 +232,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(screen, 60, 100, "standard output");
     assert_fits(findings, 12, 200, "standard error");
     for said in [
-        "Limits of the scene: all met (5: extra modes only).",
+        "Limits of the scene: all met (5, on extra modes).",
         "The recordings are synthetic, not measured: computed from cycloid-ball with changes",
         "Warning: The supports of test and model differ: large cylinder; small cylinder; centre",
         "!: doubtful mode, see",

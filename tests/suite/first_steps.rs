@@ -254,6 +254,12 @@ fn a_folder_or_a_scene_in_the_place_of_a_file_has_a_hint() {
             "modalign check modes.json --against SCENE",
         ),
     ] {
+        ("report empty", "`modalign run SCENE -o DIR` makes one"),
+        ("report bar", "`modalign run bar -o bar/out` makes one"),
+        (
+            "report nowhere",
+            "`modalign run SCENE -o nowhere` makes a report",
+        ),
         let (_, error, code) = said(folder, line);
         assert_eq!(code, Some(2), "{line}");
         assert!(
@@ -309,7 +315,7 @@ fn limits_are_named_by_kind_and_asked_for_where_there_are_none() {
     );
     let (screen, _, _) = said(folder, "run bar");
     assert!(
-        screen.contains("Limits of the scene: all met (1: extra modes only)."),
+        screen.contains("Limits of the scene: all met (1, on extra modes)."),
         "{screen}"
     );
     let (screen, _, code) = said(folder, "check out/comparison.json --against bar");

@@ -292,7 +292,7 @@ const CASES: &[Case] = &[
     (
         Hits,
         &[("3,4", "3")],
-        &["hits.csv:3: number: got \"1 columns\", expected"],
+        &["hits.csv:3: number: got \"1 column\", expected"],
     ),
     (
         Hits,

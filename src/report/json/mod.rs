@@ -28,7 +28,7 @@ pub use measures::{
     AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,
 };
 pub use response::{RESPONSE_SCHEMA, response_to_json};
-pub use run::{REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
+pub use run::{REPORT_FILE, REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
 pub use study::{
     BREAKDOWN_SCHEMA, BreakdownFile, ORDER_SCHEMA, SPEED_ACCURACY_SCHEMA, breakdown_from_json,
     breakdown_to_json, order_from_json, order_to_json, speed_accuracy_from_json,

@@ -14,6 +14,8 @@ use super::schema::{check_schema, parsed};
 
 /// The schema of [`RunReport`].
 pub const REPORT_SCHEMA: &str = "modalign-report/1";
+/// The file of a folder of results from which its page is built.
+pub const REPORT_FILE: &str = "report.json";
 
 const EXPECTED_SCHEMA: &str = "schema modalign-report/1";
 

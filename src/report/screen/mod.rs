@@ -20,7 +20,7 @@ mod update;
 
 use super::terminal::table_width;
 use super::{Cell, Table};
-use crate::study::counted;
+use crate::printable::counted;
 
 pub use abridged::abridged;
 pub(super) use abridged::{omissible_column, omitted_columns};

@@ -30,8 +30,7 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         let all = checks.len();
         let kinds = limited_kinds(checks);
         let which = match kinds.as_slice() {
-            [only] => format!("{all}: {only} only"),
-            few if few.len() <= MAX_NAMED_KINDS => format!("{all}: {}", few.join(", ")),
+            few if few.len() <= MAX_NAMED_KINDS => format!("{all}, on {}", few.join(", ")),
             _ => all.to_string(),
         };
         return match nearest_limit(checks) {

@@ -1,5 +1,6 @@
 //! The rows of a table to columns of numbers. Line numbers in errors are those of the file.
 
+use crate::printable::counted;
 use rayon::prelude::*;
 
 use num_complex::Complex64;
@@ -321,7 +322,7 @@ pub(super) fn places(
             path: path.to_owned(),
             line: dialect.lines_before as u64 + 1,
             what: "number",
-            got: format!("{} columns", dialect.width),
+            got: counted(dialect.width, "column"),
             expected: format!("a finite number in column {number}"),
         }),
         ColumnName::Number(number) => Ok(number - 1),

@@ -8,6 +8,7 @@
 use super::encoding::{self, text_of};
 use super::fields::{Cell, Notation, fields, is_passed_over, row_of};
 use crate::io::{ColumnName, Delimiter, IoError, TableSpec};
+use crate::printable::counted;
 use crate::quantity::{FrfUnit, Unit};
 
 /// Every notation, the one to prefer among equals first.
@@ -43,7 +44,7 @@ pub(super) fn too_wide(path: &str, line: u64, width: usize) -> IoError {
         path: path.to_owned(),
         line,
         what: "columns of a table",
-        got: format!("{width} columns"),
+        got: counted(width, "column"),
         expected: format!("at most {MAX_COLUMNS}"),
     }
 }

@@ -180,14 +180,14 @@ fn a_stated_separator_rules() {
         Block::F64(vec![5.0, 5.0])
     );
     let text = first(Delimiter::Semicolon, 2).unwrap_err().to_string();
-    assert!(text.contains("got \"1 columns\""), "{text}");
+    assert!(text.contains("got \"1 column\""), "{text}");
 }
 
 #[test]
 fn rows_before_a_bad_one_are_the_good_part() {
     for (text, rows, line, got) in [
         ("t,a\n0.0,1.5\n0.1,2.5\n0.2,x\n0.3,4.5\n", 2, 4, "x"),
-        ("0.0,1.5\n0.1,2.5\n0.2,3.5\n0.3,", 3, 4, "1 columns"),
+        ("0.0,1.5\n0.1,2.5\n0.2,3.5\n0.3,", 3, 4, "1 column"),
         ("0.0,1.5\n0.1,2.5\n0.2,3.5\n0.3,1,7\n", 3, 4, "3 fields"),
         (
             "0.0,1.5\n0.1,2.5\n0.2,3.5\n\nend of data\n",

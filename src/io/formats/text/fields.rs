@@ -1,5 +1,6 @@
 //! One line of a table: its fields, and its numbers.
 
+use crate::printable::counted;
 use num_complex::Complex64;
 
 use super::complex;
@@ -275,7 +276,7 @@ impl RowShape {
             };
             let field = found
                 .get(column)
-                .ok_or_else(|| fault(format!("{} columns", found.len())))?;
+                .ok_or_else(|| fault(counted(found.len(), "column")))?;
             let value = match Cell::of(field, self.notation.decimal) {
                 Some(Cell::Real(value)) => Some(Complex64::from(value)),
                 Some(Cell::Complex(value)) if slot.is_complex => Some(value),

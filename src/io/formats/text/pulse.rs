@@ -7,6 +7,7 @@
 //! several slices (`Z-Axis size`) follow one another, each behind its header lines. Tags stand
 //! behind the numbers.
 
+use crate::printable::counted;
 use std::collections::BTreeMap;
 
 use num_complex::Complex64;
@@ -188,7 +189,7 @@ impl Export {
                 path: path.to_owned(),
                 line,
                 what: "rows of numbers",
-                got: format!("{found} rows"),
+                got: counted(found, "row"),
                 expected: format!("{} (X-Axis size)", stated.unwrap_or_default()),
             });
         }

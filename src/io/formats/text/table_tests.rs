@@ -136,7 +136,7 @@ fn errors_of_a_table_have_line_got_and_expected() {
     );
     assert_eq!(
         message("force,acceleration\n1,2\n3\n", hammer_spec()),
-        "t.csv:3: number: got \"1 columns\", expected a finite number in column 2"
+        "t.csv:3: number: got \"1 column\", expected a finite number in column 2"
     );
     assert_eq!(
         message("force,acceleration\n1,2\n3,nan\n", hammer_spec()),
