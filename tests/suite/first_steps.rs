@@ -201,6 +201,8 @@ fn a_list_of_frequencies_is_a_model_and_other_columns_are_refused_in_the_draft()
     ];
     for (number, list) in lists.iter().enumerate() {
         let (name, scene) = (format!("list{number}.csv"), format!("scene{number}"));
+        "Mode,frequency_hz\nf1,53\nf2,146.5\n",
+        "#;f [Hz]\n1;53\n2;146,5\n",
         write(folder, &[(name.as_str(), list)]);
         let (_, error, code) = said(folder, &format!("new {scene} modes.csv --model {name}"));
         assert_eq!(code, Some(0), "{list}: {error}");

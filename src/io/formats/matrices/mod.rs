@@ -77,7 +77,7 @@ fn open_store(
             _ => {
                 return Err(IoError::UnknownFormat {
                     path: path.to_owned(),
-                    got: content_kind(head).to_owned(),
+                    got: content_kind(head),
                     known: "Matrix Market, matlab4, matlab5, hdf5, npz and npy (for a matrix)"
                         .to_owned(),
                 });

@@ -15,10 +15,28 @@ const FREQUENCY_HEADINGS: [&str; 6] = [
     "f (hz)",
 ];
 
+/// Headings of a column that numbers or names the modes, in lower case and without a full stop at
+/// the end; nothing is read from it.
+const NUMBER_HEADINGS: [&str; 9] = [
+    "mode",
+    "modes",
+    "mode no",
+    "mode nr",
+    "mode number",
+    "no",
+    "nr",
+    "number",
+    "#",
+];
+
 /// The column of a heading other than a degree of freedom.
 pub(super) fn named_column(heading: &str) -> Option<Column> {
-    if FREQUENCY_HEADINGS.contains(&heading.to_lowercase().as_str()) {
+    let lower = heading.to_lowercase();
+    if FREQUENCY_HEADINGS.contains(&lower.as_str()) {
         return Some(Column::Frequency);
+    }
+    if NUMBER_HEADINGS.contains(&lower.trim_end_matches('.').trim_end()) {
+        return Some(Column::Number);
     }
     let mut named = NAMED.iter();
     let column = named.find(|(name, _)| heading.eq_ignore_ascii_case(name));
@@ -35,6 +53,8 @@ pub(super) enum Column {
     Group,
     ModalMass,
     Scaling,
+    /// A number or name of the mode, which is not read.
+    Number,
     Shape(Dof, Part),
 }
 

@@ -16,6 +16,7 @@
 //!
 //! | column | meaning |
 //! |---|---|
+//! | `mode` | a number or a name of the mode, anywhere in the row; not read (also `mode no`, `no`, `nr`, `#`) |
 //! | `frequency_hz` | natural frequency, Hz, 0 or more |
 //! | `damping_ratio` | a fraction |
 //! | `frequency_std_hz`, `damping_std` | their standard deviations, 0 or more |

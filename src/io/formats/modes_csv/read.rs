@@ -1,5 +1,6 @@
 //! A text is read as a table of modes, row by row.
 
+use crate::printable::counted;
 use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
@@ -14,7 +15,7 @@ use crate::modal::{Mode, ModeShape, Scaling};
 const DELIMITERS: [u8; 3] = [b',', b';', b'\t'];
 
 /// The lines that hold something, each with its number from 1: no remarks and none whose cells are
-/// all empty.
+/// all empty. A heading `#,frequency_hz` is no remark.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // A text without line feeds may end its lines with carriage returns.
@@ -22,9 +23,21 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let empty =
         |byte: &u8| byte.is_ascii_whitespace() || *byte == b'"' || DELIMITERS.contains(byte);
     let lines = (1..).zip(bytes.split(move |byte| *byte == end));
-    lines.filter(move |(_, line)| {
-        !line.iter().all(empty) && !line.trim_ascii_start().starts_with(b"#")
-    })
+    lines.filter(move |(_, line)| !line.iter().all(empty) && !is_remark(line))
+}
+
+fn is_remark(line: &[u8]) -> bool {
+    let Some(rest) = line.trim_ascii_start().strip_prefix(b"#") else {
+        return false;
+    };
+    let mut cells = rest.split(|byte| DELIMITERS.contains(byte));
+    let is_number_column = cells
+        .next()
+        .is_some_and(|cell| cell.trim_ascii().is_empty());
+    let next = cells.next().map(String::from_utf8_lossy);
+    let is_heading =
+        next.is_some_and(|next| named_column(unquoted(next.trim())) == Some(Column::Frequency));
+    !(is_number_column && is_heading)
 }
 
 /// The remark of a table whose damping ratios are fractions although they look like percent.
@@ -40,20 +53,22 @@ pub(super) fn states_fractions(bytes: &[u8]) -> bool {
 
 /// The cells of a line without the blanks and quotation marks around them.
 fn cells(line: &str, delimiter: char) -> Vec<&str> {
-    let cells = line.split(delimiter).map(str::trim).map(|cell| {
-        let quoted = cell
-            .strip_prefix('"')
-            .and_then(|opened| opened.strip_suffix('"'));
-        quoted.map_or(cell, str::trim)
-    });
-    cells.collect()
+    line.split(delimiter).map(str::trim).map(unquoted).collect()
+}
+
+fn unquoted(cell: &str) -> &str {
+    let quoted = cell
+        .strip_prefix('"')
+        .and_then(|opened| opened.strip_suffix('"'));
+    quoted.map_or(cell, str::trim)
 }
 
 /// Parts no cells of a single column, in which a number may have a decimal comma.
 const DELIMITER_OF_ONE_COLUMN: char = ';';
 
 /// The number of the first line and what parts its cells, if it is the heading of a table of modes:
-/// frequencies first, then damping ratios or properties alone. A table of frequencies and degrees
+/// frequencies first, then damping ratios or properties alone; a column of numbers or names of the
+/// modes may stand anywhere. A table of frequencies and degrees
 /// of freedom may hold FRFs.
 pub(super) fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     let (number, line) = lines(bytes).next().unwrap_or((1, b""));
@@ -61,6 +76,7 @@ pub(super) fn heading(bytes: &[u8]) -> (u64, Option<char>) {
     let delimiters = DELIMITERS.map(char::from).into_iter();
     let begins = |delimiter: &char| {
         let columns = cells(&line, *delimiter).into_iter().map(named_column);
+        let columns = columns.filter(|column| *column != Some(Column::Number));
         let columns: Vec<Option<Column>> = columns.collect();
         match columns.as_slice() {
             [Some(Column::Frequency), Some(Column::Damping), ..] => true,
@@ -120,7 +136,7 @@ impl Reader<'_> {
             let names: Vec<&str> = NAMED.iter().map(|(heading, _)| *heading).collect();
             let names = names.join(", ");
             let expected =
-                format!("{names}, or a degree of freedom such as 12:+Z, 12:+Z re, 12:+Z im");
+                format!("{names}, mode, or a degree of freedom such as 12:+Z, 12:+Z re, 12:+Z im");
             self.error("column", name, &expected)
         })?;
         Ok(Column::Shape(dof, part))
@@ -134,7 +150,7 @@ impl Reader<'_> {
         let all: BTreeSet<&Column> = columns.iter().collect();
         let mut seen = BTreeSet::new();
         for (column, name) in columns.iter().zip(names) {
-            if !seen.insert(column) {
+            if *column != Column::Number && !seen.insert(column) {
                 return Err(self.error("column", name, "each column once"));
             }
             let Column::Shape(dof, part) = column else {
@@ -197,7 +213,7 @@ impl Reader<'_> {
     fn row(&self, columns: &[Column], text: &[u8]) -> Result<Mode, IoError> {
         let row = cells(self.text(text)?, self.delimiter);
         if row.len() != columns.len() {
-            let got = format!("{} cells", row.len());
+            let got = counted(row.len(), "cell");
             let expected = format!("{} as in the heading", columns.len());
             return Err(self.error("row", &got, &expected));
         }
@@ -233,7 +249,7 @@ impl Reader<'_> {
                     let scaling = Scaling::from_name(cell);
                     mode.scaling = scaling.ok_or_else(|| self.error("scaling", cell, expected))?;
                 }
-                Column::Shape(..) => {}
+                Column::Number | Column::Shape(..) => {}
             }
         }
         Ok(mode)

@@ -389,3 +389,23 @@ fn modes_are_read_in_every_coding_and_with_decimal_commas() {
         assert_eq!(high.shape.len(), 0, "what is no number is not known");
     }
 }
+
+#[test]
+fn a_column_that_numbers_or_names_the_modes_is_passed_over() {
+    for text in [
+        "Mode,frequency_hz\n1,12.25\nf2,31.5\n",
+        "frequency_hz,mode no.\n12.25,1\n31.5,2\n",
+        "#;f [Hz];damping_ratio\n1;12,25;0,01\n2;31,5;0,02\n",
+        "No\tFrequency [Hz]\tModes\n1\t12.25\tbending\n2\t31.5\ttorsion\n",
+        "# modes of a beam\nNr.,f_hz,damping_ratio,1:+Z\n1,12.25,0.01,1\n2,31.5,0.01,-1\n",
+    ] {
+        let certain = detect(text.as_bytes(), "m.csv").unwrap();
+        assert_eq!(certain.name(), "modes-csv", "{text}");
+        let hz: Vec<f64> = read(text).unwrap().iter().map(|m| m.frequency_hz).collect();
+        assert_eq!(hz, [12.25, 31.5], "{text}");
+    }
+    // A remark stays one, and numbers alone are no modes.
+    let modes = read("# f [Hz], of a beam\nfrequency_hz\n12.25\n").unwrap();
+    assert_eq!(modes.len(), 1);
+    assert!(read("mode,no\n1,2\n").is_err());
+}

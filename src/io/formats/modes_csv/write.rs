@@ -82,7 +82,7 @@ fn named_cell(mode: &Mode, column: &Column) -> Option<String> {
             let known = mode.scaling != Scaling::Unknown;
             known.then(|| mode.scaling.name().to_owned())
         }
-        Column::Shape(..) => None,
+        Column::Number | Column::Shape(..) => None,
     }
 }
 

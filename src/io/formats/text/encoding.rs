@@ -202,9 +202,11 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     }
 }
 
-/// Whether the first bytes of a file are text: UTF-8, Latin-1, or UTF-16.
+/// Whether the first bytes of a file are text: UTF-8, Latin-1, or UTF-16. The characters that
+/// format a text or colour it on a terminal (BEL to FF, ESC) belong to one; they are shown as
+/// escapes.
 pub(super) fn is_text(head: &[u8]) -> bool {
-    let is_text = |byte: &u8| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0x80..=0xff);
+    let is_text = |byte: &u8| matches!(byte, 0x07..=b'\r' | 0x1b | 0x20..=0x7e | 0x80..=0xff);
     let head = decoded_head(head);
     // Only behind a line is padding the end of a text.
     let text = without_end_padding(&head);
@@ -254,6 +256,8 @@ mod tests {
             assert_eq!(whole(&bytes).0, text.as_bytes());
         }
         assert!(is_text(b"a\n1\n\x1a") && is_text(b"a\n1\n\0\0\0"));
+        assert!(is_text(b"force,\x1b[31maccel\x1b[0m\n1,2\n") && is_text(b"a\x0c\n1\n"));
+        assert!(!is_text(b"force\x01,a\n1,2\n"));
         assert!(!is_text(b"a\0\0") && !is_text(b"a\n\x1a1\n") && !is_text(b"\0\0"));
         for end in ["\u{1a}", "\n\0\0", "\u{1a}\u{1a}", "\r\n\u{1a}\r\n"] {
             let padded = format!("1,2\n3,4{end}");
