@@ -81,6 +81,11 @@ impl PairOptions {
     /// # Errors
     /// [`CorrelateError::Option`].
     pub fn validate(&self) -> Result<(), CorrelateError> {
+        self.faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every option that is out of its range.
+    pub fn faults(&self) -> Vec<CorrelateError> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let length = self.rotation_length_m.unwrap_or(1.0);
         let checks = [
@@ -109,16 +114,13 @@ impl PairOptions {
                 "a finite length above 0 m",
             ),
         ];
-        for (name, got, good, expected) in checks {
-            if !good {
-                return Err(CorrelateError::Option {
-                    name,
-                    got,
-                    expected,
-                });
-            }
-        }
-        Ok(())
+        let wrong = checks.into_iter().filter(|(_, _, good, _)| !good);
+        let fault = |(name, got, _, expected)| CorrelateError::Option {
+            name,
+            got,
+            expected,
+        };
+        wrong.map(fault).collect()
     }
 }
 

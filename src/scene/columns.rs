@@ -28,7 +28,7 @@ impl ChannelErrors<'_> {
 /// [`SceneError::Value`] with the key.
 pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
     let mut faults = Faults::default();
-    let of_channel = |faults: &mut Faults, channel| {
+    let of_channel = |faults: &mut Faults<SceneError>, channel| {
         let axis = faults.take(axis_factor(channel, path)).flatten();
         (axis, faults.take(column(channel, path)))
     };

@@ -17,8 +17,9 @@ use crate::theory::{ModelRoot, Support};
 
 use super::SceneError;
 use super::error::value_error;
+use super::faults::{Faults, parse_checked};
 use super::published_claims::{ClaimTable, check_names, check_one_of, claim};
-use super::toml_text::{check_schema, parse, read_text};
+use super::toml_text::{check_schema, read_text};
 
 /// The schema text of published results.
 pub const EXPECTED_SCHEMA: &str = "modalign-expected/1";
@@ -177,37 +178,45 @@ fn is_template(text: &str) -> bool {
 /// [`SceneError`] with file, line and column, or the key that cannot be meant.
 pub fn load_expected(path: &Path) -> Result<Expected, SceneError> {
     let name = path.display().to_string();
-    let file: ExpectedFile = parse(&read_text(path)?, &name)?;
-    check_schema(&file.schema, EXPECTED_SCHEMA, &name)?;
+    let check = |file: ExpectedFile, _| checked_results(file, &name);
+    parse_checked(&read_text(path)?, &name, check)
+}
+
+fn checked_results(file: ExpectedFile, name: &str) -> Result<Expected, SceneError> {
+    let mut faults = Faults::default();
+    faults.take(check_schema(&file.schema, EXPECTED_SCHEMA, name));
     let mut matching = MatchOptions::default();
     if let Some(gate) = file.max_frequency_error {
         if !(gate.is_finite() && gate > 0.0) {
-            let got = gate.to_string();
-            return Err(value_error(
-                &name,
-                "max_frequency_error",
-                &got,
-                "a fraction above 0",
-            ));
+            let (key, got) = ("max_frequency_error", gate.to_string());
+            faults.add(value_error(name, key, &got, "a fraction above 0"));
         }
         matching.max_frequency_error = gate;
     }
-    let roots = file.root.into_iter().map(|root| root.root(&name));
-    let roots = roots.collect::<Result<Vec<_>, _>>()?;
-    check_roots(&roots, &name)?;
-    let mut claims = Vec::with_capacity(file.claim.len());
+    let (tables, claim_tables) = (file.root, file.claim);
+    let is_empty = tables.is_empty() && claim_tables.is_empty();
+    let root_labels: Vec<String> = tables.iter().map(|root| root.label.clone()).collect();
+    let roots = tables.into_iter();
+    let roots: Vec<PublishedRoot> = roots
+        .filter_map(|root| faults.take(root.root(name)))
+        .collect();
+    check_roots(&roots, name, &mut faults);
     let table = file.comparison.unwrap_or_default();
-    check_comparison(&table, &roots, &name)?;
-    for typed in &file.claim {
-        let claim = claim(typed, &name)?;
-        check_names(&claim, &table, &roots, &name)?;
+    check_comparison(&table, &root_labels, name, &mut faults);
+    let mut claims = Vec::with_capacity(claim_tables.len());
+    for typed in &claim_tables {
+        let Some(claim) = faults.take(claim(typed, name)) else {
+            continue;
+        };
+        faults.take(check_names(&claim, &table, &root_labels, name));
         claims.push(claim);
     }
-    if roots.is_empty() && table.row.is_empty() && claims.is_empty() {
+    if is_empty && table.row.is_empty() {
         let (key, got) = ("published results", "none");
         let expected = "a [[root]], a [[comparison.row]] or a [[claim]]";
-        return Err(value_error(&name, key, got, expected));
+        faults.add(value_error(name, key, got, expected));
     }
+    faults.into_result()?;
     Ok(Expected {
         source: file.source,
         roots,
@@ -217,64 +226,52 @@ pub fn load_expected(path: &Path) -> Result<Expected, SceneError> {
     })
 }
 
-fn check_roots(roots: &[PublishedRoot], path: &str) -> Result<(), SceneError> {
+fn check_roots(roots: &[PublishedRoot], path: &str, faults: &mut Faults<SceneError>) {
     for (index, root) in roots.iter().enumerate() {
         let key = |name: &str| format!("[[root]] {:?} {name}", root.label);
         if roots[..index].iter().any(|other| other.label == root.label) {
-            return Err(duplicate_error(path, &key("label")));
+            faults.add(duplicate_error(path, &key("label")));
         }
         if !(root.omega_rad_s.is_finite() && root.omega_rad_s >= 0.0) {
-            let got = root.omega_rad_s.to_string();
-            return Err(value_error(
-                path,
-                &key("omega_rad_s"),
-                &got,
-                "0 rad/s or more",
-            ));
+            let (name, got) = match root.printed_hz {
+                Some(hz) => ("frequency_hz", hz.to_string()),
+                None => ("omega_rad_s", root.omega_rad_s.to_string()),
+            };
+            faults.add(value_error(path, &key(name), &got, "0 or more"));
         }
         if root.multiplicity == 0 {
-            return Err(value_error(path, &key("multiplicity"), "0", "1 or more"));
+            faults.add(value_error(path, &key("multiplicity"), "0", "1 or more"));
         }
     }
-    Ok(())
 }
 
 fn check_comparison(
     table: &PublishedComparison,
-    roots: &[PublishedRoot],
+    root_labels: &[String],
     path: &str,
-) -> Result<(), SceneError> {
-    if let Some(test) =
-        (1..table.tests.len()).find(|i| table.tests[..*i].contains(&table.tests[*i]))
-    {
-        return Err(duplicate_error(
-            path,
-            &format!("[comparison] tests {:?}", table.tests[test]),
-        ));
+    faults: &mut Faults<SceneError>,
+) {
+    let tests = &table.tests;
+    for test in (1..tests.len()).filter(|i| tests[..*i].contains(&tests[*i])) {
+        let key = format!("[comparison] tests {:?}", tests[test]);
+        faults.add(duplicate_error(path, &key));
     }
     for (index, row) in table.row.iter().enumerate() {
         let key = |name: &str| format!("[[comparison.row]] {:?} {name}", row.label);
-        if table.row[..index]
-            .iter()
-            .any(|other| other.label == row.label)
-        {
-            return Err(duplicate_error(path, &key("label")));
+        let mut earlier = table.row[..index].iter();
+        if earlier.any(|other| other.label == row.label) {
+            faults.add(duplicate_error(path, &key("label")));
         }
         if let Some(label) = &row.root {
-            check_one_of(
-                label,
-                roots.iter().map(|root| &root.label),
-                path,
-                &key("root"),
-            )?;
+            faults.take(check_one_of(label, root_labels.iter(), path, &key("root")));
         }
-        check_frequency(row.theory_hz, path, &key("theory_hz"))?;
+        faults.take(check_frequency(row.theory_hz, path, &key("theory_hz")));
         for (test, hz) in &row.tests {
-            check_one_of(test, table.tests.iter(), path, &key("tests"))?;
-            check_frequency(*hz, path, &key(&format!("tests {test:?}")))?;
+            faults.take(check_one_of(test, tests.iter(), path, &key("tests")));
+            let key = key(&format!("tests {test:?}"));
+            faults.take(check_frequency(*hz, path, &key));
         }
     }
-    Ok(())
 }
 
 fn check_frequency(hz: f64, path: &str, key: &str) -> Result<(), SceneError> {

@@ -2,30 +2,19 @@
 
 use serde::de::DeserializeOwned;
 
+use crate::theory::{Fault, TheoryError};
+
 use super::error::SceneError;
 use super::places::located;
 use super::toml_faults::SUBSTITUTE_TEXT;
 use super::toml_text::parse_repaired;
 
-/// Maximum number of faults that are collected, more than a message lists. Larger: a file with a
-/// fault in each line takes minutes, because each is compared with the others and sought in the
-/// file. Smaller: a message cannot say that there are more.
-const MAX_COLLECTED: usize = 50;
+pub(super) use crate::theory::Faults;
 
-/// Collected faults.
-#[derive(Debug, Default)]
-pub(super) struct Faults(Vec<SceneError>);
-
-impl Faults {
-    /// The value of a result, whose error is collected.
-    pub fn take<T>(&mut self, result: Result<T, SceneError>) -> Option<T> {
-        result.map_err(|error| self.add(error)).ok()
-    }
-
-    /// Adds an error, each once.
-    pub fn add(&mut self, error: SceneError) {
-        match error {
-            SceneError::Several { faults } => faults.into_iter().for_each(|fault| self.add(fault)),
+impl Fault for SceneError {
+    fn split(self) -> Vec<Self> {
+        match self {
+            SceneError::Several { faults } => faults.into_iter().flat_map(Fault::split).collect(),
             // One with further faults says so and stays whole.
             SceneError::Toml {
                 path,
@@ -37,22 +26,18 @@ impl Faults {
                     faults: vec![fault],
                     all_found: true,
                 };
-                faults.into_iter().for_each(|fault| self.add(alone(fault)));
+                faults.into_iter().map(alone).collect()
             }
-            single if self.0.len() < MAX_COLLECTED => {
-                let text = single.to_string();
-                if self.0.iter().all(|known| known.to_string() != text) {
-                    self.0.push(single);
-                }
-            }
-            _ => {}
+            single => vec![single],
         }
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+    fn several(faults: Vec<Self>) -> Self {
+        SceneError::Several { faults }
     }
+}
 
+impl Faults<SceneError> {
     /// The value that was checked.
     ///
     /// # Errors
@@ -60,18 +45,6 @@ impl Faults {
     pub fn finish<T>(self, value: Option<T>) -> Result<T, SceneError> {
         let none = SceneError::Several { faults: Vec::new() };
         self.into_result().and_then(|()| value.ok_or(none))
-    }
-
-    /// Nothing where there is no fault.
-    ///
-    /// # Errors
-    /// The fault, or [`SceneError::Several`].
-    pub fn into_result(mut self) -> Result<(), SceneError> {
-        match self.0.len() {
-            0 => Ok(()),
-            1 => self.0.pop().map_or(Ok(()), Err),
-            _ => Err(SceneError::Several { faults: self.0 }),
-        }
     }
 
     /// The faults with their places in a file, those of the file first, by line.
@@ -139,6 +112,21 @@ pub(super) fn parse_checked<T: DeserializeOwned, M>(
     faults.located(path, text).finish(None)
 }
 
+/// Whether a fault is about the value of one key, whatever the others of its table are: a parameter
+/// that is not declared, a number outside its range.
+fn is_of_one_key(fault: &SceneError) -> bool {
+    match fault {
+        SceneError::Model { source, .. } => matches!(
+            **source,
+            TheoryError::UnknownParameter { .. }
+                | TheoryError::PropertyOutOfRange { .. }
+                | TheoryError::Duplicate { .. }
+        ),
+        SceneError::Value { key, .. } => key.starts_with("[pair] "),
+        _ => false,
+    }
+}
+
 /// The repairs of a file.
 struct Repairs<'a> {
     path: &'a str,
@@ -149,7 +137,8 @@ struct Repairs<'a> {
 
 impl Repairs<'_> {
     /// Whether a fault of the repaired file is one of the file itself: it names no repaired part,
-    /// its table has none, and it is not about a key that is misspelt there.
+    /// its table has none or decides nothing about it, and it is not about a key that is misspelt
+    /// there.
     fn leave(&self, fault: &SceneError) -> bool {
         let message = fault.to_string();
         let (path, place) = match fault {
@@ -163,6 +152,9 @@ impl Repairs<'_> {
         }
         place.is_some_and(|place| {
             let is_same_table = |line: usize| self.head(line) == self.head(place.line);
+            if is_of_one_key(fault) && !self.substituted_lines.contains(&place.line) {
+                return true;
+            }
             let mut substituted = self.substituted_lines.iter();
             let mut misspelt = self.misspelt_keys.iter();
             !substituted.any(|line| is_same_table(*line))

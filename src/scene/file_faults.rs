@@ -9,11 +9,12 @@ use crate::io::IoError;
 use super::error::SceneError;
 use super::faults::Faults;
 use super::ingest::{IngestOptions, check_files};
-use super::model::open_model;
+use super::model::{OpenedModel, open_model};
 use super::modes_file::{ModesOptions, load_modes};
 use super::recording::{hammer_test, load_synth};
 use super::test_plan::{TestSource, test_source};
 use super::typed::SceneFile;
+use super::update_options::check_parameter_names;
 
 /// Collects the faults of the files of a scene that has faults itself.
 pub(super) fn collect_file_faults(
@@ -21,10 +22,14 @@ pub(super) fn collect_file_faults(
     folder: &Path,
     path: &str,
     sensors: &[Sensor],
-    faults: &mut Faults,
+    faults: &mut Faults<SceneError>,
 ) {
     if let Some(table) = &typed.model {
-        faults.take(open_model(table, folder, path, sensors));
+        let opened = faults.take(open_model(table, folder, path, sensors));
+        if let (Some(OpenedModel::Model(model)), Some(update)) = (&opened, &typed.update) {
+            let parameters = model.model.parameters();
+            faults.take(check_parameter_names(update, parameters, path));
+        }
     }
     for test in &typed.test {
         // A fault of the source is known already.
@@ -39,7 +44,7 @@ pub(super) fn collect_source_faults(
     source: &TestSource,
     partial: bool,
     scene: &str,
-    faults: &mut Faults,
+    faults: &mut Faults<SceneError>,
 ) {
     match source {
         TestSource::Modes(path) => {

@@ -45,7 +45,8 @@ use crate::theory::{
 
 use super::SceneError;
 use super::error::{model_error, value_error};
-use super::toml_text::{check_schema, parse, read_text};
+use super::faults::{Faults, parse_checked};
+use super::toml_text::{check_schema, read_text};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -170,38 +171,50 @@ pub(super) fn matrix_model(
     path: &str,
     folder: &Path,
 ) -> Result<ExternalModel, SceneError> {
-    let file: MatricesFile = parse(text, path)?;
+    let check = |file: MatricesFile, _| checked_model(file, path, folder);
+    parse_checked(text, path, check)
+}
+
+fn checked_model(
+    file: MatricesFile,
+    path: &str,
+    folder: &Path,
+) -> Result<ExternalModel, SceneError> {
+    let mut faults = Faults::default();
     if let Some(schema) = &file.schema {
-        check_schema(schema, SCHEMA, path)?;
+        faults.take(check_schema(schema, SCHEMA, path));
     }
     let table = file.matrices;
     let dofs = match table.dofs {
-        DofList::Here(dofs) => dofs,
-        DofList::File(name) => listed_dofs(&folder.join(name))?,
+        DofList::Here(dofs) => Some(dofs),
+        DofList::File(name) => faults.take(listed_dofs(&folder.join(name))),
     };
     let reader = Reader {
         path,
         folder,
-        size: dofs.len(),
+        size: dofs.as_ref().map(Vec::len),
     };
     let fixed = [&table.mass, &table.damping, &table.stiffness];
-    let fixed = reader.set("[matrices]", fixed)?;
-    let group = |(number, group): (usize, GroupTable)| {
+    let fixed = faults.take(reader.set("[matrices]", fixed));
+    let mut groups = Vec::new();
+    for (number, group) in (1..).zip(table.groups) {
         let key = format!("[[matrices.group]] {number} ({})", group.parameter);
         let parts = [&group.mass, &group.damping, &group.stiffness];
         if parts.iter().all(|part| part.is_none()) {
             let expected = "mass, damping or stiffness";
-            return Err(value_error(path, &key, "no matrix", expected));
+            faults.add(value_error(path, &key, "no matrix", expected));
+            continue;
         }
-        Ok((group.parameter, reader.set(&key, parts)?))
-    };
-    let groups = (1..).zip(table.groups).map(group);
+        let set = faults.take(reader.set(&key, parts));
+        groups.extend(set.map(|set| (group.parameter, set)));
+    }
+    let (dofs, fixed) = faults.finish(dofs.zip(fixed))?;
     let matrices = ExternalMatrices {
         title: file.title.unwrap_or_else(|| "matrices".to_owned()),
         dofs,
         fixed,
         parameters: file.parameters,
-        groups: groups.collect::<Result<_, _>>()?,
+        groups,
         damping: StatedDamping {
             mass_per_s: file.damping.mass_per_s,
             stiffness_s: file.damping.stiffness_s,
@@ -216,23 +229,25 @@ pub(super) fn matrix_model(
 struct Reader<'a> {
     path: &'a str,
     folder: &'a Path,
-    /// Degrees of freedom.
-    size: usize,
+    /// Number of degrees of freedom; `None` where their list has a fault.
+    size: Option<usize>,
 }
 
 impl Reader<'_> {
     /// Mass, damping and stiffness under a key.
     fn set(&self, key: &str, parts: [&Option<MatrixFile>; 3]) -> Result<MatrixSet, SceneError> {
         let [mass, damping, stiffness] = parts.map(Option::as_ref);
-        let read = |name: &str, file: Option<&MatrixFile>| {
-            file.map(|file| self.matrix(&format!("{key} {name}"), &file.0))
-                .transpose()
+        let mut faults = Faults::default();
+        let mut read = |name: &str, file: Option<&MatrixFile>| {
+            let file = file?;
+            faults.take(self.matrix(&format!("{key} {name}"), &file.0))
         };
-        Ok(MatrixSet {
-            mass: read("mass", mass)?,
-            damping: read("damping", damping)?,
-            stiffness: read("stiffness", stiffness)?,
-        })
+        let set = MatrixSet {
+            mass: read("mass", mass),
+            damping: read("damping", damping),
+            stiffness: read("stiffness", stiffness),
+        };
+        faults.into_result().map(|()| set)
     }
 
     fn matrix(&self, key: &str, named: &NamedMatrix) -> Result<SparseMatrix, SceneError> {
@@ -242,12 +257,13 @@ impl Reader<'_> {
             columns,
             entries,
         } = read_matrix(&file, named.name.as_deref())?;
-        if rows != self.size || columns != self.size {
+        let size = self.size.unwrap_or(rows);
+        if rows != size || columns != size {
             let got = format!("{rows} x {columns} in {}", file.display());
-            let expected = format!("{0} x {0}, one row for each degree of freedom", self.size);
+            let expected = format!("{size} x {size}, one row for each degree of freedom");
             return Err(value_error(self.path, key, &got, &expected));
         }
-        SparseMatrix::from_entries(self.size, &entries)
+        SparseMatrix::from_entries(size, &entries)
             .map_err(|source| model_error(self.path, source.into()))
     }
 }

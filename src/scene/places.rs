@@ -82,6 +82,26 @@ impl<'t, 'd> Table<'t, 'd> {
         Some(self.entries.get(key)?.span().start)
     }
 
+    /// The byte at which a text stands: the value of a key other than the name, or in an array.
+    fn text_at(&self, wanted: &str) -> Option<usize> {
+        let is_wanted = |value: &DeValue| matches!(value, DeValue::String(text) if text == wanted);
+        let mut values = self.entries.iter();
+        values.find_map(|(key, value)| match value.get_ref() {
+            _ if key.get_ref() == "name" => None,
+            DeValue::Array(items) => {
+                let mut items = items.iter();
+                let item = items.find(|item| is_wanted(item.get_ref()))?;
+                Some(item.span().start)
+            }
+            single => is_wanted(single).then(|| value.span().start),
+        })
+    }
+
+    fn has_name(&self, wanted: &str) -> bool {
+        let name = self.entries.get("name").map(|value| value.get_ref());
+        matches!(name, Some(DeValue::String(text)) if text == wanted)
+    }
+
     fn has_text(&self, wanted: &str) -> bool {
         let mut values = self.entries.values();
         values.any(|value| matches!(value.get_ref(), DeValue::String(text) if text == wanted))
@@ -136,13 +156,17 @@ fn part_place(text: &str, message: &str) -> Option<Place> {
     };
     let (before, rest) = message.split_once('`')?;
     let (name, said) = rest.split_once('`')?;
+    let got = said.split('`').nth(1).unwrap_or_default();
     let kind = before.trim_start_matches("got ").trim().replace(' ', "_");
-    let part = document
-        .below(&kind)
-        .into_iter()
-        .rfind(|part| part.has_text(name))?;
+    let parts = document.below(&kind);
+    let part = parts
+        .iter()
+        .copied()
+        .rfind(|part| part.has_name(name) && (got.is_empty() || part.text_at(got).is_some()))
+        .or_else(|| parts.iter().rfind(|part| part.has_name(name)).copied())?;
     let mut said = words(said).into_iter();
     let property = said.find_map(|word| part.value_at(&word).filter(|_| word != "name"));
+    let property = property.or_else(|| part.text_at(got));
     let at = property.or_else(|| part.value_at("name"))?;
     Some(place_at(text, at))
 }
@@ -201,7 +225,23 @@ mod tests {
             line("body `b`: got mass_kg -4, expected 0 or more"),
             Some(3)
         );
-        assert_eq!(line("spring `s`: got point `x`, expected a point"), Some(5));
+        assert_eq!(line("spring `s`: got point `x`, expected a point"), Some(6));
         assert_eq!(line("spring `t`: got point `x`, expected a point"), None);
+        let model = "[[body]]\nname = \"b\"\nfree = [\"x\"]\nmass_kg = \"m\"\n\
+                     inertia_kg_m2 = [\n1,\n\"i\", 2]\n";
+        let line = |message: &str| part_place(model, message).map(|place| place.line);
+        assert_eq!(
+            line("body `b`: got parameter `m`, expected one of a"),
+            Some(4)
+        );
+        assert_eq!(
+            line("body `b`: got parameter `i`, expected one of a"),
+            Some(7)
+        );
+        // The name of a part may be that of the parameter.
+        assert_eq!(
+            line("body `b`: got parameter `b`, expected one of a"),
+            Some(2)
+        );
     }
 }

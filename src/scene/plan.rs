@@ -135,19 +135,21 @@ impl Scene {
         faults.take(check_tests(&names, typed.model.is_some(), &name));
         let limits_use = limits_use(!names.is_empty(), typed.model.is_some());
         faults.take(typed.limits.check(limits_use, &name));
-        faults.take(typed.pair.validate().map_err(|error| match error {
-            CorrelateError::Option {
-                name: option,
-                got,
-                expected,
-            } => value_error(
-                &name,
-                &format!("[pair] {option}"),
-                &got.to_string(),
-                expected,
-            ),
-            other => other.into(),
-        }));
+        for error in typed.pair.faults() {
+            faults.add(match error {
+                CorrelateError::Option {
+                    name: option,
+                    got,
+                    expected,
+                } => value_error(
+                    &name,
+                    &format!("[pair] {option}"),
+                    &got.to_string(),
+                    expected,
+                ),
+                other => other.into(),
+            });
+        }
         faults.take(check_method(&typed.identify, &name));
         if let Some(table) = &typed.model {
             faults.take(named_model(table, &folder, &name));
@@ -254,31 +256,26 @@ fn report_tables(
         let got = "`caption` beside [[report.table]]";
         return Err(value_error(path, "[report]", got, "one of them"));
     }
+    let mut faults = Faults::default();
+    let tests = "[[report.table]] tests";
     if stated.iter().any(|table| table.tests.is_empty()) {
-        return Err(value_error(
-            path,
-            "[[report.table]] tests",
-            "none",
-            "at least one test",
-        ));
+        faults.add(value_error(path, tests, "none", "at least one test"));
     }
     let shown: Vec<&String> = stated.iter().flat_map(|table| &table.tests).collect();
-    let unknown = shown.iter().find(|name| !names.contains(**name));
-    if let Some(name) = unknown {
+    for name in shown.iter().filter(|name| !names.contains(**name)) {
         let got = format!("{name:?}");
         let expected = format!("one of the tests {}", names.join(", "));
-        return Err(value_error(path, "[[report.table]] tests", &got, &expected));
+        faults.add(value_error(path, tests, &got, &expected));
     }
-    if let Some(name) = names.iter().find(|name| !shown.contains(name)) {
-        let got = format!("no table with {name:?}");
-        return Err(value_error(
-            path,
-            "[[report.table]]",
-            &got,
-            "every test in a table",
-        ));
+    // A misspelt name leaves its test without a table.
+    if faults.is_empty() {
+        for name in names.iter().filter(|name| !shown.contains(name)) {
+            let got = format!("no table with {name:?}");
+            let expected = "every test in a table";
+            faults.add(value_error(path, "[[report.table]]", &got, expected));
+        }
     }
-    Ok(stated)
+    faults.into_result().map(|()| stated)
 }
 
 /// The nodes of `[[point]]` tables.

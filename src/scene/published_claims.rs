@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use crate::correlate::published::{
-    Claim, Digits, ErrorClaim, ErrorUnit, PublishedComparison, PublishedRoot, QuantityClaim,
-    Relation, RootSide, Statement,
+    Claim, Digits, ErrorClaim, ErrorUnit, PublishedComparison, QuantityClaim, Relation, RootSide,
+    Statement,
 };
 use crate::theory::Support;
 
@@ -57,7 +57,7 @@ pub(super) const KINDS: &[(&str, &[&str])] = &[
 pub(super) fn check_names(
     claim: &Claim,
     table: &PublishedComparison,
-    roots: &[PublishedRoot],
+    root_labels: &[String],
     path: &str,
 ) -> Result<(), SceneError> {
     let key = |name: &str| format!("[[claim]] {:?} {name}", claim.text);
@@ -74,7 +74,7 @@ pub(super) fn check_names(
             test(t).and_then(|()| rows.iter().try_for_each(|label| row(label)))
         }
         Statement::Multiplicity { row, .. } | Statement::Frequency { row, .. } => {
-            check_one_of(row, roots.iter().map(|root| &root.label), path, &key("row"))
+            check_one_of(row, root_labels.iter(), path, &key("row"))
         }
         _ => Ok(()),
     }

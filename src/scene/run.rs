@@ -63,7 +63,8 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         run_test(scene, test)
     };
     let tests = scene.tests.iter().zip(1..).map(one);
-    let tests = tests.collect::<Result<Vec<_>, _>>()?;
+    let tests = tests.collect::<Result<Vec<_>, _>>();
+    let tests = tests.map_err(|error| with_spec_faults(scene, error))?;
     let limits = tests.iter().flat_map(|test| mode_limits(scene, test));
     let mut limits: Vec<LimitCheck> = limits.collect();
     let Some(model) = model else {
@@ -139,6 +140,20 @@ fn check_named_files(scene: &Scene) -> Result<Option<OpenedModel>, SceneError> {
         faults = faults.located(&scene.path, &text);
     }
     faults.finish(model)
+}
+
+/// An error of a test with the faults of the specs of all synthetic ones.
+fn with_spec_faults(scene: &Scene, error: SceneError) -> SceneError {
+    let mut faults = Faults::default();
+    let sources = scene.tests.iter().map(|test| &test.source);
+    for source in sources.filter(|source| matches!(source, TestSource::Synth(_))) {
+        collect_source_faults(source, false, &scene.path, &mut faults);
+    }
+    let text = error.to_string();
+    if faults.0.iter().any(|fault| fault.to_string() == text) {
+        return faults.into_result().err().unwrap_or(error);
+    }
+    error
 }
 
 /// The model, checked to have every parameter that `[update]` names.

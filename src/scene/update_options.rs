@@ -52,33 +52,34 @@ pub(super) fn check_parameter_names(
 
 /// Checks that every stated option has an effect.
 fn check_effect(stated: &UpdateTable, path: &str) -> Result<(), SceneError> {
+    let mut faults = Faults::default();
+    let mut refuse = |key: &str, got: &str, expected: &str| {
+        faults.add(value_error(path, &format!("[update] {key}"), got, expected));
+    };
     if !stated.always.is_empty() && !stated.explain {
         let got = stated.always.join(", ");
         let expected = "explain = true beside it, the trials that it is for";
-        return Err(value_error(path, "[update] always", &got, expected));
+        refuse("always", &got, expected);
     }
     let of_frfs = |name: &String| Residuals::from_name(name).is_some_and(Residuals::of_frfs);
     let of_frfs = stated.residuals.as_ref().filter(|name| of_frfs(name));
     if let Some(name) = of_frfs.filter(|_| stated.explain) {
         let expected = "residuals of modes beside it, by which its trials are ranked";
-        let got = format!("true beside {name:?}");
-        return Err(value_error(path, "[update] explain", &got, expected));
+        refuse("explain", &format!("true beside {name:?}"), expected);
     }
     if of_frfs.is_none() {
         let floor = stated.frf_floor.map(|floor| ("frf_floor", floor));
         let lines = stated.frf_lines.map(|lines| ("frf_lines", lines as f64));
-        if let Some((key, got)) = floor.or(lines) {
+        for (key, got) in floor.into_iter().chain(lines) {
             let expected = "residuals of FRFs beside it, the only ones to which it applies";
-            let key = format!("[update] {key}");
-            return Err(value_error(path, &key, &format!("{got}"), expected));
+            refuse(key, &got.to_string(), expected);
         }
     }
     if let Some(floor) = stated.shape_floor.filter(|_| stated.shapes == Some(false)) {
         let expected = "no shape_floor beside shapes = false";
-        let got = format!("{floor}");
-        return Err(value_error(path, "[update] shape_floor", &got, expected));
+        refuse("shape_floor", &floor.to_string(), expected);
     }
-    Ok(())
+    faults.into_result()
 }
 
 /// The stated band.

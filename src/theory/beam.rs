@@ -16,7 +16,7 @@ use super::beam_line::{
 };
 use super::description::{BeamDescription, BeamFile, SCHEMA, Value, distinct};
 use super::dual::Values;
-use super::error::CollectedFaults;
+use super::faults::Faults;
 use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::coordinate_index;
@@ -44,7 +44,7 @@ impl BeamModel {
     /// [`TheoryError::ZeroDirection`], [`TheoryError::DeflectionNotAcross`],
     /// [`TheoryError::UnknownBody`], [`TheoryError::PointOutside`], [`TheoryError::NoStiffness`].
     pub fn new(file: BeamFile) -> Result<Self, TheoryError> {
-        let mut faults = CollectedFaults::default();
+        let mut faults = Faults::default();
         faults.take(check_file(&file));
         let mut coordinates = Vec::new();
         let mut lines = Vec::new();
@@ -314,7 +314,7 @@ impl TheoreticalModel for BeamModel {
 }
 
 /// Collects the faults of the numbers of beams, masses and springs at the nominal values.
-fn check_properties(file: &BeamFile, faults: &mut CollectedFaults) {
+fn check_properties(file: &BeamFile, faults: &mut Faults<TheoryError>) {
     let nominal = nominal_values(&file.parameters);
     let mut check = |part: &str, name, value: Option<&Value>, sign| {
         let property = value.map(|value| Property {
@@ -364,7 +364,7 @@ fn check_properties(file: &BeamFile, faults: &mut CollectedFaults) {
 
 /// Everything that can be checked before geometry is made of it.
 fn check_file(file: &BeamFile) -> Result<(), TheoryError> {
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     if file.schema != SCHEMA {
         faults.add(TheoryError::Schema {
             got: file.schema.clone(),

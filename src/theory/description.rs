@@ -6,7 +6,7 @@
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::error::CollectedFaults;
+use super::faults::Faults;
 use super::parameter::index_of;
 use super::{ParameterSpec, Support, TheoryError};
 
@@ -215,7 +215,7 @@ pub(super) fn distinct<'a>(
     names: impl Iterator<Item = &'a String>,
 ) -> Result<(), TheoryError> {
     let mut seen = std::collections::BTreeSet::new();
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     for name in names {
         if !seen.insert(name) {
             let name = name.clone();

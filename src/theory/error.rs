@@ -4,6 +4,7 @@ use crate::dof::Dof;
 use crate::linalg::LinalgError;
 
 use super::MassError;
+use super::faults::Fault;
 use super::nearest_name::{expected_bounds, expected_name, expected_nearest};
 
 /// Reason why a model cannot be built, assembled, observed or solved.
@@ -462,37 +463,16 @@ fn joined(faults: &[TheoryError]) -> String {
     texts.join("; ")
 }
 
-/// Maximum number of faults of a model that are collected, for the reason of that of a scene.
-const MAX_COLLECTED: usize = 50;
-
-/// Faults of a model file that are collected, so that all are named at once.
-#[derive(Default)]
-pub(super) struct CollectedFaults(Vec<TheoryError>);
-
-impl CollectedFaults {
-    /// The value of a result, whose error is collected, each once.
-    pub fn take<T>(&mut self, result: Result<T, TheoryError>) -> Option<T> {
-        result.map_err(|error| self.add(error)).ok()
-    }
-
-    pub fn add(&mut self, error: TheoryError) {
-        match error {
-            TheoryError::Several { faults } => faults.into_iter().for_each(|fault| self.add(fault)),
-            single if self.0.len() >= MAX_COLLECTED || self.0.contains(&single) => {}
-            single => self.0.push(single),
+impl Fault for TheoryError {
+    fn split(self) -> Vec<Self> {
+        match self {
+            TheoryError::Several { faults } => faults.into_iter().flat_map(Fault::split).collect(),
+            single => vec![single],
         }
     }
 
-    /// Nothing where there is no fault.
-    ///
-    /// # Errors
-    /// The fault, or [`TheoryError::Several`].
-    pub fn into_result(mut self) -> Result<(), TheoryError> {
-        match self.0.len() {
-            0 => Ok(()),
-            1 => self.0.pop().map_or(Ok(()), Err),
-            _ => Err(TheoryError::Several { faults: self.0 }),
-        }
+    fn several(faults: Vec<Self>) -> Self {
+        TheoryError::Several { faults }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::geometry::Target;
 
 use super::description::{SCHEMA, Value, distinct};
 use super::dual::Values;
-use super::error::CollectedFaults;
+use super::faults::Faults;
 use super::lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
@@ -52,7 +52,7 @@ impl LumpedModel {
     /// [`TheoryError::MissingProperty`], [`TheoryError::ZeroDirection`],
     /// [`TheoryError::UnknownBody`], [`TheoryError::UnknownPoint`], [`TheoryError::NoStiffness`].
     pub fn new(file: LumpedFile) -> Result<Self, TheoryError> {
-        let mut faults = CollectedFaults::default();
+        let mut faults = Faults::default();
         faults.take(check_file(&file));
         let bodies = RigidBodies {
             names: file.bodies.iter().map(|body| body.name.clone()).collect(),
@@ -190,7 +190,7 @@ impl TheoreticalModel for LumpedModel {
 }
 
 /// Collects the faults of the numbers of bodies and springs at the nominal values.
-fn check_properties(file: &LumpedFile, faults: &mut CollectedFaults) {
+fn check_properties(file: &LumpedFile, faults: &mut Faults<TheoryError>) {
     let nominal = nominal_values(&file.parameters);
     let mut check = |part: &str, name, value: Option<&Value>| {
         let property = value.map(|value| Property {
@@ -269,7 +269,7 @@ fn stiffness(
     bodies: &RigidBodies,
 ) -> Result<Stiffness, TheoryError> {
     let label = link.label();
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     let from = faults.take(attachment(&link.from, &label, points));
     let to = faults.take(attachment(&link.to, &label, points));
     faults.into_result()?;
@@ -330,7 +330,7 @@ fn attachment<'a>(
 
 /// Everything that can be checked before geometry is made of it.
 fn check_file(file: &LumpedFile) -> Result<(), TheoryError> {
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     if let Some(got) = file.schema.as_ref().filter(|schema| *schema != SCHEMA) {
         faults.add(TheoryError::Schema {
             got: got.clone(),

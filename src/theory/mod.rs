@@ -27,6 +27,7 @@ mod error;
 mod external;
 #[cfg(test)]
 mod external_tests;
+mod faults;
 mod few_masses;
 #[cfg(test)]
 mod few_masses_tests;
@@ -94,6 +95,7 @@ pub use eigen::{ModeOptions, TheoryModes, modes_of_matrices};
 pub use energy::StrainShares;
 pub use error::TheoryError;
 pub use external::{ExternalMatrices, ExternalModel, MatrixSet, StatedDamping};
+pub(crate) use faults::{Fault, Faults};
 pub use gear::{
     BUILT_IN, BuiltIn, CycloidBall, HelicalPlanetary, SpiderReducer, TorsionalPlanetary, built_in,
 };

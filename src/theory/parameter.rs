@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::TheoryError;
-use super::error::CollectedFaults;
+use super::faults::Faults;
 use super::nearest_name::nearest_name;
 
 /// Source of a parameter's nominal value.
@@ -104,7 +104,7 @@ pub fn check_values(
             expected: specs.len(),
         });
     }
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     for (spec, &value) in specs.iter().zip(values) {
         faults.take(spec.check(value));
     }
@@ -133,7 +133,7 @@ pub fn override_values(
     overrides: &BTreeMap<String, f64>,
 ) -> Result<Vec<f64>, TheoryError> {
     let mut values = nominal_values(specs);
-    let mut faults = CollectedFaults::default();
+    let mut faults = Faults::default();
     for (name, &value) in overrides {
         if let Some(index) = faults.take(index_of(model, specs, name)) {
             values[index] = value;

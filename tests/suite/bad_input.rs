@@ -435,3 +435,100 @@ fn a_scene_without_a_test_has_no_recordings_to_convert() {
         assert!(!out.exists());
     }
 }
+
+#[test]
+fn undeclared_parameters_are_reported_with_other_faults_at_their_keys() {
+    let model = "schema = \"modalign-model/1\"\nkind = \"beam\"\ntitle = \"b\"\n\
+        [[beam]]\nname = \"bar\"\nfrom_m = [0, 0, 0]\nto_m = [1, 0, 0]\ndeflection = [0, 0, 1]\n\
+        elements = 4\nstart = \"fre\"\nend = \"free\"\nyoungs_modulus_pa = \"youngs\"\n\
+        density_kg_per_m3 = 7850\narea_m2 = -1\nsecond_moment_m4 = \"inertia\"\n\
+        [[point_mass]]\nname = \"head\"\nbeam = \"bar\"\nat_m = [0.5, 0, 0]\nmass_kg = \"mass\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[("model.toml", model)]);
+    let path = folder.path().join("model.toml");
+    let error = fail(["theory", path.to_str().unwrap()]);
+    assert!(error.contains("5 faults"), "{error}");
+    for part in [
+        "model.toml:10:9: got `fre`",
+        "model.toml:12:21: beam `bar`: got parameter `youngs`",
+        "model.toml:14:11: beam `bar`: got area_m2 -1",
+        "model.toml:15:20: beam `bar`: got parameter `inertia`",
+        "model.toml:20:11: point mass `head`: got parameter `mass`",
+    ] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+    // A parameter whose name has a fault may be any of them.
+    let unnamed = model.replace("\"fre\"", "\"free\"")
+        + "[[parameter]]\nnam = \"youngs\"\nunit = \"Pa\"\nnominal = 1e11\nstatus = \"assumed\"\n";
+    write(folder.path(), &[("model.toml", &unnamed)]);
+    let error = fail(["theory", path.to_str().unwrap()]);
+    assert!(error.contains("got unknown key `nam`"), "{error}");
+    assert!(!error.contains("got parameter `youngs`"), "{error}");
+}
+
+#[test]
+fn all_options_of_pairing_and_all_matrices_with_faults_are_reported_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n\
+        [[test]]\nname = \"a\"\nmodes = \"modes.csv\"\n\
+        [pair]\nmin_mac = 95\nmax_frequency_error = -1\nambiguous_margin = 3\n\
+        [update]\nparameters = [\"wal\"]\nalways = [\"wall\"]\nfrf_lines = 3\n";
+    let model = "kind = \"matrices\"\n[matrices]\ndofs = [\"1:+X\", \"2:+X\"]\nmass = \"m.mtx\"\n\
+        stiffness = \"k.mtx\"\n[[matrices.group]]\nparameter = \"wall\"\n\
+        [[matrices.group]]\nparameter = \"floor\"\nstiffness = \"large.mtx\"\n";
+    let large = "%%MatrixMarket matrix coordinate real symmetric\n3 3 1\n1 1 5\n";
+    write(
+        folder.path(),
+        &[
+            ("scene.toml", scene),
+            ("model.toml", model),
+            ("large.mtx", large),
+            ("modes.csv", "frequency_hz\n10\n"),
+        ],
+    );
+    let error = fails_without_output(folder.path());
+    for part in [
+        "9 faults",
+        "scene.toml:9:11: [pair] min_mac: got 95",
+        "scene.toml:10:23: [pair] max_frequency_error: got -1",
+        "scene.toml:11:20: [pair] ambiguous_margin: got 3",
+        "[update] always: got wall",
+        "[update] frf_lines: got 3",
+        "m.mtx: cannot open",
+        "k.mtx: cannot open",
+        "[[matrices.group]] 1 (wall): got no matrix",
+        "[[matrices.group]] 2 (floor) stiffness: got 3 x 3",
+    ] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+}
+
+#[test]
+fn all_faults_of_published_results_are_reported_with_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nname = \"cycloid-ball\"\n";
+    let expected = "schema = \"modalign-expected/2\"\nmax_frequency_error = -1\n\
+        [source]\nauthors = \"a\"\npaper = \"p\"\nyear = 2000\n\
+        [[root]]\nlabel = \"f1\"\nfrequency_hz = -3\n\
+        [[root]]\nlabel = \"f2\"\n\
+        [[root]]\nlabel = \"f3\"\nomega_rad_s = 3\nmultiplicity = 0\n\
+        [[claim]]\ntext = \"a claim\"\nkind = \"frequency-hz\"\nrow = \"f9\"\nvalue = 3.0\n\
+        [[claim]]\ntext = \"another\"\nkind = \"guess\"\n";
+    write(
+        folder.path(),
+        &[("scene.toml", scene), ("expected.toml", expected)],
+    );
+    let error = fails_without_output(folder.path());
+    for part in [
+        "7 faults",
+        "expected.toml:1:10: schema: got",
+        "expected.toml:2:23: max_frequency_error: got -1",
+        "expected.toml:9:16: [[root]] \"f1\" frequency_hz: got -3",
+        "expected.toml:10:1: [[root]] \"f2\": got none or both",
+        "expected.toml:15:16: [[root]] \"f3\" multiplicity: got 0",
+        "expected.toml:19:7: [[claim]] \"a claim\" row: got \"f9\"",
+        "expected.toml:23:8: [[claim]] \"another\" kind: got \"guess\"",
+    ] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+}
