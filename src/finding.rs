@@ -503,8 +503,11 @@ codes! {
     LettersLacking: "The font of PNG figures lacks letters of this figure. Boxes replace them; the SVG has them.",
         "The program carries one font, with Latin, Greek, Cyrillic and Hebrew letters; fonts with Chinese, Japanese or Korean ones are too large for it. Use the SVG, which is drawn with the fonts of the machine that shows it. Or save the figure as PNG from report.html, or name tests and parts in letters of the font.";
     /// A built-in model whose name a file or a folder has.
-    BuiltInTaken: "A built-in model and a file, or a folder with a scene, have this name. The built-in model was used.",
-        "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the built-in model where there is one. Put ./ before the name to use the file or the scene.";
+    BuiltInTaken: "A built-in model and a file, or a folder with a scene, have this name.",
+        "MODEL is a built-in name, a file, or a folder with a scene. A name without a path separator means the scene where a folder of this name has one, as for the verbs that take a SCENE. It means the built-in model where a file has this name. The detail says which was used. Put ./ before the name to use the file. Work in another folder, or rename the scene, to use the built-in model.";
+    /// A model file that is as it was drafted.
+    ExampleValues: "The model has the values of an example, not those of the structure.",
+        "`modalign new --model beam` or `lumped` drafts a model.toml with the values of an example and `example_values = true`. Frequencies, errors and updated parameters of such a model say nothing about the structure. State dimensions, masses, stiffnesses and supports of the structure in model.toml. Then delete the line `example_values`.";
     /// A mode of a test that is a rigid-body mode on its suspension.
     RigidBodyMode [Stated]: "This mode of the test is a rigid-body mode of the structure on its suspension or mounts.",
         "The scene states the highest of these modes (`highest_rigid_body_hz` in [test.state]), which is the limit. A free model has it at 0 Hz, so that no elastic mode of the model is its partner. Choose `band_hz` above it.";
@@ -566,7 +569,8 @@ codes! {
 
 impl Code {
     /// Codes that put the verdict of a comparison in question, in this order.
-    pub const ON_THE_VERDICT: [Code; 5] = [
+    pub const ON_THE_VERDICT: [Code; 6] = [
+        Code::ExampleValues,
         Code::SupportDiffers,
         Code::ModelSupportContradicted,
         Code::SuspensionStiff,

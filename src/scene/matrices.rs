@@ -56,6 +56,9 @@ struct MatricesFile {
     _kind: Option<String>,
     title: Option<String>,
     support: Option<Support>,
+    /// Read by the stage that loads the model.
+    #[serde(default, rename = "example_values")]
+    _example_values: bool,
     matrices: MatricesTable,
     #[serde(default, rename = "parameter")]
     parameters: Vec<ParameterSpec>,

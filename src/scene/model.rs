@@ -40,6 +40,8 @@ pub struct LoadedModel {
     pub values: Vec<f64>,
     /// Parameters of a model file that no part of the model uses.
     pub unused: Vec<String>,
+    /// Whether the model file says that its values are those of an example.
+    pub example_values: bool,
 }
 
 /// The theory's side of a comparison.
@@ -78,6 +80,14 @@ impl From<LoadedModes> for Theory {
 struct KindKeys {
     kind: Option<String>,
     matrices: Option<IgnoredAny>,
+}
+
+/// The key that says that the values of a model file are those of an example; the model itself
+/// checks its type.
+#[derive(Default, Deserialize)]
+struct ExampleKey {
+    #[serde(default)]
+    example_values: bool,
 }
 
 /// `[[sensor]]` tables of a model file of any kind.
@@ -127,6 +137,7 @@ pub(super) fn model_of_text(
     };
     let mut loaded = with_parameters(model, sensors, overrides)?;
     loaded.unused = unused_parameters(loaded.model.as_ref(), &loaded.values);
+    loaded.example_values = parse::<ExampleKey>(text, &path)?.example_values;
     Ok(loaded)
 }
 
@@ -204,6 +215,7 @@ fn with_parameters(
         model,
         values,
         unused: Vec::new(),
+        example_values: false,
     })
 }
 
@@ -254,6 +266,10 @@ impl LoadedModel {
             Finding::new(Severity::Warning, Code::ParameterUnused, location)
         });
         solved.model.findings.extend(unused);
+        if self.example_values {
+            let finding = Finding::new(Severity::Warning, Code::ExampleValues, Location::Whole);
+            solved.model.findings.push(finding);
+        }
         if default_sensors.is_empty() {
             let of_sensors = sensor_findings(self.model.as_ref(), &self.values, sensors)?;
             solved.model.findings.extend(of_sensors);

@@ -155,7 +155,8 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         .collect();
     findings.extend(new);
     let of_model = theory_before.modes.findings.iter();
-    let of_model = of_model.filter(|finding| finding.code == Code::ParameterUnused);
+    let of_model = of_model
+        .filter(|finding| [Code::ParameterUnused, Code::ExampleValues].contains(&finding.code));
     findings.extend(of_model.cloned());
     findings.extend(result.findings());
     findings.extend(doubtful_left_out(&measured, band, stated.doubtful_modes));

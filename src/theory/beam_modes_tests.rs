@@ -42,6 +42,7 @@ pub(super) fn bar(elements: usize, start: End, end: End) -> BeamFile {
         schema: SCHEMA.to_owned(),
         title: "bar".to_owned(),
         support: None,
+        example_values: false,
         parameters: Vec::new(),
         beams: vec![BeamDescription {
             name: "bar".to_owned(),

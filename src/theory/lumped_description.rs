@@ -59,6 +59,9 @@ pub struct LumpedFile {
     pub title: String,
     /// How the structure is held; shown by the matrices where not stated.
     pub support: Option<Support>,
+    /// Whether the values are those of an example; read by the stage that loads the model.
+    #[serde(default)]
+    pub example_values: bool,
     /// Parameters that values may name.
     #[serde(default, rename = "parameter")]
     pub parameters: Vec<ParameterSpec>,

@@ -209,6 +209,7 @@ stiffness_n_per_m = 1e6
             sensors: Vec::new(),
             values: Vec::new(),
             unused: Vec::new(),
+            example_values: false,
         }
     }
 

@@ -127,6 +127,7 @@ fn file(length_m: f64, thickness_m: f64, [start, end]: [End; 2]) -> BeamFile {
         kind: "beam".to_owned(),
         title: "drawn beam".to_owned(),
         support: None,
+        example_values: false,
         parameters: Vec::new(),
         beams: vec![BeamDescription {
             name: "beam".to_owned(),
