@@ -14,9 +14,9 @@ use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModelKind, ModesOptions, OpenLine,
-    StatedUnits, TableContent, built_in_name_finding, draft_scene, load_model, load_modes,
-    model_kind, open_lines, read_text,
+    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModesOptions, OpenLine, StatedUnits,
+    TableContent, built_in_name_finding, draft_scene, is_built_in_model, load_model, load_modes,
+    open_lines, read_text,
 };
 
 use crate::printable::counted;
@@ -50,8 +50,8 @@ const EXPECTED_TEMPLATE: &str =
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let TestFiles { opened, left_out } = open_files(args, format, output)?;
     check_new_files(args, &opened)?;
-    // Before the folder of the new scene has the name.
-    let model_name = args.model.as_deref();
+    // A scene is no value of --model, so that a folder of that name is not meant.
+    let model_name = args.model.as_deref().filter(|name| name.is_file());
     let taken = model_name.and_then(built_in_name_finding);
     let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
     let is_complete = !opened.iter().any(|file| file.is_bad)
@@ -564,7 +564,7 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
     let text =
         |key: &str, value: &str| format!("{key} = {}", toml::Value::String(value.to_owned()));
     let draft = ModelDraft::at(path);
-    let is_built_in = draft.is_some() || model_kind(path) == ModelKind::BuiltIn;
+    let is_built_in = draft.is_some() || is_built_in_model(path);
     let is_file = !is_built_in && path.exists();
     let is_toml = path
         .extension()

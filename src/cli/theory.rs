@@ -14,8 +14,9 @@ use crate::report::{
     sweep_blocks, theory_block,
 };
 use crate::scene::{
-    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding, first_root,
-    load_model, load_modes, model_kind, table_model, theory as scene_theory,
+    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding,
+    contradicted_support, first_root, load_model, load_modes, model_kind, table_model,
+    theory as scene_theory,
 };
 use crate::theory::{ModeOptions, ModelQuantity};
 
@@ -111,6 +112,7 @@ pub fn theory(
     });
     output.add_json(|| json);
     output.add_findings(&result.modes.findings);
+    output.add_findings(contradicted_support(&result, None).as_slice());
     output.add_findings(
         &built_in_name_finding(&args.model)
             .into_iter()

@@ -72,7 +72,7 @@ pub use limits::{
 pub use mass_line::{leaving_list, mass_line_findings, test_rigid_body};
 pub use model::{LoadedModel, Theory, load_model, sensors, table_model, theory};
 pub use model_draft::{ModelDraft, PointLine};
-pub use model_kind::{ModelKind, built_in_name_finding, model_kind};
+pub use model_kind::{ModelKind, built_in_name_finding, is_built_in_model, model_kind};
 pub use model_name::first_root;
 pub use modes_file::{LoadedModes, ModesOptions, has_functions_only, is_modes_file, load_modes};
 pub use observer::Observer;
@@ -91,6 +91,7 @@ pub use run::{
     Comparison, NamedTest, TestData, compare_tests, identify_sets, indicators_of_sets, run,
     run_observed, test_data,
 };
+pub use supports::contradicted_support;
 pub use synth_spec::{SYNTH_SCHEMA, SynthFile};
 pub use test_plan::{FilePlan, TestPlan, TestSource};
 pub use test_result::TestResult;

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use crate::finding::{Code, Finding, Location, Severity};
 
-use super::model_draft::ModelDraft;
 use super::model_name::is_built_in;
 use super::modes_file::is_modes_file;
 use super::plan::Scene;
@@ -22,11 +21,11 @@ pub enum ModelKind {
     File,
 }
 
-/// Kind of the model at a path: a built-in name is the built-in model, as is `NAME/SET` unless it
-/// is a file or a folder with a scene.
+/// Kind of the model at a path: a folder with a scene is the scene, whatever its name, as for the
+/// verbs that take a scene; a built-in name is else the built-in model, as is `NAME/SET` unless it
+/// is a file.
 pub fn model_kind(path: &Path) -> ModelKind {
-    let is_plain = path.components().count() == 1;
-    if is_built_in(path) && (is_plain || !(path.is_file() || has_scene(path))) {
+    if is_built_in_model(path) && !has_scene(path) {
         ModelKind::BuiltIn
     } else if Scene::is_path(path) {
         ModelKind::Scene
@@ -37,24 +36,39 @@ pub fn model_kind(path: &Path) -> ModelKind {
     }
 }
 
-/// The finding on a built-in model, or a model file to begin with, whose name a file, or a folder
-/// with a scene, has too.
+/// Whether a path names a built-in model where no scene can be meant: a built-in name, or
+/// `NAME/SET` that is no file.
+pub fn is_built_in_model(path: &Path) -> bool {
+    let is_plain = path.components().count() == 1;
+    is_built_in(path) && (is_plain || !path.is_file())
+}
+
+/// The finding on a built-in model whose name a file, or a folder with a scene, has too.
 pub fn built_in_name_finding(path: &Path) -> Option<Finding> {
-    let other = match (path.is_file(), has_scene(path)) {
-        (true, _) => "file",
-        (_, true) => "folder",
-        (false, false) => return None,
-    };
-    if model_kind(path) != ModelKind::BuiltIn && ModelDraft::at(path).is_none() {
+    if !is_built_in(path) {
         return None;
     }
+    let is_built_in_used = model_kind(path) == ModelKind::BuiltIn;
+    let name = path.display();
+    let (severity, detail) = match (is_built_in_used, path.is_file(), has_scene(path)) {
+        (true, true, _) => (
+            Severity::Warning,
+            format!("the built-in model was used; ./{name} names the file"),
+        ),
+        (false, _, true) => (
+            Severity::Info,
+            format!(
+                "the scene {name}/scene.toml was used; in another folder {name} is the built-in model"
+            ),
+        ),
+        _ => return None,
+    };
     let location = Location::File {
-        path: path.display().to_string(),
+        path: name.to_string(),
         line: None,
         byte: None,
     };
-    let finding = Finding::new(Severity::Warning, Code::BuiltInTaken, location);
-    Some(finding.detail(format!("./{} names the {other}", path.display())))
+    Some(Finding::new(severity, Code::BuiltInTaken, location).detail(detail))
 }
 
 fn has_scene(path: &Path) -> bool {

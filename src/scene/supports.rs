@@ -4,7 +4,7 @@
 use crate::correlate::{ComparisonTable, Status, TestCell};
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
-use crate::theory::{ModelSupport, ReleasedMode, Support};
+use crate::theory::{ModelRoot, ModelSupport, ReleasedMode, Support};
 
 use super::SceneError;
 use super::model::{Theory, table_model};
@@ -92,15 +92,43 @@ pub(super) fn add_support_findings(
         let difference = support_difference(&test.state, &theory.support, &paired_hz, released);
         findings.extend(difference.map(|finding| (test.name.clone(), vec![finding])));
     }
-    let contradicted = contradicted_support(&theory.support, lowest_elastic_hz);
+    let lowest_elastic_hz = lowest_elastic_hz.or_else(|| surely_elastic_hz(&theory.roots));
+    let contradicted = support_contradiction(&theory.support, lowest_elastic_hz);
     theory.modes.findings.extend(contradicted);
     Ok(())
 }
 
+/// The finding on the stated support of a model that its matrices contradict. The lowest paired
+/// root of a comparison is one that a test confirms; without a pair springs of a suspension are a
+/// contradiction where they are stiff for every elastic mode.
+pub fn contradicted_support(theory: &Theory, table: Option<&ComparisonTable>) -> Option<Finding> {
+    let paired_hz = table.iter().flat_map(|table| {
+        let tests = table.summary.iter();
+        tests.flat_map(|test| paired_roots_hz(table, &test.test))
+    });
+    let lowest_elastic_hz = paired_hz.reduce(f64::min);
+    support_contradiction(
+        &theory.support,
+        lowest_elastic_hz.or_else(|| surely_elastic_hz(&theory.roots)),
+    )
+}
+
+/// The frequency of the lowest mode that is elastic whatever the springs of a suspension are: a
+/// body has at most six rigid-body modes.
+fn surely_elastic_hz(roots: &[ModelRoot]) -> Option<f64> {
+    let modes = roots.iter().flat_map(|root| {
+        std::iter::repeat_n(root.omega_rad_s / std::f64::consts::TAU, root.modes.len())
+    });
+    modes.into_iter().nth(MAX_RIGID_BODY_MODES)
+}
+
+/// Maximum number of rigid-body modes of a body.
+const MAX_RIGID_BODY_MODES: usize = 6;
+
 /// A stated support of a model that its matrices contradict. Springs of a suspension are no
 /// contradiction where the model moves on them far below `lowest_elastic_hz`, the lowest root that
 /// a test confirms.
-fn contradicted_support(model: &ModelSupport, lowest_elastic_hz: Option<f64>) -> Option<Finding> {
+fn support_contradiction(model: &ModelSupport, lowest_elastic_hz: Option<f64>) -> Option<Finding> {
     let (stated, derived) = (model.stated?, model.derived?);
     let is_free = |support| support == Support::Suspended;
     if is_free(stated) == is_free(derived) {
@@ -291,19 +319,19 @@ mod tests {
     #[test]
     fn model_on_soft_springs_may_state_that_it_is_suspended() {
         let suspended = held(Some(Support::Suspended));
-        assert_eq!(contradicted_support(&suspended, Some(400.0)), None);
-        assert_eq!(contradicted_support(&suspended, None), None);
-        let stiff = contradicted_support(&suspended, Some(200.0)).unwrap();
+        assert_eq!(support_contradiction(&suspended, Some(400.0)), None);
+        assert_eq!(support_contradiction(&suspended, None), None);
+        let stiff = support_contradiction(&suspended, Some(200.0)).unwrap();
         assert_eq!((stiff.value, stiff.limit), (Some(30.0), Some(20.0)));
         let free = ModelSupport {
             stated: Some(Support::Mounted),
             derived: Some(Support::Suspended),
             translation_hz: Some(0.0),
         };
-        let found = contradicted_support(&free, None).unwrap();
+        let found = support_contradiction(&free, None).unwrap();
         assert_eq!(found.code, Code::ModelSupportContradicted);
         assert_eq!(
-            contradicted_support(&held(Some(Support::Mounted)), None),
+            support_contradiction(&held(Some(Support::Mounted)), None),
             None
         );
     }

@@ -214,7 +214,7 @@ fn lost_units_are_not_those_of_another_dataset() {
 }
 
 #[test]
-fn a_built_in_name_is_the_built_in_model_beside_a_folder_or_a_file_of_that_name() {
+fn a_built_in_name_is_the_scene_of_that_name_and_else_the_built_in_model() {
     let folder = tempfile::tempdir().unwrap();
     let expected = succeed(["theory", "cycloid-ball", "--json"]);
     let theory = |arguments: &[&str]| {
@@ -228,22 +228,22 @@ fn a_built_in_name_is_the_built_in_model_beside_a_folder_or_a_file_of_that_name(
     let (code, text, said) = theory(&["cycloid-ball"]);
     assert_eq!((code, &text), (Some(0), &expected), "{said}");
     assert!(!said.contains("built-in-taken"), "{said}");
-    // A folder that holds a scene is named with ./
+    // A folder that holds a scene is the scene, as for the verbs that take one.
     let scene =
         "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nname = \"torsional-planetary\"\n";
     write(
         &folder.path().join("cycloid-ball"),
         &[("scene.toml", scene)],
     );
-    let (code, text, said) = theory(&["cycloid-ball"]);
-    assert_eq!((code, &text), (Some(0), &expected), "{said}");
-    assert!(
-        said.contains("./cycloid-ball names the folder [built-in-taken]"),
-        "{said}"
-    );
-    let (code, text, said) = theory(&["./cycloid-ball"]);
+    let (code, text, said) = theory(&["cycloid-ball", "--full"]);
     assert_eq!(code, Some(0), "{said}");
     assert_ne!(text, expected);
+    let used = "the scene cycloid-ball/scene.toml was used; in another folder cycloid-ball is the \
+                built-in model [built-in-taken]";
+    assert!(said.contains(used), "{said}");
+    let (code, again, said) = theory(&["./cycloid-ball"]);
+    assert_eq!((code, again), (Some(0), text), "{said}");
+    assert!(!said.contains("built-in-taken"), "{said}");
     // So do the other verbs that take a model.
     let output = modalign_in(
         folder.path(),
@@ -282,7 +282,9 @@ fn a_built_in_name_is_the_built_in_model_beside_a_folder_or_a_file_of_that_name(
     let (code, text, said) = theory(&["spider-reducer"]);
     assert_eq!((code, &text), (Some(0), &built_in), "{said}");
     assert!(
-        said.contains("./spider-reducer names the file [built-in-taken]"),
+        said.contains(
+            "the built-in model was used; ./spider-reducer names the file [built-in-taken]"
+        ),
         "{said}"
     );
     let (code, text, said) = theory(&["./spider-reducer"]);
