@@ -495,7 +495,10 @@ codes! {
         "MAC is computed on the DOFs that test and model have in common. State the missing ones as [[sensor]] in the scene.";
     /// Few DOFs in a MAC.
     FewDofs [AtLeast]: "Test and model have few DOFs in common for a MAC.",
-        "With few DOFs different modes look the same. The value is their number. Measure at more points.";
+        "With few DOFs different modes look the same. The value is their number; sensors that move alike in every mode of the model, as those at one position, count once. With fewer than three, modes are paired by frequency alone. Measure at more points.";
+    /// Shapes that agree where no mode is paired.
+    ShapesAgree: "No mode is paired, but mode shapes agree at other frequencies.",
+        "Modes of test and model have a MAC of 0.9 or more with each other and 0.6 or less with all others. Their frequencies differ by more than the frequency gate (`max_frequency_error`, --max-frequency-error). The value is the mean ratio of the frequencies of the test to those of the model. One ratio for all modes has a common cause: a dimension, the material, or the unit of a value. Check dimensions and material of the model.";
     /// A synthetic recording.
     Synthetic: "This recording is synthetic: computed from a model, not measured.",
         "Its exact truth is known and written with it. It shows that the tool works, not that a machine behaves so.";

@@ -23,8 +23,8 @@ use crate::report::{
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
-    compare_tests, first_root, has_functions_only, load_model, load_modes, model_kind, table_model,
-    theory,
+    compare_tests, contradicted_support, first_root, has_functions_only, load_model, load_modes,
+    model_kind, table_model, theory,
 };
 use crate::theory::ModeOptions;
 
@@ -194,7 +194,10 @@ fn compare_with_theory(
     for (test, findings) in &comparison.findings {
         output.add_findings_of(test, findings);
     }
-    Ok(Outcome::missed_if(partly_bad))
+    output.add_findings(contradicted_support(&theory, Some(&comparison.table)).as_slice());
+    Ok(Outcome::missed_if(
+        partly_bad || comparison.table.is_empty(),
+    ))
 }
 
 /// The reversed sensors of a test, corrected where that is requested; else the pairing reports

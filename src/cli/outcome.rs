@@ -5,12 +5,13 @@
 pub enum Outcome {
     /// Done: exit code 0.
     Done,
-    /// Done, but a stated limit is missed or part of the input was bad: exit code 1.
+    /// Done, but a stated limit is missed, part of the input was bad or nothing was compared: exit
+    /// code 1.
     Missed,
 }
 
 impl Outcome {
-    /// `Missed` when a limit is missed or input was bad.
+    /// `Missed` when a limit is missed, input was bad or nothing was compared.
     pub fn missed_if(missed: bool) -> Self {
         if missed {
             Outcome::Missed

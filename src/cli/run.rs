@@ -25,8 +25,8 @@ use super::scene_reading::SceneReading;
 use super::targets::{check_targets, scene_files};
 use super::test_stem::test_stem;
 
-/// Runs the scene; exit code 1 when a stated limit is missed, part of the input was bad or a test
-/// has no modes.
+/// Runs the scene; exit code 1 when a stated limit is missed, part of the input was bad, a test has
+/// no modes, or no mode of any test is paired.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let partial = args.partial;
     let scene = SceneReading { format, partial }.scene(&args.scene)?;
@@ -78,7 +78,10 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     let without_modes = |test: &TestResult| test.modes.modes.is_empty();
     let missed =
         result.limits.iter().any(|check| !check.is_met()) || result.tests.iter().any(without_modes);
-    Ok(Outcome::missed_if(missed || result.partly_bad()))
+    let is_empty = result.table.as_ref().is_some_and(ComparisonTable::is_empty);
+    Ok(Outcome::missed_if(
+        missed || is_empty || result.partly_bad(),
+    ))
 }
 
 /// A line on the figures in the folder that are of an earlier run and that no manifest names.

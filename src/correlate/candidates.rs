@@ -14,6 +14,7 @@ use super::partner::{
     Basis, Competitor, MIN_DIRECTION_CONTRIBUTION, NearMiss, Pair, PairVerdict, Partner,
     UnpairedRoot,
 };
+use super::shape_match::{ShapeMatch, shape_matches};
 use super::shapes::Shapes;
 use super::{CorrelateError, PairOptions, assign};
 
@@ -132,7 +133,8 @@ impl CandidateTable {
             let root = &roots[r];
             let hz = test.modes[i].frequency_hz;
             let mac = shapes.mac(i, &root.modes);
-            let evidence = match shapes.common_dofs(&[i], &root.modes).len() {
+            let dofs = shapes.common_dofs(&[i], &root.modes);
+            let evidence = match shapes.distinct_count(dofs) {
                 MIN_DOFS_OF_SHAPE.. => ShapeEvidence::Known(mac, contributions[r].get(&i).copied()),
                 _ => ShapeEvidence::Unknown,
             };
@@ -250,12 +252,10 @@ impl CandidateTable {
         }
         let gate = chosen_pairs.options.max_frequency_error;
         let comparable = |(root, candidate): (&Root, &Candidate)| {
-            let dofs = || {
-                chosen_pairs
-                    .shapes
-                    .common_dofs(&[self.modes[i]], &root.modes)
-            };
-            candidate.frequency_distance <= gate && dofs().len() >= MIN_DOFS_OF_SHAPE
+            let shapes = chosen_pairs.shapes;
+            let dofs = || shapes.common_dofs(&[self.modes[i]], &root.modes);
+            candidate.frequency_distance <= gate
+                && shapes.distinct_count(dofs()) >= MIN_DOFS_OF_SHAPE
         };
         let mut candidates = self.roots.iter().zip(&self.candidates[i]);
         candidates.any(comparable).then_some(false)
@@ -279,14 +279,17 @@ impl CandidateTable {
         chosen_pairs: &ChosenPairs<'_>,
     ) -> Option<ChanceLevel> {
         let root = &self.roots[r].modes;
+        let dofs = chosen_pairs.shapes.common_dofs(&[self.modes[i]], root);
+        let dofs = chosen_pairs.shapes.distinct_count(dofs);
         let [test, root] = chosen_pairs.shapes.common_values(&[self.modes[i]], root);
         let row = &self.candidates[i];
         let within = |limit: f64| {
             let distances = row.iter().map(|candidate| candidate.frequency_distance);
             distances.filter(|distance| *distance <= limit).count()
         };
-        (test[0].len() >= MIN_DOFS_OF_SHAPE).then(|| {
+        (dofs >= MIN_DOFS_OF_SHAPE).then(|| {
             let setting = ChanceSetting {
+                dofs,
                 effective_fraction: self.effective_fraction,
                 roots: within(chosen_pairs.options.max_frequency_error),
                 rank: within(row[r].frequency_distance),
@@ -443,18 +446,30 @@ impl CandidateTable {
         root_of: &[Option<usize>],
         options: &PairOptions,
     ) -> Option<Finding> {
+        let table = self.mac_table(test, options);
+        global_stiffness_factor(&table, root_of.iter().flatten().count())
+    }
+
+    /// The modes whose shapes agree at other frequencies, for a test of which none is paired.
+    pub fn shape_matches(
+        &self,
+        test: &ModalModel,
+        distinct_dofs: usize,
+        options: &PairOptions,
+    ) -> Vec<ShapeMatch> {
+        shape_matches(&self.mac_table(test, options), distinct_dofs)
+    }
+
+    fn mac_table(&self, test: &ModalModel, options: &PairOptions) -> MacTable {
         let hz = |&i: &usize| test.modes[i].frequency_hz;
-        let test_hz: Vec<f64> = self.modes.iter().map(hz).collect();
         let roots = self.roots.iter().map(|root| (root.hz, root.modes.len()));
         let of_row = |row: &Vec<Candidate>| row.iter().map(|candidate| candidate.mac).collect();
-        let mac: Vec<Vec<Option<f64>>> = self.candidates.iter().map(of_row).collect();
-        let table = MacTable {
-            test_hz: &test_hz,
-            roots: &roots.collect::<Vec<_>>(),
-            mac: &mac,
+        MacTable {
+            test_hz: self.modes.iter().map(hz).collect(),
+            roots: roots.collect(),
+            mac: self.candidates.iter().map(of_row).collect(),
             gate: options.max_frequency_error,
-        };
-        global_stiffness_factor(&table, root_of.iter().flatten().count())
+        }
     }
 }
 

@@ -26,7 +26,8 @@ const SIGNIFICANCE: f64 = 0.01;
 /// clear modes are ambiguous where the population `pairing` allows 8 %.
 const SIGNIFICANCE_AMONG_CORRELATED: f64 = 0.05;
 
-/// Minimum number of common degrees of freedom for a pair by shape. Larger: a pair of exact shapes
+/// Minimum number of common degrees of freedom for a pair by shape; those that move alike in every
+/// mode of the theory are one. Larger: a pair of exact shapes
 /// at three sensors, 1 in 100 by chance, counts as one by frequency. Smaller: at two the level is
 /// 0.9998, and no measured pair reaches it.
 pub(super) const MIN_DOFS_OF_SHAPE: usize = 3;
@@ -37,7 +38,7 @@ pub(super) const MIN_DOFS_OF_SHAPE: usize = 3;
 pub struct ChanceLevel {
     /// The level.
     pub mac: f64,
-    /// Number of common degrees of freedom.
+    /// Number of common degrees of freedom, those that move alike in every mode of the theory once.
     pub dofs: usize,
     /// Effective number of degrees of freedom; smaller where some hardly move in any mode.
     pub effective_dofs: f64,
@@ -51,6 +52,8 @@ pub struct ChanceLevel {
 
 /// Quantities besides the shapes that determine the chance level of a pair.
 pub(super) struct ChanceSetting {
+    /// Number of common degrees of freedom, those that move alike in every mode once.
+    pub dofs: usize,
     /// Effective degrees of freedom over their number.
     pub effective_fraction: f64,
     /// Roots within the frequency gate.
@@ -73,7 +76,7 @@ impl ChanceLevel {
         root: &[Vec<Complex64>],
         setting: &ChanceSetting,
     ) -> Self {
-        let dofs = test.len();
+        let dofs = setting.dofs;
         let effective_dofs = setting.effective_fraction * dofs as f64;
         let multiplicity = root.len() as f64;
         let of_root = root.iter().map(|shape| components(shape));
@@ -156,6 +159,7 @@ mod tests {
         };
         let root: Vec<_> = (0..multiplicity).map(unit).collect();
         let setting = ChanceSetting {
+            dofs: shape.len(),
             effective_fraction: 1.0,
             roots,
             rank,

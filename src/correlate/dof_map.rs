@@ -172,7 +172,10 @@ impl DofMap {
     /// Findings on the map: degrees of freedom that were not measured, that are 0 in the theory or
     /// that have no partner (each, or their number where they are many), and a common number below
     /// the limit. Nothing for a test without shapes.
-    pub fn findings(&self, min_dofs: usize) -> Vec<Finding> {
+    ///
+    /// `distinct` of the common degrees of freedom differ: those that move alike in every mode of
+    /// the theory are one.
+    pub fn findings(&self, distinct: usize, min_dofs: usize) -> Vec<Finding> {
         let alone = &self.test_alone;
         let warn = |code, location| Finding::new(Severity::Warning, code, location);
         let mut findings = Vec::new();
@@ -200,9 +203,16 @@ impl DofMap {
             let count = alone.len() as f64;
             findings.push(warn(Code::DofWithoutPartner, Location::Whole).value(count, ""));
         }
-        if self.len() < min_dofs {
+        if distinct < min_dofs {
             let few = warn(Code::FewDofs, Location::Whole);
-            findings.push(few.value(self.len() as f64, "").limit(min_dofs as f64));
+            let few = few.value(distinct as f64, "").limit(min_dofs as f64);
+            findings.push(match distinct == self.len() {
+                true => few,
+                false => few.detail(format!(
+                    "of {} in common several move alike in every mode of the model and count once",
+                    self.len()
+                )),
+            });
         }
         findings
     }
@@ -260,13 +270,13 @@ mod tests {
 
     #[test]
     fn few_missing_ones_are_named_and_many_are_counted() {
-        let named = map(&["1:+Z", "2:+Z"], &["1:+Z"]).findings(4);
+        let named = map(&["1:+Z", "2:+Z"], &["1:+Z"]).findings(1, 4);
         let places: Vec<String> = named.iter().map(|f| f.location.to_string()).collect();
         assert_eq!(places, ["channel 2:+Z", "whole test"]);
         assert_eq!((named[1].value, named[1].limit), (Some(1.0), Some(4.0)));
-        let counted = map(&["1:+Z", "2:+Z", "3:+Z", "4:+Z", "5:+Z"], &[]).findings(0);
+        let counted = map(&["1:+Z", "2:+Z", "3:+Z", "4:+Z", "5:+Z"], &[]).findings(0, 0);
         assert_eq!((counted.len(), counted[0].value), (1, Some(5.0)));
-        assert!(map(&[], &["1:+Z"]).findings(4).is_empty());
+        assert!(map(&[], &["1:+Z"]).findings(0, 4).is_empty());
     }
 
     #[test]

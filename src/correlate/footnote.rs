@@ -87,7 +87,7 @@ impl fmt::Display for Footnote {
             }
             Footnote::FrequencyAlone(test) => write!(
                 f,
-                "{test}: paired by frequency alone where fewer than {MIN_DOFS_OF_SHAPE} DOFs are in common."
+                "{test}: paired by frequency alone where fewer than {MIN_DOFS_OF_SHAPE} different DOFs are in common."
             ),
             Footnote::ChanceLevel {
                 test,

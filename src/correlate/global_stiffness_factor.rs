@@ -12,13 +12,13 @@ const MIN_TEST_MODES: usize = 3;
 const MIN_FRACTION_OF_TEST_MODES: f64 = 0.6;
 
 /// Test modes (rows) against roots of the theory (columns).
-pub(super) struct MacTable<'a> {
+pub(super) struct MacTable {
     /// Frequencies of the test modes, Hz.
-    pub test_hz: &'a [f64],
+    pub test_hz: Vec<f64>,
     /// Frequencies of the roots, Hz, and how many modes share each.
-    pub roots: &'a [(f64, usize)],
+    pub roots: Vec<(f64, usize)>,
     /// MAC of every test mode (row) with every root.
-    pub mac: &'a [Vec<Option<f64>>],
+    pub mac: Vec<Vec<Option<f64>>>,
     /// Largest relative frequency error of a pair.
     pub gate: f64,
 }
@@ -29,7 +29,7 @@ pub(super) struct MacTable<'a> {
 /// frequencies `r`. Where three of them or more, and six tenths of all test modes, lie within the
 /// gate about their median, and the mean lies beyond it, the factor on all stiffnesses is
 /// `exp(2 mean ln r)`. Its standard deviation is that from mode to mode.
-pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Option<Finding> {
+pub(super) fn global_stiffness_factor(table: &MacTable, paired: usize) -> Option<Finding> {
     let count = table.test_hz.len();
     if 2 * paired > count {
         return None;
@@ -52,9 +52,9 @@ pub(super) fn global_stiffness_factor(table: &MacTable<'_>, paired: usize) -> Op
 }
 
 /// `ln(test / theory)` of the frequencies of all test modes that correlate with one root only.
-fn clear_ratios(table: &MacTable<'_>) -> Vec<f64> {
+fn clear_ratios(table: &MacTable) -> Vec<f64> {
     let chosen: Vec<Option<usize>> = table.mac.iter().map(|row| clear_root(row)).collect();
-    let rows = chosen.iter().zip(table.test_hz);
+    let rows = chosen.iter().zip(&table.test_hz);
     let ratio = |(root, hz): (&Option<usize>, &f64)| {
         let root = (*root)?;
         let (root_hz, modes) = table.roots[root];

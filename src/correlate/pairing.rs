@@ -10,6 +10,7 @@ use super::candidates::CandidateTable;
 use super::model_roots::{check_model, highest_rigid_hz};
 use super::partner::{MIN_DIRECTION_CONTRIBUTION, Pair, UnpairedRoot};
 use super::reversed_sensors::{ReversedSensor, detect, reversed_findings, signs};
+use super::shape_match::{ShapeMatch, shapes_agree_finding};
 use super::shapes::Shapes;
 use super::{CorrelateError, DofMap, PairOptions};
 
@@ -37,6 +38,9 @@ pub struct Pairing {
     /// Sensors with the opposite sign of the theory. Pairs are chosen with these reversed; MAC is
     /// of the shapes as measured.
     pub reversed: Vec<ReversedSensor>,
+    /// Modes of test and theory whose shapes agree at other frequencies; only where no mode is
+    /// paired.
+    pub by_shape_alone: Vec<ShapeMatch>,
     /// Findings on shapes and frequencies.
     pub findings: Vec<Finding>,
 }
@@ -49,7 +53,8 @@ pub struct Pairing {
 /// sensors reaches `min_mac`. It costs `0.1 u + 0.9 v`, `v = (1 - a)/(1 - 0.6 min_mac)` up to 1:
 /// the weight of the frequency is small because `a` includes the frequencies. With fewer than three
 /// degrees of freedom in common a pair costs `u`: the MAC over one component is 1 for any two
-/// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. An
+/// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. Degrees of
+/// freedom that move alike in every mode of the theory, as of sensors at one position, are one. An
 /// unpaired test mode costs 1, so that a pair inside its gates is always preferred, and an unpaired
 /// mode changes another pair only where that costs less. The assignment minimises the sum over all
 /// pairs.
@@ -102,9 +107,14 @@ pub fn pair(
     let has_shapes = theory.modes.iter().any(|mode| !mode.shape.is_empty());
     let mut findings = Vec::new();
     if has_shapes {
-        findings.extend(map.findings(options.min_dofs));
+        findings.extend(map.findings(shapes.all_distinct_count(), options.min_dofs));
     }
     let pairs = table.pairs(&root_of, &shapes, !reversed.is_empty(), options)?;
+    let by_shape_alone = match pairs.is_empty() {
+        true => table.shape_matches(test, shapes.all_distinct_count(), options),
+        false => Vec::new(),
+    };
+    findings.extend(shapes_agree_finding(&by_shape_alone));
     findings.extend(reversed_findings(&reversed, false));
     findings.extend(table.findings(test, &root_of, &pairs, options));
     findings.extend(pairs.iter().filter_map(|pair| similar_partners(pair, test)));
@@ -119,6 +129,7 @@ pub fn pair(
         theory_modes: theory.modes.len(),
         map,
         reversed,
+        by_shape_alone,
         findings,
     })
 }

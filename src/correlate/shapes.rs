@@ -1,5 +1,7 @@
 //! Shapes hold the values of all test and theory modes at the common degrees of freedom.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use num_complex::Complex64;
 
 use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix, singular_values};
@@ -15,11 +17,25 @@ const MIN_SINGULAR_VALUE: f64 = 0.1;
 /// Minimum number of common degrees of freedom of a meaningful MAC.
 pub(super) const MIN_SHAPE_DOFS: usize = 2;
 
+/// Maximum difference of two values over the largest of the mode that counts as none. Larger, at
+/// 1e-3: neighbouring points of a fine mesh move alike. Smaller, at 1e-15: rounding separates
+/// sensors at one position. Test `sensors_at_one_position_count_once`.
+const MAX_DIFFERENCE_ALIKE: f64 = 1e-9;
+
+/// Minimum number of theory modes from which degrees of freedom are grouped. Larger, at 6: the
+/// sensors at one position of a model of few modes count one by one. Smaller, at 2: points that
+/// mirror each other count once in a model of two symmetric modes. Test
+/// `sensors_at_one_position_count_once`.
+const MIN_MODES_OF_GROUPS: usize = 3;
+
 /// Values of every mode at the common degrees of freedom, along the theory's directions, with
 /// rotations times the length that [`PairOptions`] states.
 pub(super) struct Shapes {
     pub test: Vec<Vec<Option<Complex64>>>,
     pub theory: Vec<Vec<Option<Complex64>>>,
+    /// Number of the group of each degree of freedom: those of one group move alike in every
+    /// mode of the theory.
+    groups: Vec<usize>,
 }
 
 impl Shapes {
@@ -33,11 +49,13 @@ impl Shapes {
         let of_test = test.modes.iter();
         let of_theory = theory.modes.iter();
         let theory = of_theory.map(|m| map.theory_values(&m.shape, &weights));
+        let theory = without_rounding(theory.collect());
         Ok(Self {
             test: of_test
                 .map(|m| map.test_values(&m.shape, &weights))
                 .collect(),
-            theory: without_rounding(theory.collect()),
+            groups: groups_that_move_alike(&theory),
+            theory,
         })
     }
 
@@ -52,7 +70,19 @@ impl Shapes {
         Self {
             test: self.test.iter().map(signed).collect(),
             theory: self.theory.clone(),
+            groups: self.groups.clone(),
         }
+    }
+
+    /// Number of degrees of freedom, each group that moves alike in every mode of the theory once.
+    pub fn distinct_count(&self, dofs: impl IntoIterator<Item = usize>) -> usize {
+        let groups = dofs.into_iter().filter_map(|dof| self.groups.get(dof));
+        groups.collect::<BTreeSet<_>>().len()
+    }
+
+    /// Number of all common degrees of freedom that differ.
+    pub fn all_distinct_count(&self) -> usize {
+        self.distinct_count(0..self.groups.len())
     }
 
     /// Theory shapes of all modes of some roots.
@@ -168,6 +198,34 @@ impl Shapes {
     }
 }
 
+/// The group of each degree of freedom whose values in all shapes are equal. One at rest or without
+/// a value in a mode is alone, as is every one of few modes, whose values may be equal at points
+/// that mirror each other.
+fn groups_that_move_alike(shapes: &[Vec<Option<Complex64>>]) -> Vec<usize> {
+    let count = shapes.first().map_or(0, Vec::len);
+    if shapes.len() < MIN_MODES_OF_GROUPS {
+        return (0..count).collect();
+    }
+    let largest = |shape: &Vec<Option<Complex64>>| {
+        let norms = shape.iter().flatten().map(|value| value.norm());
+        norms.fold(0.0, f64::max)
+    };
+    let scales: Vec<f64> = shapes.iter().map(largest).collect();
+    let mut groups: BTreeMap<Vec<[i64; 2]>, usize> = BTreeMap::new();
+    let group = |dof: usize| {
+        let rounded = |(shape, scale): (&Vec<Option<Complex64>>, &f64)| {
+            let value = shape[dof]? / scale.max(f64::MIN_POSITIVE);
+            Some([value.re, value.im].map(|part| (part / MAX_DIFFERENCE_ALIKE).round() as i64))
+        };
+        let row: Option<Vec<[i64; 2]>> = shapes.iter().zip(&scales).map(rounded).collect();
+        let row = row.filter(|row| row.iter().flatten().any(|part| *part != 0))?;
+        Some(*groups.entry(row).or_insert(dof))
+    };
+    let found: Vec<Option<usize>> = (0..count).map(group).collect();
+    let numbered = found.into_iter().enumerate();
+    numbered.map(|(dof, group)| group.unwrap_or(dof)).collect()
+}
+
 /// Shapes as columns, where all values are there and enough of them for a MAC.
 fn full_matrix(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
     let points = shapes.first()?.len();
@@ -211,4 +269,53 @@ pub(super) fn without_rounding(
         }
     }
     modes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pairing_tests::{mode, model, paired};
+    use super::super::{Basis, Pairing};
+    use super::*;
+
+    /// Modes of a beam with sensors at these positions, from 0 to 1.
+    fn beam(at: &[f64], modes: u32) -> ModalModel {
+        let wave = |number: u32| {
+            let values = at
+                .iter()
+                .map(move |x| (f64::from(number) * 2.1 * x + 0.3).sin());
+            mode(100.0 * f64::from(number), &values.collect::<Vec<_>>())
+        };
+        model((1..=modes).map(wave).collect())
+    }
+
+    fn bases(pairing: &Pairing) -> Vec<Basis> {
+        let partners = pairing.pairs.iter().flat_map(|pair| &pair.partners);
+        partners.map(|partner| partner.basis).collect()
+    }
+
+    #[test]
+    fn sensors_at_one_position_count_once() {
+        let count = |at: &[f64], modes: u32| {
+            let theory = beam(at, modes);
+            let map = DofMap::of_models(&theory, &theory);
+            let options = PairOptions::default();
+            let shapes = Shapes::new(&theory, &theory, &map, &options).unwrap();
+            shapes.all_distinct_count()
+        };
+        let spread = [0.0, 0.2, 0.4, 0.7, 1.0];
+        assert_eq!(count(&spread, 3), 5);
+        assert_eq!(count(&[0.2, 0.2, 0.2 + 1e-12, 0.7, 0.7], 3), 2);
+        // A fine mesh, and two modes alone.
+        assert_eq!(count(&[0.2, 0.2001, 0.2002], 3), 3);
+        assert_eq!(count(&[0.2, 0.2, 0.7], 2), 3);
+        let pairing = |at: &[f64]| paired(&beam(at, 3), &beam(at, 3));
+        assert_eq!(bases(&pairing(&spread)), [Basis::Shape; 3]);
+        let two = pairing(&[0.2, 0.2, 0.2, 0.7, 0.7]);
+        assert_eq!(bases(&two), [Basis::Frequency; 3]);
+        let few = two
+            .findings
+            .iter()
+            .find(|finding| finding.limit == Some(4.0));
+        assert_eq!(few.and_then(|finding| finding.value), Some(2.0));
+    }
 }

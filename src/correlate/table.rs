@@ -159,6 +159,12 @@ fn check_tests(
 }
 
 impl ComparisonTable {
+    /// Whether no mode of any test has a partner, an ambiguous one included: nothing is compared.
+    pub fn is_empty(&self) -> bool {
+        let mut tests = self.summary.iter();
+        !self.summary.is_empty() && tests.all(|test| test.paired == 0 && test.ambiguous == 0)
+    }
+
     /// The same table with its first root labelled `f<first>`: where a paper counts the root at 0
     /// Hz, 2.
     pub fn labelled_from(mut self, first: usize) -> Self {

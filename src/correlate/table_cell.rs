@@ -303,7 +303,7 @@ fn basis_reason(basis: Basis, no_mac: bool, at_nodes: bool) -> Option<String> {
             Some("paired by frequency alone: no shapes could be compared".to_owned())
         }
         (Basis::Frequency, false) => Some(format!(
-            "paired by frequency alone: fewer than {MIN_DOFS_OF_SHAPE} DOFs in common"
+            "paired by frequency alone: fewer than {MIN_DOFS_OF_SHAPE} different DOFs in common"
         )),
         (Basis::Shape, true) => Some(format!("{stands} contradicts the model")),
         (Basis::Shape, false) => None,

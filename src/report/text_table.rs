@@ -317,6 +317,7 @@ pub(super) static TEXTS: Texts = Texts {
         synthetic_recordings: "Synthetic recordings, not measured: {}; computed from {}.", "合成记录，并非实测：{}；由 {} 计算。";
         assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
         published_frequencies: "Published frequencies: {} compared, rms error {} %, largest {} % at {}.", "文献频率：比较 {}，均方根误差 {} %，最大 {} % (位于 {})。";
+        nothing_is_compared: "No mode of a test has a partner in the model, so that nothing is compared: exit code 1.", "试验的模态在模型中均无配对，因此没有比较：退出码 1。";
         published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
         statements_not_reproduced: "Not reproduced: {}.", "未复现：{}。";
         next_points: "Measure next in {}: {}.", "建议补测，{}：{}。";

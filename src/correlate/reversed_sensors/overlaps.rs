@@ -81,6 +81,7 @@ impl Overlaps {
             let of = |(r, root): &(usize, &Root)| {
                 let offset = offset(hz, root);
                 let setting = ChanceSetting {
+                    dofs: shapes.distinct_count(shapes.common_dofs(&[i], &root.modes)),
                     effective_fraction,
                     roots: near.len(),
                     rank: rank(offset),

@@ -34,11 +34,19 @@ pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
 pub(super) fn comparison_tables(table: &ComparisonTable, width: usize) -> Vec<Block> {
     let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
     let mut blocks = vec![Block::Table(counts_table(table, width))];
+    blocks.extend(no_pair_block(table));
     blocks.extend(empty_band_block(table));
     let form = Form::Screen;
     let tables = ModeTables { table, width, form }.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
     blocks
+}
+
+/// The reason of exit code 1 where no mode of any test is paired.
+fn no_pair_block(table: &ComparisonTable) -> Option<Block> {
+    let text =
+        "No mode of a test has a partner in the model, so that nothing is compared: exit code 1.";
+    table.is_empty().then(|| Block::Text(text.to_owned()))
 }
 
 /// A warning where no natural frequency of the model lies in the band of any test.
