@@ -1,7 +1,9 @@
 //! `modalign update`: the model of a scene brought to its test.
 
 use crate::error::Error;
-use crate::report::{RENDERERS, json, update_blocks, update_page, update_screen};
+use crate::report::{
+    RENDERERS, json, step_after_update, update_blocks, update_page, update_screen,
+};
 use crate::scene::{TestResult, update_scene};
 
 use super::args::UpdateArgs;
@@ -63,10 +65,13 @@ pub fn update(
         |width| update_screen(&scene.title, &outcome, width),
         || blocks,
     );
-    output.add_rest_note(match &args.output {
+    let rest = match &args.output {
         Some(_) => "All tables, columns and notes: --full, or update.txt in the folder.",
         None => "All tables and columns: --full; updated model and tables: -o DIR.",
-    });
+    };
+    let next = step_after_update(&outcome);
+    let lines: Vec<&str> = next.as_deref().into_iter().chain([rest]).collect();
+    output.add_rest_note(&lines.join("\n"));
     output.add_json(|| json::update_to_json(&outcome));
     output.add_findings(&outcome.findings);
     let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);

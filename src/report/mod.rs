@@ -10,6 +10,7 @@ mod breakdown;
 mod comparison;
 mod csv_text;
 mod details;
+mod error_range;
 mod frf;
 mod html;
 mod indicators;
@@ -77,7 +78,7 @@ pub use response::response_blocks;
 pub use screen::{
     abridged, breakdown_screen, comparison_page, comparison_page_of_all_tests, comparison_screen,
     hits_screen, modes_page, modes_screen, next_step, order_screen, regression_check_screen,
-    roots_screen, run_screen, speed_accuracy_screen, update_screen,
+    roots_screen, run_screen, speed_accuracy_screen, step_after_update, update_screen,
 };
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;

@@ -13,6 +13,7 @@ use crate::scene::Overview;
 
 use super::super::Language;
 use super::super::comparison::headline;
+use super::super::error_range::error_range;
 use super::super::json::RunReport;
 use super::super::texts::{TEXTS, Text};
 use super::super::verdict::Verdict;
@@ -213,6 +214,12 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
         let bias = text.filled(language, &[format!("{factor:.3}")]);
         return [bias].into_iter().chain(further).collect();
     }
+    if let Some(range) = &overview.error_range {
+        return [language.translated_text(error_range(range))]
+            .into_iter()
+            .chain(further)
+            .collect();
+    }
     let errors = overview.rows.iter().flat_map(|row| {
         let cells = row.cells.iter();
         cells.filter_map(move |cell| Some((row, cell, cell.error_percent?)))
@@ -405,6 +412,7 @@ mod tests {
             of_theory: true,
             rows: Vec::new(),
             stiffness_factor: Some(0.96),
+            error_range: None,
             updatable: true,
         };
         let fixed = Overview {

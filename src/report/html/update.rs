@@ -352,6 +352,7 @@ mod tests {
                 of_theory: true,
                 rows: vec![root(11.0), root(21.0)],
                 stiffness_factor: None,
+                error_range: None,
                 updatable: false,
             }),
             tests: vec![TestFigures {

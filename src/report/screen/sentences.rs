@@ -7,9 +7,13 @@ use crate::correlate::published::ClaimVerdict;
 use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell, TestSummary};
 use crate::finding::{Code, Finding, Severity};
 use crate::report::Cell;
+use crate::report::error_range::{error_range, lean};
 use crate::report::placement::label;
 use crate::report::table::significant;
-use crate::scene::{ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory, stiffness_factor};
+use crate::scene::{
+    CommonError, ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory,
+    common_error as scene_error,
+};
 use crate::theory::ParameterStatus;
 
 use super::counted;
@@ -245,17 +249,16 @@ pub(super) fn verdict_warnings(findings: &[(String, Vec<Finding>)]) -> Vec<Strin
     Code::ON_THE_VERDICT.iter().filter_map(of_code).collect()
 }
 
-/// The factor on all stiffnesses that brings the mean frequency of the pairs to the tests; `None`
-/// where their errors have no common sign.
+/// How the model is off where all pairs are off to one side: the factor on all stiffnesses that
+/// removes the mean error, or how the errors differ; `None` where they have no common sign.
 pub(super) fn common_error(table: &ComparisonTable) -> Option<String> {
-    let factor = stiffness_factor(table)?;
-    let model = match factor < 1.0 {
-        true => "stiff or too light",
-        false => "soft or too heavy",
-    };
-    Some(format!(
-        "The model is too {model}: one factor {factor:.3} on all stiffnesses removes the mean error."
-    ))
+    match scene_error(table)? {
+        CommonError::Factor(factor) => Some(format!(
+            "The model is too {}: one factor {factor:.3} on all stiffnesses removes the mean error.",
+            lean(factor < 1.0)
+        )),
+        CommonError::Range(range) => Some(error_range(&range)),
+    }
 }
 
 /// What the model assumes beyond printed or measured values; `None` where it assumes nothing.

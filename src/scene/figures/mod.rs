@@ -31,7 +31,9 @@ use rounding::rounded;
 pub use bodies::{BodyNode, TheoryMotion};
 pub use circles::CircleFigure;
 pub use curves::{Curve, FrfFigure};
-pub use overview::{Overview, OverviewCell, OverviewRow, stiffness_factor};
+pub use overview::{
+    CommonError, ErrorRange, ErrorTrend, Overview, OverviewCell, OverviewRow, common_error,
+};
 pub use poles::{CmifCurve, StabilizationFigure};
 pub use provenance::{Provenance, SourceFile};
 pub use shapes::{MacFigure, Partner, Reading, ShapeFigure, ShapePoint, ShapeValues};

@@ -1,0 +1,242 @@
+//! The next step that a screen advises: values of an example, shapes that agree at other
+//! frequencies, comparisons without pairs or shapes, updates that do not fit.
+
+use std::path::Path;
+
+use crate::command::write;
+use crate::first_steps::{POINTS, beam_modes, read, said, stated_values};
+
+/// A scene `bar` with five points, drafted with a beam.
+fn drafted(folder: &Path, modes: &str) {
+    write(folder, &[("modes.csv", modes), ("points.csv", POINTS)]);
+    let (_, error, code) = said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:2000",
+    );
+    assert_eq!(code, Some(0), "{error}");
+}
+
+/// The text without the ends of its lines.
+fn unwrapped(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The first three bending modes of a free beam of 1 m at eleven points, with points.csv; the
+/// frequencies are those of the draft times a factor.
+fn long_beam(factor: f64) -> [String; 2] {
+    let (mut heads, mut points) = (String::new(), "point,x,y,z\n".to_owned());
+    let at = |number: u32| f64::from(number) / 10.0;
+    for number in 0..=10 {
+        heads += &format!(",{}:+X", number + 1);
+        points += &format!("{},0,0,{}\n", number + 1, at(number));
+    }
+    let mut modes = format!("frequency_hz,damping_ratio{heads}\n");
+    // cos(k) cosh(k) = 1.
+    for (hz, k) in [
+        (53.17_f64, 4.730_041_f64),
+        (146.5, 7.853_205),
+        (287.3, 10.995_608),
+    ] {
+        let sigma = (k.cosh() - k.cos()) / (k.sinh() - k.sin());
+        let shape = |x: f64| x.cosh() + x.cos() - sigma * (x.sinh() + x.sin());
+        modes += &format!("{},0.004", factor * hz);
+        for number in 0..=10 {
+            modes += &format!(",{}", shape(k * at(number)));
+        }
+        modes.push('\n');
+    }
+    [modes, points]
+}
+
+#[test]
+fn values_of_an_example_are_named_until_they_are_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    for line in [
+        "run bar",
+        "theory bar",
+        "theory bar/model.toml",
+        "correlate --test modes.csv --theory bar",
+        "update bar",
+    ] {
+        let (screen, findings, _) = said(folder, line);
+        assert!(findings.contains("[example-values]"), "{line}: {findings}");
+        if line.starts_with("run") {
+            let verdict = "Warning: The model has the values of an example";
+            assert!(screen.contains(verdict), "{screen}");
+            let next = screen.lines().find(|line| line.starts_with("Next"));
+            let values = "Next, before anything else: the values of the structure in model.toml";
+            assert!(next.unwrap().starts_with(values), "{screen}");
+            assert!(!screen.contains("modalign update"), "{screen}");
+        }
+    }
+    let model = read(folder, "bar/model.toml");
+    for stated in [
+        stated_values(&model),
+        model.replace("example_values = true", "example_values = false"),
+    ] {
+        write(folder, &[("bar/model.toml", &stated)]);
+        for line in ["run bar", "theory bar"] {
+            let (screen, findings, _) = said(folder, line);
+            assert!(!findings.contains("example-values"), "{findings}");
+            assert!(!screen.contains("of an example"), "{screen}");
+        }
+    }
+    let faulty = model.replace("example_values = true", "example_values = 1");
+    write(folder, &[("bar/model.toml", &faulty)]);
+    let (_, error, code) = said(folder, "theory bar/model.toml");
+    assert_eq!(code, Some(2));
+    assert!(
+        error.contains("bar/model.toml:7:18: got the number 1, expected true or false"),
+        "{error}"
+    );
+}
+
+#[test]
+fn shapes_that_agree_without_a_pair_are_the_next_step_and_nothing_compared_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let [modes, points] = long_beam(2.5);
+    write(folder, &[("modes.csv", &modes), ("points.csv", &points)]);
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:2000",
+    );
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, findings, code) = said(folder, "run bar");
+    assert_eq!(code, Some(1), "{findings}");
+    let text = unwrapped(&screen);
+    assert!(
+        text.contains("nothing is compared: exit code 1"),
+        "{screen}"
+    );
+    for part in [
+        "Next, as no mode is paired: by shape alone, test 132.93 Hz is f1 (MAC 1.000)",
+        "366.25 Hz is f2 (MAC 1.000), 718.25 Hz is f3 (MAC 1.000).",
+        "Frequencies of the test are 2.5 times those of the model: check its dimensions",
+    ] {
+        assert!(text.contains(part), "{part}: {screen}");
+    }
+    let line = "correlate --test modes.csv --theory bar";
+    let (screen, findings, code) = said(folder, line);
+    assert_eq!(code, Some(1), "{findings}");
+    assert!(
+        unwrapped(&screen).contains("nothing is compared: exit code 1"),
+        "{screen}"
+    );
+    assert!(findings.contains("[shapes-agree]"), "{findings}");
+    // Without agreement in shape the general text stands.
+    let mut rows = modes.lines();
+    let mut other = rows.next().unwrap().to_owned();
+    for (row, sign) in rows.zip([1.0, -0.5, 0.2]) {
+        let (start, _) = row.split_once(",0.004,").unwrap();
+        other += &format!("\n{start},0.004,1,0.3,-2,{sign},0.1,-1,0,1,-0.6,0.4,2");
+    }
+    write(folder, &[("modes.csv", &other)]);
+    let (screen, findings, _) = said(folder, "run bar");
+    assert!(!findings.contains("[shapes-agree]"), "{findings}");
+    assert!(
+        screen.contains("Next, as no mode is paired: model, its support"),
+        "{screen}"
+    );
+}
+
+#[test]
+fn pairs_by_frequency_alone_ask_for_shapes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    // All sensors but one stand at one position: two different DOFs are no shape.
+    let at = |z: &str| format!("at_m = [0.0, 0.0, {z}]");
+    let mut scene = read(folder, "bar/scene.toml");
+    let (whole, _, _) = said(folder, "run bar");
+    assert!(whole.contains("3 by shape, 0 by frequency"), "{whole}");
+    for z in ["0.25", "0.5", "0.75"] {
+        assert!(scene.contains(&at(z)), "{scene}");
+        scene = scene.replace(&at(z), &at("0.0"));
+    }
+    write(folder, &[("bar/scene.toml", &scene)]);
+    let (screen, findings, code) = said(folder, "run bar --full");
+    assert_eq!(code, Some(0), "{findings}");
+    assert!(findings.contains("[few-dofs]"), "{findings}");
+    assert!(
+        findings.contains("of 5 in common several move alike in every mode of the model"),
+        "{findings}"
+    );
+    assert!(!screen.contains("paired by shape"), "{screen}");
+    assert!(
+        screen.contains("fewer than 3 different DOFs in common"),
+        "{screen}"
+    );
+    // The same of a list of frequencies.
+    let list = "frequency_hz\n53.1\n146.3\n286.9\n";
+    write(folder, &[("modes.csv", list)]);
+    let (screen, _, code) = said(folder, "run bar");
+    assert_eq!(code, Some(0), "{screen}");
+    assert!(!screen.contains("--explain sensors-at-one"), "{screen}");
+    let text = unwrapped(&screen);
+    let next = "Next, as all pairs are by frequency alone: mode shapes at more points";
+    assert!(text.contains(next), "{screen}");
+    assert!(text.contains("modalign update bar"), "{screen}");
+}
+
+#[test]
+fn an_update_that_does_not_fit_says_what_to_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X").replace("146.3", "131.0"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, findings, _) = said(folder, "update bar");
+    assert!(findings.contains("[misfit-remains]"), "{findings}");
+    let text = unwrapped(&screen);
+    let next =
+        "Next, as the updated model does not fit: support, positions and directions of sensors";
+    assert!(text.contains(next), "{screen}");
+    assert!(text.contains("explain = true in [update]"), "{screen}");
+    // A fit that determines its parameter has no such line.
+    let good = beam_modes("X")
+        .replace("53.1,", "53.158,")
+        .replace("146.3,", "146.535,")
+        .replace("286.9,", "287.27,");
+    write(folder, &[("modes.csv", &good)]);
+    let (screen, findings, _) = said(folder, "update bar");
+    assert!(!screen.contains("Next"), "{screen}{findings}");
+}
+
+#[test]
+fn theory_and_correlate_say_that_the_stated_support_contradicts_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    let contradicted = "[model-support-contradicted]";
+    for (support, is_contradicted) in [("suspended", false), ("fixed", true)] {
+        let stated = model.replace("\"suspended\"", &format!("\"{support}\""));
+        write(folder, &[("bar/model.toml", &stated)]);
+        for line in [
+            "theory bar/model.toml",
+            "theory bar",
+            "correlate --test modes.csv --theory bar",
+            "run bar",
+        ] {
+            let (_, findings, _) = said(folder, line);
+            let count = findings.matches(contradicted).count();
+            assert_eq!(count, usize::from(is_contradicted), "{line}: {findings}");
+        }
+    }
+    // Weak springs may be those of a suspension, which a test alone shows.
+    let spring = "\n[[spring]]\nname = \"sling\"\nbeam = \"beam\"\nat_m = [0.0, 0.0, 0.5]\n\
+                  stiffness_n_per_m = 100.0\n";
+    write(folder, &[("bar/model.toml", &(model.clone() + spring))]);
+    let (_, findings, _) = said(folder, "theory bar");
+    assert!(!findings.contains(contradicted), "{findings}");
+    let held = model.replace("start = \"free\"", "start = \"clamped\"");
+    write(folder, &[("bar/model.toml", &held)]);
+    let (_, findings, _) = said(folder, "theory bar");
+    assert!(findings.contains(contradicted), "{findings}");
+}
