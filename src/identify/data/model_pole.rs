@@ -191,6 +191,11 @@ impl ModelPole {
         self.reduce();
     }
 
+    /// Whether its iteration has converged.
+    pub fn has_settled(&self) -> bool {
+        self.progress == FitState::Settled
+    }
+
     /// Resets the iteration: residues are estimated again before the pole moves.
     pub fn refresh(&mut self) {
         self.progress = FitState::Fresh(RESIDUE_ESTIMATES);

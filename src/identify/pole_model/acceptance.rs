@@ -41,6 +41,16 @@ pub(in crate::identify) enum PoleEdit {
     ReduceMultiplicity(usize, usize),
 }
 
+impl PoleEdit {
+    /// Whether it removes a pole that the data do not need wherever its neighbours move.
+    pub fn is_removal_of_noise(&self) -> bool {
+        match self {
+            Self::Remove(_, reason) => !matches!(reason, DropReason::NotSeparable(_)),
+            Self::Merge(..) | Self::ReduceMultiplicity(..) => false,
+        }
+    }
+}
+
 /// Limits of the acceptance test.
 pub(in crate::identify) struct AcceptanceTest<'a> {
     /// Outputs and inputs of the FRF matrix.

@@ -22,7 +22,7 @@ use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::DetectedPeaks;
 use crate::identify::data::residual::Residual;
 use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleTable};
-use crate::identify::fit::block_descent::{Convergence, mark_unconverged, refine};
+use crate::identify::fit::block_descent::{Convergence, MANY_POLES, mark_unconverged, refine};
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::run_variation::RunShifts;
@@ -51,6 +51,10 @@ use pole_metrics::{PoleMetrics, candidate, pole_metrics};
 const POLE_MARGIN_OVER_BAND: f64 = 0.05;
 /// Maximum rounds of pruning after each refinement.
 const MAX_PRUNINGS: usize = 12;
+/// Maximum number of coarse refinements of many poles between two prunings after which some have
+/// not settled: with the first, as many sweeps as of few. Larger: data of no linear structure take
+/// longer. Smaller: two poles that are still moving apart are joined.
+const MAX_UNSETTLED: usize = 4;
 /// Relative change of a variance below which it is unchanged.
 const MAX_VARIANCE_CHANGE: f64 = 0.1;
 /// Separation from the nearest pole, in sums of half-power bandwidths, above which a pole is
@@ -138,16 +142,27 @@ impl PoleModel {
     /// Refines and removes poles until all remaining poles are accepted.
     pub fn refine_and_prune(&mut self, stop: Convergence) {
         self.refine(stop);
-        for _ in 0..MAX_PRUNINGS {
-            let required_edits = self.acceptance_test().required_edits(&self.poles);
-            if required_edits.is_empty() {
+        let (mut prunings, mut unsettled) = (0, 0);
+        while prunings < MAX_PRUNINGS {
+            let mut required_edits = self.acceptance_test().required_edits(&self.poles);
+            let is_early = self.poles.len() > MANY_POLES
+                && unsettled < MAX_UNSETTLED
+                && !self.poles.iter().all(ModelPole::has_settled);
+            if is_early {
+                unsettled += 1;
+                // Two poles that still move may separate.
+                required_edits.retain(PoleEdit::is_removal_of_noise);
+            } else if required_edits.is_empty() {
                 break;
             }
-            for change in required_edits {
-                self.apply(change);
+            if !required_edits.is_empty() {
+                (prunings, unsettled) = (prunings + 1, 0);
+                for change in required_edits {
+                    self.apply(change);
+                }
+                self.poles.retain(|pole| !pole.parts.is_empty());
+                mark_unconverged(&mut self.poles);
             }
-            self.poles.retain(|pole| !pole.parts.is_empty());
-            mark_unconverged(&mut self.poles);
             self.refine(stop);
         }
     }
