@@ -2,7 +2,11 @@
 //! LSCF of sdypy-EMA on the same FRFs. Prints times, ratios and how many of the modes each has
 //! among its poles; asserts no timing.
 //!
-//! `cargo bench --bench identify [-- 90]`, with a number of functions for that case alone.
+//! `cargo bench --bench identify [-- 900 7]`, with a number of functions for that case alone and the
+//! seed of the draw. Two of the modes are 0.03 half-power bandwidths apart. The whole identification
+//! is timed without and with stated variances and with the method `lscf`, with the largest memory of
+//! the process meanwhile (as Linux counts it). Without a number of functions, 120 modes of 180
+//! functions and a single FRF of 6401 lines follow.
 //! sdypy-EMA is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
 //! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of this program; without it
 //! the bench prints our times alone. Times are those of the fastest run by the clock; where the
@@ -33,14 +37,17 @@ use rand_distr::{Distribution, StandardNormal};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Lines above 0 Hz, and modes of 0.1 to 0.3 % damping that are spread over them.
+/// Lines from 0 Hz.
 const AXIS: FrequencyAxis = FrequencyAxis {
     start_hz: 0.0,
     step_hz: 0.25,
     len: 8194,
 };
+/// Modes that are spread over them, and their damping ratios.
 const MODES: usize = 40;
 const DAMPING: std::ops::Range<f64> = 0.001..0.003;
+/// Distance of the closest two modes, half-power bandwidths.
+const CLOSEST_BANDWIDTHS: f64 = 0.03;
 /// Noise of every FRF over its root mean square: 60 dB.
 const NOISE: f64 = 1e-3;
 /// Highest orders.
@@ -56,37 +63,73 @@ struct Time {
 }
 
 fn main() -> Result<(), Failure> {
-    let only = std::env::args().find_map(|word| word.parse::<usize>().ok());
+    let mut numbers = std::env::args().filter_map(|word| word.parse::<usize>().ok());
+    let only = numbers.next();
+    let seed = numbers.next().unwrap_or(1) as u64;
     println!(
         "{MODES} modes, {} lines, {} cores; s by the clock (processor time), times over sdypy-EMA's",
         AXIS.len - 1,
         std::thread::available_parallelism()?
     );
+    let draw = |outputs, references| Draw::new(MODES, AXIS, outputs, references, seed);
     for (outputs, references, runs) in [(90, 1, 5), (300, 3, 1)] {
         if only.is_none_or(|only| only == outputs * references) {
-            case((outputs, references), runs)?;
+            case(&draw(outputs, references)?, runs)?;
         }
+    }
+    if only.is_none() {
+        println!("120 modes, 180 functions of {} lines", AXIS.len - 1);
+        whole(&Draw::new(120, AXIS, 60, 3, seed)?, 1, None)?;
+        println!("1 function of 6401 lines, {MODES} modes");
+        let axis = FrequencyAxis { len: 6401, ..AXIS };
+        whole(&Draw::new(MODES, axis, 1, 1, seed)?, 1, None)?;
     }
     Ok(())
 }
 
-fn case((outputs, references): (usize, usize), runs: usize) -> Result<(), Failure> {
-    let modes = modes(outputs);
-    let set = measured(&modes, (outputs, references))?;
-    let band = Band::new(10.0, AXIS.hz(AXIS.len - 1))?;
+/// Modes and their FRFs with noise.
+struct Draw {
+    modes: Vec<Mode>,
+    set: FrfSet,
+    references: usize,
+    band: Band,
+}
+
+impl Draw {
+    fn new(
+        modes: usize,
+        axis: FrequencyAxis,
+        outputs: usize,
+        references: usize,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let top_hz = axis.hz(axis.len - 1);
+        let modes = draw_modes(modes, top_hz, outputs, seed);
+        let set = measured(&modes, axis, (outputs, references), seed + 1)?;
+        let band = Band::new(10.0, top_hz)?;
+        Ok(Self {
+            modes,
+            set,
+            references,
+            band,
+        })
+    }
+}
+
+fn case(draw: &Draw, runs: usize) -> Result<(), Failure> {
     let file = tempfile::NamedTempFile::new()?;
-    write(&set, file.path())?;
-    println!("{} functions", set.len());
+    write(&draw.set, file.path())?;
+    println!("{} functions", draw.set.len());
     let mut peer = None;
     for order in ORDERS {
-        let first = lscf((&set, &modes), (band, order, true, 1), runs)?;
+        let first = lscf(draw, (order, true, 1), runs)?;
         let competitor = sdypy(file.path(), order, runs);
-        let again = lscf((&set, &modes), (band, order, true, 1), runs)?;
+        let again = lscf(draw, (order, true, 1), runs)?;
         match &competitor {
             Some((version, time, poles)) => println!(
                 "order {order}: {version}, every order: {}; {} modes among its poles",
                 text(*time, None),
-                found(&modes, poles)
+                found(&draw.modes, poles)
             ),
             None => println!("order {order}: sdypy-EMA was not found"),
         }
@@ -94,14 +137,14 @@ fn case((outputs, references): (usize, usize), runs: usize) -> Result<(), Failur
         first
             .fastest(&again)
             .print("one reference, 1 thread ", over);
-        if references > 1 {
-            let several = lscf((&set, &modes), (band, order, false, 2), runs)?;
-            several.print(&format!("{references} references, 2 threads"), over);
+        if draw.references > 1 {
+            let several = lscf(draw, (order, false, 2), runs)?;
+            several.print(&format!("{} references, 2 threads", draw.references), over);
         }
         peer = peer.or(over);
     }
     for threads in [1, 2] {
-        whole((&set, &modes), (band, references, threads), peer)?;
+        whole(draw, threads, peer)?;
     }
     Ok(())
 }
@@ -118,8 +161,8 @@ struct Stages {
 }
 
 fn lscf(
-    (set, modes): (&FrfSet, &[Mode]),
-    (band, order, one_reference, threads): (Band, usize, bool, usize),
+    draw: &Draw,
+    (order, one_reference, threads): (usize, bool, usize),
     runs: usize,
 ) -> Result<Stages, Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
@@ -130,7 +173,7 @@ fn lscf(
     let some: Vec<usize> = (lowest..=order).step_by(stride).collect();
     let every: Vec<usize> = (1..=order).collect();
     pool.install(|| {
-        let (receptances, lines) = timed(1, || Lines::new(set, band, one_reference))?;
+        let (receptances, lines) = timed(1, || Lines::new(&draw.set, draw.band, one_reference))?;
         let (transforms, of_lines) = timed(runs, || Ok::<_, Failure>(lines.transformed(order)))?;
         let (products, equations) = timed(runs, || of_lines.equations())?;
         let (some, _) = timed(runs, || equations.poles(&some))?;
@@ -141,7 +184,7 @@ fn lscf(
             products,
             some,
             every,
-            found: poles.last().map_or(0, |poles| found(modes, poles)),
+            found: poles.last().map_or(0, |poles| found(&draw.modes, poles)),
         })
     })
 }
@@ -178,32 +221,42 @@ impl Stages {
     }
 }
 
-/// The automatic identification, and its shares: the stages of its LSCF, which explains these data,
-/// and the residues once by themselves, the rest refinement.
-fn whole(
-    (set, modes): (&FrfSet, &[Mode]),
-    (band, references, threads): (Band, usize, usize),
-    over: Option<Time>,
-) -> Result<(), Failure> {
+/// The automatic identification without and with stated variances and by the LSCF, and the shares
+/// of the first: the stages of its LSCF, which explains these data, and the residues once, the rest
+/// refinement.
+fn whole(draw: &Draw, threads: usize, over: Option<Time>) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()?;
-    let options = IdentifyOptions {
-        band: Some(band),
+    let by = |method: &str| IdentifyOptions {
+        band: Some(draw.band),
+        method: method.to_owned(),
         ..IdentifyOptions::default()
     };
-    let (all, result) = pool.install(|| timed(1, || identification(set, &options)))?;
-    let poles: Vec<Complex64> = result.model.modes.iter().filter_map(pole).collect();
-    println!(
-        "  automatic identification, {threads} thread(s): {}; {} modes, {} of the {MODES}",
-        text(all, over),
-        poles.len(),
-        found(modes, &poles)
-    );
-    let look = (band, highest_order(&result), references == 1, threads);
-    let stages = lscf((set, modes), look, 1)?;
+    let run = |what: &str, set: &FrfSet, method: &str| {
+        let mib = reset_peak();
+        let (time, result) = pool.install(|| timed(1, || identification(set, &by(method))))?;
+        let poles: Vec<Complex64> = result.model.modes.iter().filter_map(pole).collect();
+        println!(
+            "  {what}, {threads} thread(s): {}; {} modes, {} of the {}; {:.0} MiB beside {mib:.0} before",
+            text(time, over),
+            poles.len(),
+            found(&draw.modes, &poles),
+            draw.modes.len(),
+            status_mib("VmHWM:") - mib,
+        );
+        Ok::<_, Failure>((time, result, poles))
+    };
+    run("with stated variances", &with_variances(&draw.set)?, "ml")?;
+    run("method lscf", &draw.set, "lscf")?;
+    let (all, result, poles) = run("automatic identification", &draw.set, "ml")?;
+    let stages = lscf(
+        draw,
+        (highest_order(&result), draw.references == 1, threads),
+        1,
+    )?;
     let shares = [stages.transforms, stages.products, stages.some];
-    let (fit, ()) = pool.install(|| timed(1, || residues(set, band, &poles)))?;
+    let (fit, ()) = pool.install(|| timed(1, || residues(&draw.set, draw.band, &poles)))?;
     let rest = |of: fn(&Time) -> f64| {
         let known = shares.iter().map(of).sum::<f64>();
         of(&all) - known - of(&fit)
@@ -220,6 +273,38 @@ fn whole(
         text(stages.receptances, None)
     );
     Ok(())
+}
+
+/// The same FRFs with the variance of their noise.
+fn with_variances(set: &FrfSet) -> Result<FrfSet, Failure> {
+    let mut stated = FrfSet::new(*set.axis());
+    for (number, function) in set.functions().iter().enumerate() {
+        let values = set.values(number).to_vec();
+        let power = values.iter().map(Complex64::norm_sqr).sum::<f64>();
+        let variance = NOISE.powi(2) * power / values.len() as f64;
+        let data = FunctionData {
+            variance: Some(vec![variance; values.len()]),
+            values,
+            ..FunctionData::default()
+        };
+        stated.push(function.clone(), data)?;
+    }
+    Ok(stated)
+}
+
+/// Forgets the largest memory of this process and returns what it holds, MiB.
+fn reset_peak() -> f64 {
+    // Where the system has no such file, the largest memory is that since the start.
+    std::fs::write("/proc/self/clear_refs", "5").ok();
+    status_mib("VmRSS:")
+}
+
+/// A row of the state of this process, MiB; NaN where the system has no such file.
+fn status_mib(row: &str) -> f64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let value = text.lines().find_map(|line| line.strip_prefix(row));
+    let kib = value.and_then(|value| value.split_whitespace().next()?.parse::<f64>().ok());
+    kib.map_or(f64::NAN, |kib| kib / 1024.0)
 }
 
 fn highest_order(result: &Identification) -> usize {
@@ -309,9 +394,9 @@ struct Mode {
     shape: Vec<f64>,
 }
 
-fn modes(points: usize) -> Vec<Mode> {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let spacing = AXIS.hz(AXIS.len - 1) / (MODES as f64 + 1.0);
+fn draw_modes(count: usize, top_hz: f64, points: usize, seed: u64) -> Vec<Mode> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let spacing = top_hz / (count as f64 + 1.0);
     let mode = |number: usize| {
         let hz = spacing * (number as f64 + 1.0 + random.random_range(-0.2..0.2));
         Mode {
@@ -321,27 +406,37 @@ fn modes(points: usize) -> Vec<Mode> {
                 .collect(),
         }
     };
-    (0..MODES).map(mode).collect()
+    let mut modes: Vec<Mode> = (0..count).map(mode).collect();
+    let first = random.random_range(0..count - 1);
+    let lambda = modes[first].lambda;
+    let bandwidth = -2.0 * lambda.re;
+    modes[first + 1].lambda = lambda + Complex64::new(0.0, CLOSEST_BANDWIDTHS * bandwidth);
+    modes
 }
 
 /// Receptances with white noise, hit at the first of the points.
-fn measured(modes: &[Mode], (outputs, references): (usize, usize)) -> Result<FrfSet, Failure> {
-    let mut random = ChaCha8Rng::seed_from_u64(2);
+fn measured(
+    modes: &[Mode],
+    axis: FrequencyAxis,
+    (outputs, references): (usize, usize),
+    seed: u64,
+) -> Result<FrfSet, Failure> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
     let course = |mode: &Mode| -> Vec<Complex64> {
         let residue = Complex64::new(0.0, 2.0 * mode.lambda.im).inv();
         let value = |k: usize| {
-            let s = Complex64::new(0.0, AXIS.rad_s(k));
+            let s = Complex64::new(0.0, axis.rad_s(k));
             residue / (s - mode.lambda) + residue.conj() / (s - mode.lambda.conj())
         };
-        (0..AXIS.len).map(value).collect()
+        (0..axis.len).map(value).collect()
     };
     let courses: Vec<Vec<Complex64>> = modes.iter().map(course).collect();
     let dof = |point: usize| format!("{}:+Z", point + 1).parse::<Dof>();
-    let mut set = FrfSet::new(AXIS);
+    let mut set = FrfSet::new(axis);
     for reference in 0..references {
         for response in 0..outputs {
-            let mut values = vec![Complex64::ZERO; AXIS.len];
+            let mut values = vec![Complex64::ZERO; axis.len];
             for (mode, course) in modes.iter().zip(&courses) {
                 let factor = mode.shape[response] * mode.shape[reference];
                 for (value, profile) in values.iter_mut().zip(course) {
@@ -349,7 +444,7 @@ fn measured(modes: &[Mode], (outputs, references): (usize, usize)) -> Result<Frf
                 }
             }
             let power = values.iter().map(Complex64::norm_sqr).sum::<f64>();
-            let noise = NOISE * (0.5 * power / AXIS.len as f64).sqrt();
+            let noise = NOISE * (0.5 * power / axis.len as f64).sqrt();
             for value in &mut values {
                 *value += noise * Complex64::new(normal(), normal());
             }
@@ -374,7 +469,7 @@ fn measured(modes: &[Mode], (outputs, references): (usize, usize)) -> Result<Frf
 /// Functions × lines for numpy.
 fn write(set: &FrfSet, path: &Path) -> Result<(), Failure> {
     use npyz::WriterBuilder;
-    let shape = [set.len() as u64, AXIS.len as u64];
+    let shape = [set.len() as u64, set.axis().len as u64];
     let mut writer = npyz::WriteOptions::new()
         .default_dtype()
         .shape(&shape)
