@@ -16,10 +16,10 @@ const COPIES: u64 = 2;
 /// Maximum number of bytes that deflate makes of one.
 const MAX_EXPANSION: u64 = 1032;
 
-/// Smallest array for which room is asked. Larger, at 1 GiB: an array that fits no `--max-memory` of
-/// 500 MB ends the program (`arrays_beyond_the_memory_are_named_before_they_are_read`). Smaller, at 1 MiB: small
-/// damaged files that claim to unpack to 20 MB take that room for a moment before they are refused
-/// (`readers_survive_damaged_files`).
+/// Smallest array for which room is asked. Larger, at 1 GiB: an array beyond a limit of 500 MB ends
+/// the program (`arrays_beyond_the_memory_are_named_before_they_are_read`). Smaller, at 1 MiB:
+/// small damaged files that claim to unpack to 20 MB take that room for a moment before they are
+/// refused (`readers_survive_damaged_files`).
 const MIN_CHECKED_BYTES: u64 = 32 << 20;
 
 /// A store behind the check.
