@@ -2,11 +2,11 @@
 //! LSCF of sdypy-EMA on the same FRFs. Prints times, ratios and how many of the modes each has
 //! among its poles; asserts no timing.
 //!
-//! `cargo bench --bench identify [-- 900 7]`, with a number of functions for that case alone and the
-//! seed of the draw. Two of the modes are 0.03 half-power bandwidths apart. The whole identification
-//! is timed without and with stated variances and with the method `lscf`, with the largest memory of
-//! the process meanwhile (as Linux counts it). Without a number of functions, 120 modes of 180
-//! functions and a single FRF of 6401 lines follow.
+//! `cargo bench --bench identify [-- 900 7]`, with a number of functions for that case alone and
+//! the seed of the draw. Two of the modes are 0.03 half-power bandwidths apart. The whole
+//! identification is timed without and with stated variances and with the method `lscf`, with the
+//! largest memory of the process meanwhile (as Linux counts it). Without a number of functions, 120
+//! modes of 180 functions and a single FRF of 6401 lines follow.
 //! sdypy-EMA is run with the Python that `MODALIGN_PYTHON` names, else `python3`, by
 //! `tests/reference/sdypy_lscf.py`, with one BLAS thread, between runs of this program; without it
 //! the bench prints our times alone. Times are those of the fastest run by the clock; where the
