@@ -138,7 +138,8 @@ impl GainErrors {
             // Close modes and repeated roots are not of rank one.
             let mut order: Vec<usize> = (0..modes.len()).collect();
             sort_descending_by(&mut order, |m| gains.after[*m]);
-            order.truncate((modes.len() / LEFT_OUT_ONE_IN).max(1));
+            let spare = modes.len() - min_modes;
+            order.truncate((modes.len() / LEFT_OUT_ONE_IN).min(spare).max(1));
             let mut number = 0..modes.len();
             modes.retain(|_| number.next().is_some_and(|m| !order.contains(&m)));
         }
