@@ -183,16 +183,18 @@ impl MaximumLikelihood {
             // Shifts that are corrected now need no further poles to imitate them.
             if initial_rounds < MAX_INITIAL_ROUNDS {
                 initial_rounds += 1;
-                if moved.update_from_fit(&fit.data, &fit.poles) {
+                let by_function = moved.by_function().filter(|_| !moved.any());
+                let changed = moved.update_from_fit(&fit.data, &fit.poles);
+                // References that were hit on other days have other frequencies at one point.
+                let by_function = by_function.filter(|_| fit.has_unexplained_residual());
+                if let Some(mut by_function) = by_function
+                    && by_function.update_from_fit(&fit.data, &fit.poles)
+                    && (!changed || by_function.is_better_than(&moved))
+                {
+                    moved = by_function;
                     continue;
                 }
-                // Hits on other days than their run: each FRF may have its frequency.
-                let by_function = (!moved.any()).then(|| moved.by_function()).flatten();
-                let shifted = by_function.filter(|_| fit.has_unexplained_residual());
-                if let Some(mut shifted) = shifted
-                    && shifted.update_from_fit(&fit.data, &fit.poles)
-                {
-                    moved = shifted;
+                if changed {
                     continue;
                 }
             }

@@ -81,10 +81,15 @@ pub(in crate::identify) struct RunShifts {
     /// Degrees of freedom of shapes and of participation factors.
     factors: usize,
     modes: Vec<ShiftedMode>,
+    /// Number of modes of all groups of poles, unshifted ones included, and the decrease of the
+    /// criterion, when the shifted modes were last updated.
+    all_modes: usize,
+    gain: f64,
     rounds: usize,
 }
 
 /// Shifted modes by one grouping of the poles.
+#[derive(Default)]
 struct Grouping {
     shifted: Vec<ShiftedMode>,
     /// Number of modes of all groups, unshifted ones included.
@@ -154,8 +159,11 @@ impl RunShifts {
             return false;
         }
         self.rounds += 1;
+        let best = self.best_grouping(data, model_poles);
         let now = Self {
-            modes: self.shifted_modes(data, model_poles),
+            modes: best.shifted,
+            all_modes: best.modes,
+            gain: best.gain,
             ..self.clone()
         };
         let changed = !now.agrees_with(self);
@@ -170,6 +178,12 @@ impl RunShifts {
         self.runs == other.runs
             && self.modes.len() == other.modes.len()
             && self.modes.iter().zip(&other.modes).all(same)
+    }
+
+    /// Whether these shifts leave fewer modes than others, or as many with a larger gain.
+    pub fn is_better_than(&self, other: &Self) -> bool {
+        self.all_modes < other.all_modes
+            || self.all_modes == other.all_modes && self.gain > other.gain
     }
 
     /// Whether any mode shifts between runs.
@@ -207,9 +221,9 @@ impl RunShifts {
     /// `band_deviation`: standard deviation of the pole by narrower bands, rad/s.
     pub fn merged(&self, mode: Candidate, mean: Option<RunMean>, band_deviation: f64) -> Candidate {
         let lambda = mode.pole.lambda;
-        let damping_std = self.of(lambda).map_or(0.0, |moving| {
-            moving.decay_std * lambda.im / lambda.norm_sqr()
-        });
+        let decay_std = self.of(lambda).map_or(0.0, |moving| moving.decay_std);
+        let decay_std = mean.map_or(decay_std, |mean| decay_std.max(mean.decay_std));
+        let damping_std = decay_std * lambda.im / lambda.norm_sqr();
         let damping_std = mode.damping_std.map(|std| std.max(damping_std));
         match mean {
             Some(RunMean { shift, std, .. }) => Candidate {
@@ -256,7 +270,7 @@ impl RunShifts {
 
     /// Shifted modes by the grouping of poles with the fewest modes, and of several such groupings
     /// the one with the largest gain.
-    fn shifted_modes(&self, data: &FitData, model_poles: &[ModelPole]) -> Vec<ShiftedMode> {
+    fn best_grouping(&self, data: &FitData, model_poles: &[ModelPole]) -> Grouping {
         let mut groupings: Vec<Vec<Vec<usize>>> = GROUP_BANDWIDTHS_AND_FRACTIONS
             .map(|(bandwidths, fraction)| groups(model_poles, bandwidths, fraction))
             .into();
@@ -267,9 +281,9 @@ impl RunShifts {
         let better =
             |a: &Grouping, b: &Grouping| b.modes < a.modes || b.modes == a.modes && b.gain > a.gain;
         let best = alternatives.reduce(|a, b| if better(&a, &b) { b } else { a });
-        let mut moving = best.map_or_else(Vec::new, |grouping| grouping.shifted);
-        sort_ascending_by(&mut moving, |pole| pole.lambda.im);
-        moving
+        let mut best = best.unwrap_or_default();
+        sort_ascending_by(&mut best.shifted, |pole| pole.lambda.im);
+        best
     }
 
     /// Shifted modes by one grouping of the poles, and the gain of the criterion: none unless half

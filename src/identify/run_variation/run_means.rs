@@ -14,7 +14,8 @@
 //! 1` with `m = Σ w_r δ_r`, `w_r ∝ 1/(v_r + τ²)` (Paule and Mandel 1982, Journal of Research of the
 //! NBS 87). The standard deviation of m is `(Σ 1/(v_r + τ²))^(−1/2)`, times the ratio of Student's
 //! and the normal quantile, as τ² has n − 1 degrees of freedom. The variances v_r are multiplied by
-//! the chi-square of the decay rates, where that is above one for each degree of freedom.
+//! the chi-square of the decay rates, where that is above one for each degree of freedom; the
+//! standard deviation of the mean decay rate is `(Σ 1/v_r)^(−1/2)` of them.
 
 use num_complex::Complex64;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
@@ -60,6 +61,8 @@ pub(in crate::identify) struct RunMean {
     pub std: f64,
     /// Standard deviation between runs.
     pub scatter: f64,
+    /// Standard deviation of the mean decay rate, from its scatter between runs.
+    pub decay_std: f64,
 }
 
 impl<'a> RunMeans<'a> {
@@ -158,12 +161,8 @@ pub(super) fn mean_over_runs(shifts: &[(Complex64, f64)]) -> Option<RunMean> {
         return None;
     }
     let freedom = (count - 1) as f64;
-    let information: f64 = shifts.iter().map(|(_, v)| v.recip()).sum();
-    let decay = shifts.iter().map(|(shift, v)| shift.re / v).sum::<f64>() / information;
-    let of_decay = shifts
-        .iter()
-        .map(|(shift, v)| (shift.re - decay).powi(2) / v);
-    let misfit = (of_decay.sum::<f64>() / freedom).max(1.0);
+    let misfit = decay_chi_square(shifts).max(1.0);
+    let decay_std = (misfit / information(shifts)).sqrt();
     let shifts: Vec<(f64, f64)> = shifts
         .iter()
         .map(|(shift, v)| (shift.im, misfit * v))
@@ -208,16 +207,31 @@ pub(super) fn mean_over_runs(shifts: &[(Complex64, f64)]) -> Option<RunMean> {
         }
     }
     let weights = weights(high);
-    let information: f64 = shifts.iter().map(|(_, v)| (v + high).recip()).sum();
+    let of_mean: f64 = shifts.iter().map(|(_, v)| (v + high).recip()).sum();
     let student = StudentsT::new(0.0, 1.0, freedom)
         .ok()?
         .inverse_cdf(QUANTILE);
     let normal = Normal::standard().inverse_cdf(QUANTILE);
     Some(RunMean {
         shift: mean(&weights),
-        std: student / normal / information.sqrt(),
+        std: student / normal / of_mean.sqrt(),
         scatter: high.sqrt(),
+        decay_std,
     })
+}
+
+/// `Σ 1/v` of the runs.
+fn information(shifts: &[(Complex64, f64)]) -> f64 {
+    shifts.iter().map(|(_, v)| v.recip()).sum()
+}
+
+/// Chi-square of the decay rates of the runs about their mean, for each degree of freedom.
+fn decay_chi_square(shifts: &[(Complex64, f64)]) -> f64 {
+    let decay = shifts.iter().map(|(shift, v)| shift.re / v).sum::<f64>() / information(shifts);
+    let squares = shifts
+        .iter()
+        .map(|(shift, v)| (shift.re - decay).powi(2) / v);
+    squares.sum::<f64>() / (shifts.len() - 1) as f64
 }
 
 #[cfg(test)]

@@ -106,35 +106,61 @@ fn a_mode_shifted_by_the_sensor_mass_is_one_mode_with_the_deviation_of_its_mean(
     }
 }
 
+/// Every point in a separate run for each of two references, mode j of point p hit at reference h
+/// shifted by `shift(h, p, j)` of its half-power bandwidths.
+fn roving_two_references(
+    (structure, how): &(Structure, Measurement),
+    shift: impl Fn(usize, usize, usize) -> f64,
+) -> FrfSet {
+    let mut set = FrfSet::new(how.axis);
+    for (h, hit) in ["1:+Z", "2:+Z"].into_iter().enumerate() {
+        let mut measurement = how.clone();
+        for pair in &mut measurement.pairs {
+            pair.1 = hit.parse().unwrap();
+        }
+        let of_reference = |point: usize, j: usize| shift(h, point, j);
+        let runs = roving(&(structure.clone(), measurement), false, of_reference);
+        for (f, function) in runs.functions().iter().enumerate() {
+            let data = FunctionData {
+                values: runs.values(f).to_vec(),
+                coherence: None,
+                variance: runs.variance(f).map(<[f64]>::to_vec),
+            };
+            set.push(function.clone(), data).unwrap();
+        }
+    }
+    set
+}
+
 #[test]
 fn a_shifted_mode_is_one_mode_with_two_references_as_well() {
     for seed in seeds(4) {
-        let (structure, how) = test(seed);
-        let shift = loaded(&structure, 0.3);
-        let mut set = FrfSet::new(how.axis);
-        for hit in ["1:+Z", "2:+Z"] {
-            let mut measurement = how.clone();
-            for pair in &mut measurement.pairs {
-                pair.1 = hit.parse().unwrap();
-            }
-            let runs = roving(&(structure.clone(), measurement), false, &shift);
-            for (f, function) in runs.functions().iter().enumerate() {
-                let data = FunctionData {
-                    values: runs.values(f).to_vec(),
-                    coherence: None,
-                    variance: runs.variance(f).map(<[f64]>::to_vec),
-                };
-                set.push(function.clone(), data).unwrap();
-            }
-        }
-        let model = found(&set);
-        let modes = structure.modes.len();
+        let test = test(seed);
+        let shift = loaded(&test.0, 0.3);
+        let model = found(&roving_two_references(&test, |_, point, j| shift(point, j)));
+        let modes = test.0.modes.len();
         assert_eq!(model.modes.len(), modes, "{seed}");
         assert_eq!(findings_of(&model, Code::RunsMerged).len(), modes, "{seed}");
-        for (mode, truth) in model.modes.iter().zip(&structure.modes) {
+        for (mode, truth) in model.modes.iter().zip(&test.0.modes) {
             let damping = mode.damping_ratio.unwrap() / truth.1 - 1.0;
             assert!(damping.abs() < 0.01, "{seed}: damping {damping}");
         }
+    }
+}
+
+#[test]
+fn a_mode_that_shifts_between_the_references_of_a_point_is_one_mode() {
+    for seed in seeds(4) {
+        let test = test(seed);
+        let modes = test.0.modes.len();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let points = test.1.pairs.len();
+        let shifts: Vec<f64> = (0..2 * points * modes).map(|_| 0.3 * normal()).collect();
+        let shift = |h: usize, p: usize, j: usize| shifts[(h * points + p) * modes + j];
+        let model = found(&roving_two_references(&test, shift));
+        assert_eq!(model.modes.len(), modes, "{seed}");
+        assert_eq!(findings_of(&model, Code::RunsMerged).len(), modes, "{seed}");
     }
 }
 
