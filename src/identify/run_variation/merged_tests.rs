@@ -53,11 +53,22 @@ fn a_mode_is_stated_at_its_mean_over_the_runs() {
         shift: TAU * 0.2,
         std: TAU * 0.04,
         scatter: TAU * 0.1,
+        decay_std: TAU * 50.0 * 3e-5,
     };
-    let merged = moved.merged(candidate, Some(mean), TAU * 0.03);
+    let merged = moved.merged(candidate.clone(), Some(mean), TAU * 0.03);
     assert!((merged.pole.damped_frequency_hz() - 50.2).abs() < 1e-12);
     assert!((merged.frequency_std_hz.unwrap() - 0.05).abs() < 1e-15);
-    assert_eq!(merged.damping_std, Some(1e-4));
+    // The decay rates scatter less than the fit states, the mean frequency by 0.04 of 50 Hz.
+    let ratio = merged.pole.damping_ratio();
+    let expected = 1e-4f64.hypot(ratio * 0.04 / 50.0);
+    assert!((merged.damping_std.unwrap() - expected).abs() < 1e-8);
+    let mean = RunMean {
+        decay_std: TAU * 50.0 * 3e-4,
+        ..mean
+    };
+    let scattered = moved.merged(candidate, Some(mean), 0.0);
+    let expected = 3e-4f64.hypot(ratio * 0.04 / 50.0);
+    assert!((scattered.damping_std.unwrap() - expected).abs() < 1e-7);
 }
 
 /// A decision for a mode with these shifts of five runs.

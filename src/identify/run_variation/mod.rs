@@ -217,7 +217,7 @@ impl RunShifts {
     }
 
     /// A mode at its mean over the runs, with the standard deviation of that mean; its damping has
-    /// at least the deviation of the decay rate common to all runs.
+    /// that of the mean frequency and of the decay rate common to all runs.
     /// `band_deviation`: standard deviation of the pole by narrower bands, rad/s.
     pub fn merged(&self, mode: Candidate, mean: Option<RunMean>, band_deviation: f64) -> Candidate {
         let lambda = mode.pole.lambda;
@@ -225,20 +225,23 @@ impl RunShifts {
         let decay_std = mean.map_or(decay_std, |mean| decay_std.max(mean.decay_std));
         let damping_std = decay_std * lambda.im / lambda.norm_sqr();
         let damping_std = mode.damping_std.map(|std| std.max(damping_std));
-        match mean {
-            Some(RunMean { shift, std, .. }) => Candidate {
-                pole: Pole {
-                    lambda: lambda + Complex64::new(0.0, shift),
-                },
-                frequency_std_hz: Some(std.hypot(band_deviation) / TAU),
-                frequency_damping_correlation: None,
+        let Some(RunMean { shift, std, .. }) = mean else {
+            return Candidate {
                 damping_std,
                 ..mode
-            },
-            None => Candidate {
-                damping_std,
-                ..mode
-            },
+            };
+        };
+        let pole = Pole {
+            lambda: lambda + Complex64::new(0.0, shift),
+        };
+        // The damping ratio is the decay rate over the mean frequency.
+        let by_frequency = pole.damping_ratio() * std / lambda.norm();
+        Candidate {
+            pole,
+            frequency_std_hz: Some(std.hypot(band_deviation) / TAU),
+            frequency_damping_correlation: None,
+            damping_std: damping_std.map(|std| std.hypot(by_frequency)),
+            ..mode
         }
     }
 

@@ -19,8 +19,7 @@ use super::frfs::{
 };
 use super::structure::{Range, Structure, USUAL};
 
-/// A family with the limits that its draws keep today: those of shifts, of a wrong sign and of
-/// smoothing are far from what an engineer can use.
+/// A family with the limits that its draws keep today.
 pub struct Family {
     pub name: &'static str,
     pub draw: fn(&mut ChaCha8Rng) -> Measured,
@@ -57,14 +56,14 @@ pub const FAMILIES: &[Family] = &[
         let exact = exact(&structure);
         with_white_noise(exact, unchanged(&structure), random)
     }),
-    Family::new("roving sensor with mass", [0.06, 0.15], mass_loading),
-    Family::new("shift between runs, large", [0.6, 0.85], |random| {
+    Family::new("roving sensor with mass", [0.04, 0.05], mass_loading),
+    Family::new("shift between runs, large", [0.03, 0.06], |random| {
         shift_between_runs(random, (0.05, 0.6), 1)
     }),
-    Family::new("shift between runs, small", [0.35, 0.55], |random| {
+    Family::new("shift between runs, small", [0.03, 0.04], |random| {
         shift_between_runs(random, (0.005, 0.05), 1)
     }),
-    Family::new("shift between hits", [0.6, 0.85], |random| {
+    Family::new("shift between hits", [0.02, 0.02], |random| {
         shift_between_runs(random, (0.05, 0.6), 5)
     }),
     Family::new("faulty channel", [0.01, 0.01], faulty_channel),
@@ -76,7 +75,7 @@ pub const FAMILIES: &[Family] = &[
         [0.02, 0.03],
         autoregressive_noise,
     ),
-    Family::new("smoothed over three lines", [0.02, 0.5], smoothed),
+    Family::new("smoothed over three lines", [0.03, 0.1], smoothed),
     Family::new("zero-padded by 4", [0.02, 0.03], zero_padded),
     Family::new(
         "exponential window, unstated",
