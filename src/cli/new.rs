@@ -15,8 +15,8 @@ use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
     Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModesOptions, OpenLine, StatedUnits,
-    TableContent, built_in_name_finding, draft_scene, is_built_in_model, load_model, load_modes,
-    open_lines, read_text,
+    Statement, TableContent, UnusedStatement, built_in_name_finding, draft_scene,
+    is_built_in_model, load_model, load_modes, open_lines, read_text,
 };
 
 use crate::printable::counted;
@@ -103,6 +103,9 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         band: args.band,
     };
     let draft = draft_scene(&files, &plan);
+    if let Some(unused) = draft.unused.first() {
+        return Err(unused_error(unused));
+    }
     let source = source_text(&opened)?;
     let copied = opened.iter().filter(|_| args.copy);
     let mut written: Vec<(PathBuf, NewFile)> = copied
@@ -231,6 +234,17 @@ fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
         }
     }
     Ok(units)
+}
+
+/// The error of an option that the draft does not use.
+fn unused_error(unused: &UnusedStatement) -> Error {
+    let option = match unused.statement {
+        Statement::Unit => "--unit",
+        Statement::Response => "--response",
+        Statement::Reference => "--reference",
+        Statement::SamplingRate => "--sampling-rate",
+    };
+    argument_error(option, unused.got.clone(), &unused.expected)
 }
 
 /// Options that fill in lines of a draft: the key of the line, the beginning of what it expects,

@@ -53,7 +53,9 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let draft = columns_to_state(&arrays);
     let roles = draft.roles();
     let content = TableContent::of_roles(&roles);
-    let is_function = content.is_functions;
+    // Columns without a known heading are FRFs where the user states a unit of FRFs.
+    let has_unknown = roles.contains(&None);
+    let is_function = content.is_functions || has_unknown && files[0].units.frf.is_some();
     let DraftColumns { columns, unused } = draft;
     let has_axis = is_function || roles.contains(&Some("time"));
     let mut text = format!(
@@ -78,16 +80,22 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
             "# hits = \"trigger\"        # where the record is continuous and holds several hits\n"
         };
     }
+    let is_array = arrays.iter().any(|array| array.shape.len() > 2);
     if !has_axis {
         let _ = match files[0].sampling_rate_hz {
             Some(rate) => writeln!(text, "sampling_rate_hz = {rate}"),
+            // A column may turn out to be the axis.
+            None if has_unknown && !is_array => writeln!(
+                text,
+                "# sampling_rate_hz = 1000.0   # samples per second, where no column is time or frequency"
+            ),
             None => writeln!(
                 text,
                 "sampling_rate_hz = \"{FILL_IN}\"   # samples per second, a number without quotes"
             ),
         };
     }
-    if arrays.iter().any(|array| array.shape.len() > 2) {
+    if is_array {
         let _ = writeln!(
             text,
             "dimensions = [\"{FILL_IN}\"]   # of the array, slowest first: \"hit\", \"channel\", \"sample\""
@@ -95,9 +103,17 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     }
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
-    let by_file = is_function || hit_points.len() > 1;
+    // No column with a known heading takes the stated points.
+    let takes_hit_point = has_unknown && !roles.contains(&Some("force"));
+    let states_hit_point = files[0].reference.is_some();
+    let by_file = is_function || hit_points.len() > 1 || takes_hit_point && states_hit_point;
     let responses: BTreeSet<&[Dof]> = files.iter().map(|file| file.responses).collect();
-    let response_by_file = content.responses <= 1 && responses.len() > 1;
+    let states_response = files[0].response().is_some();
+    let response_by_file = match content.responses {
+        0 => has_unknown && (is_function || states_response) || responses.len() > 1,
+        1 => responses.len() > 1,
+        _ => false,
+    };
     let stated = StatedPoints {
         responses: match files[0].responses {
             stated if stated.len() == content.responses && responses.len() == 1 => stated,
@@ -114,7 +130,13 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         let response = (of_role(&roles) == content.responses)
             .then(|| stated.responses.get(of_role(&roles[..index])));
         let has_several = content.responses > 1;
-        text += &stated.column_text(column, response.flatten(), has_several, dofs);
+        text += &match column.role {
+            Some(role) => {
+                let name = &column.name;
+                stated.column_text(name, role, response.flatten(), has_several, dofs)
+            }
+            None => unknown_column_text(&column.name, index == 0, files[0].units),
+        };
     }
     for file in files.iter().filter(|_| by_file || response_by_file) {
         text += &file_text(file, response_by_file, by_file, dofs);
@@ -276,6 +298,38 @@ fn role_of(name: &str) -> Option<&'static str> {
     }
 }
 
+/// The lines of a column without a known heading. The first column is the axis as a rule, so that
+/// a stated unit of FRFs is put on the others.
+fn unknown_column_text(name: &str, is_first: bool, units: StatedUnits<'_>) -> String {
+    let mut text = format!(
+        "[[test.channel]]\ncolumn = {name}\n\
+         role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n"
+    );
+    let stated = [
+        (units.force, "where it is a force"),
+        (units.response, "where it is a response"),
+        (units.frf.filter(|_| is_first), "where it is an FRF"),
+    ];
+    let stated = stated
+        .into_iter()
+        .filter_map(|(unit, of)| Some((unit?, of)));
+    let remarks: String = stated
+        .map(|(unit, of)| format!("# unit = {}   # {of}\n", quoted(unit)))
+        .collect();
+    text += &match units.frf.filter(|_| !is_first) {
+        Some(unit) => format!(
+            "unit = {}   # of real, imaginary, complex or magnitude; the others have none\n",
+            quoted(unit)
+        ),
+        None if remarks.is_empty() => {
+            "# unit = \"m/s2\"        # of a force, a response or FRF; of an axis only ms, us or kHz\n"
+                .to_owned()
+        }
+        None => remarks,
+    };
+    text + "# dof = \"1:+Z\"         # point and direction of a sensor or hit; an axis has none\n"
+}
+
 /// Points of columns that the user has stated.
 struct StatedPoints<'a> {
     /// One for each response or FRF, or none.
@@ -293,21 +347,13 @@ impl StatedPoints<'_> {
     /// responses, so that a coherence says whose it is.
     fn column_text(
         &self,
-        column: &DraftColumn,
+        name: &str,
+        role: &str,
         response: Option<&Dof>,
         has_several: bool,
         dofs: &mut BTreeSet<Dof>,
     ) -> String {
-        let mut text = format!("[[test.channel]]\ncolumn = {}\n", column.name);
-        let Some(role) = column.role else {
-            let _ = write!(
-                text,
-                "role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n\
-                 # unit = \"m/s2\"        # of a force, a response or FRF\n\
-                 # dof = \"1:+Z\"         # point and direction of a sensor or hit\n"
-            );
-            return text;
-        };
+        let mut text = format!("[[test.channel]]\ncolumn = {name}\n");
         let _ = writeln!(text, "role = \"{role}\"   # by its name");
         let (unit, accepted, stated, what) = match role {
             "force" => (

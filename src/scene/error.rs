@@ -53,6 +53,18 @@ pub enum SceneError {
         /// The accepted values.
         expected: String,
     },
+    /// A property of a test's data that neither its files nor the scene states.
+    #[error("{scene}{}: test {test:?}: {source}", place_text(place.as_deref()))]
+    NotStated {
+        /// Path of the scene.
+        scene: String,
+        /// Where the scene has the channel, else the test.
+        place: Option<Box<Place>>,
+        /// Name of the test.
+        test: String,
+        /// The file and the property.
+        source: IoError,
+    },
     /// Faults of a scene and of the files that it names.
     #[error("{}", several_lines(faults))]
     Several {

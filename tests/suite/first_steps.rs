@@ -435,9 +435,9 @@ fn faults_of_a_table_are_named_with_those_of_its_scene() {
     let (_, error, _) = said(folder, "run scene.toml");
     let parts = [
         "scene.toml:1:10: schema: got \"modalign-scene/2\"",
-        "scene.toml:6:20: [[test]] sampling_rate_hz: got -5",
-        "scene.toml:10:8: [[test.channel]] \"F\" unit",
-        "scene.toml:15:8: [[test.channel]] \"a\" unit",
+        "scene.toml:6:20: [[test]] \"a\" sampling_rate_hz: got -5",
+        "scene.toml:10:8: [[test.channel]] \"F\" of \"a\", unit",
+        "scene.toml:15:8: [[test.channel]] \"a\" of \"a\", unit",
         "scene.toml:17:1: got unknown key `estimatr`",
         "scene.toml:18:14: [frf] excitation: got \"kick\"",
     ];
@@ -454,6 +454,76 @@ fn faults_of_a_table_are_named_with_those_of_its_scene() {
         2,
         &["scene.toml:16:7: ", "expected a column \"force\""],
     );
+}
+
+#[test]
+fn a_missing_key_of_a_channel_is_named_with_its_test_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let row = |k: i32| {
+        let seconds = f64::from(k - 20) / 1000.0;
+        let force = if (20..23).contains(&k) { 10.0 } else { 0.0 };
+        let decay = (-6.0 * seconds).exp() * (314.0 * seconds).sin();
+        format!("{force},{}\n", if k > 20 { decay } else { 0.0 })
+    };
+    let rows: String = (0..2048).map(row).collect();
+    let table = |force: &str, response: &str| {
+        format!(
+            "[[test.channel]]\ncolumn = 1\nrole = \"force\"\n{force}\n\
+             [[test.channel]]\ncolumn = 2\nrole = \"response\"\n{response}\n"
+        )
+    };
+    let test = |name: &str, key: &str, channels: &str| {
+        format!("[[test]]\nname = \"{name}\"\nfiles = [\"hit.csv\"]\n{key}\n{channels}")
+    };
+    let (force, response) = (
+        "unit = \"N\"\ndof = \"1:+Z\"",
+        "unit = \"g\"\ndof = \"2:+Z\"",
+    );
+    let (rate, whole) = ("sampling_rate_hz = 1000", table(force, response));
+    let head = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n";
+    write(folder, &[("hit.csv", &format!("F,a\n{rows}"))]);
+    let said_of = |tests: &str| {
+        write(folder, &[("scene.toml", &format!("{head}{tests}"))]);
+        said(folder, "run scene.toml").1
+    };
+    for (key, channels, line, wanted) in [
+        ("", whole.clone(), 3, "sampling_rate_hz in [[test]]"),
+        (
+            rate,
+            table("unit = \"N\"", response),
+            7,
+            "`dof` of the force in [[test.channel]]",
+        ),
+        (
+            rate,
+            table(force, "unit = \"g\""),
+            12,
+            "`dof` in [[test.channel]]",
+        ),
+    ] {
+        let error = said_of(&test("a", key, &channels));
+        let place = format!("scene.toml:{line}:1: test \"a\": ");
+        assert!(error.contains(&place) && error.contains(wanted), "{error}");
+        for wrong in ["drafts one", "--reference"] {
+            assert!(!error.contains(wrong), "the scene exists: {error}");
+        }
+    }
+    // Of several tests each, in one run.
+    let tests = [
+        test("a", rate, &whole),
+        test("b", rate, &table("dof = \"1:+Z\"", response)),
+        test(
+            "c",
+            rate,
+            &table(force, "unit = \"furlong\"\ndof = \"2:+Z\""),
+        ),
+    ];
+    let parts = [
+        "scene.toml:21:1: [[test.channel]] 1 of \"b\", unit: got nothing",
+        "scene.toml:42:8: [[test.channel]] 2 of \"c\", unit: got \"furlong\"",
+    ];
+    assert_faults(&said_of(&tests.concat()), 2, &parts);
 }
 
 #[test]

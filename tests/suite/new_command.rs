@@ -7,7 +7,7 @@ use crate::command::{fail, json, modalign, root, succeed, write};
 use crate::matrix_models::matrix_market;
 
 /// A folder with the beam's model and a short recording of it.
-fn recorded() -> tempfile::TempDir {
+pub fn recorded() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let beam = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
@@ -25,12 +25,12 @@ fn recorded() -> tempfile::TempDir {
     folder
 }
 
-fn at(folder: &Path, name: &str) -> String {
+pub fn at(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
 /// Writes `frfs.h5` and `modes.json` of the recording.
-fn estimate_and_identify(folder: &Path) {
+pub fn estimate_and_identify(folder: &Path) {
     let path = |name: &str| at(folder, name);
     succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
     succeed([
@@ -179,7 +179,7 @@ fn unknown_meanings_of_columns_are_requested_line_by_line() {
 }
 
 /// Writes a table of 64 rows of numbers under the headings.
-fn write_columns(folder: &Path, file: &str, headings: &str) {
+pub fn write_columns(folder: &Path, file: &str, headings: &str) {
     let row = |i: usize| {
         let values = headings.split(',').enumerate();
         let values: Vec<String> = values

@@ -1,0 +1,141 @@
+//! Options of `new` are written into the scene, or refused with the reason.
+
+use crate::command::{fail, modalign, succeed, write};
+use crate::new_command::{at, estimate_and_identify, recorded, write_columns};
+
+/// An FRF of one mode as an analyser writes it whose header states this unit.
+fn pulse_export(unit: &str, factor: f64) -> String {
+    let mut text = format!(
+        "Header Size:\t 12\t \t \r\nPulse Version:\t 80\t \t \r\nDecimal Symbol:\t.\t \t \r\n\
+         Data Type:\tComplex\t \t \r\nX-Axis type:\tLinear\t \t \r\nX-Axis size:\t200\t \t \r\n\
+         X-Axis unit:\tHz\t \t \r\nX-Axis first value:\t 1.0\t \t \r\nX-Axis delta:\t 0.5\t \t \r\n\
+         \t \t \t \r\nAmplitudeUnit:\t{unit}\t \t \r\nFunction:\tFrequency Response\t \t \r\n\
+         Z-index:\t \t1\t \r\nDate:\t \t01/02/2020\t \r\nTime:\t \t10:00:00:000\t \r\n"
+    );
+    for line in 0..200 {
+        let hz = 1.0 + 0.5 * f64::from(line);
+        let (real, imaginary) = (1.0 - (hz / 50.0).powi(2), 2.0 * 0.01 * hz / 50.0);
+        let amplitude = -factor * hz * hz / (real * real + imaginary * imaginary);
+        let (real, imaginary) = (amplitude * real, -amplitude * imaginary);
+        text += &format!("{}\t{hz}\t{real:.9e}\t{imaginary:.9e}\r\n", line + 1);
+    }
+    text
+}
+
+#[test]
+fn a_stated_unit_is_that_of_every_file_with_those_without_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    for (file, unit, factor) in [
+        ("a.txt", "V/N", 1e-3),
+        ("b.txt", "(m/s2)/N", 2e-3),
+        ("c.txt", "(m/s2)/N", 3e-3),
+    ] {
+        write(folder.path(), &[(file, &pulse_export(unit, factor))]);
+    }
+    let files = ["a.txt", "b.txt", "c.txt"].map(path);
+    let scene = path("scene");
+    let stated = ["--response", "9:+Z", "--reference", "1:+Z,2:+Z,3:+Z"];
+    let unit = ["--unit", "(m/s2)/N"];
+    let arguments = ["new", &scene].into_iter();
+    let arguments = arguments.chain(files.iter().map(String::as_str));
+    let printed = succeed(arguments.chain(stated).chain(unit));
+    assert!(printed.contains("nothing is left to fill in"), "{printed}");
+    let output = modalign(["run", &scene, "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let shape = result["modes"][0]["shape"].as_object().unwrap();
+    assert_eq!(shape.len(), 3, "three hits: {shape:?}");
+    assert!(said.contains("unit-contradicts-file"), "{said}");
+    assert!(!said.contains("function-left-out"), "{said}");
+    // Without the option the scene has a line for it.
+    let (open, calibrated) = (path("open"), path("calibrated"));
+    let printed = succeed(
+        ["new", &open, &files[0]]
+            .into_iter()
+            .chain(stated[..2].iter().copied()),
+    );
+    assert!(printed.contains(": unit: of the FRFs"), "{printed}");
+    succeed(["new", &calibrated, &files[1]].into_iter().chain(unit));
+    let text = std::fs::read_to_string(path("calibrated/scene.toml")).unwrap();
+    assert!(!text.contains("\nunit = "), "the header has it: {text}");
+}
+
+#[test]
+fn an_option_that_the_draft_cannot_use_is_refused_with_the_reason() {
+    let folder = recorded();
+    let path = |name: &str| at(folder.path(), name);
+    estimate_and_identify(folder.path());
+    write_columns(folder.path(), "hits.csv", "force,acceleration");
+    write_columns(folder.path(), "frfs.csv", "frequency,real,imaginary");
+    for (file, option, value, reason) in [
+        ("frfs.csv", "--unit", "kN", "the files hold FRFs"),
+        ("frfs.csv", "--unit", "m/s2", "the files hold FRFs"),
+        (
+            "frfs.csv",
+            "--sampling-rate",
+            "100",
+            "no file holds time records",
+        ),
+        ("frfs.h5", "--unit", "(m/s)/N", "the headers state"),
+        ("frfs.h5", "--response", "77:+Z", "the headers state 1:+Z"),
+        ("hits.csv", "--unit", "m/N", "the files hold time records"),
+        ("hits.uff", "--unit", "lbf", "the headers state"),
+        ("hits.uff", "--reference", "77:+Z", "the headers state 1:+Z"),
+        ("hits.uff", "--sampling-rate", "1", "the headers state"),
+        ("modes.json", "--unit", "N", "neither time records nor FRFs"),
+        ("modes.json", "--reference", "1:+Z", "finished modes"),
+    ] {
+        let error = fail(["new", &path("x"), &path(file), option, value]);
+        let wanted = format!("{option}: got {value}, expected ");
+        assert!(
+            error.contains(&wanted) && error.contains(reason),
+            "{file}: {error}"
+        );
+        assert!(!folder.path().join("x").exists());
+    }
+    // A statement that agrees with the header is no contradiction.
+    succeed(["new", &path("same"), &path("frfs.h5"), "--unit", "(m/s2)/N"]);
+}
+
+#[test]
+fn options_for_columns_without_headings_stand_in_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let row = |hz: i32| {
+        let (real, imaginary) = (
+            1.0 - (f64::from(hz) / 30.0).powi(2),
+            0.04 * f64::from(hz) / 30.0,
+        );
+        let power = real * real + imaginary * imaginary;
+        format!("{hz} {:.9} {:.9}\n", real / power, -imaginary / power)
+    };
+    let rows: String = (0..100).map(row).collect();
+    write(folder.path(), &[("a.txt", &rows), ("b.txt", &rows)]);
+    let (a, b, scene) = (path("a.txt"), path("b.txt"), path("scene"));
+    let stated = [
+        "--response",
+        "9:+X",
+        "--reference",
+        "1:+X,2:+X",
+        "--unit",
+        "m/N",
+    ];
+    let printed = succeed(["new", &scene, &a, &b].into_iter().chain(stated));
+    assert!(printed.contains("3 lines to be filled in"), "{printed}");
+    let text = std::fs::read_to_string(path("scene/scene.toml")).unwrap();
+    assert!(!text.contains("sampling_rate_hz"), "FRFs have none: {text}");
+    let mut filled = text;
+    for role in ["frequency", "real", "imaginary"] {
+        filled = filled.replacen("role = \"FILL IN\"", &format!("role = \"{role}\""), 1);
+    }
+    write(folder.path(), &[("scene/scene.toml", &filled)]);
+    let modes = succeed(["run", &scene, "--json"]);
+    let modes: serde_json::Value = serde_json::from_str(&modes).unwrap();
+    let shape = modes["modes"][0]["shape"].as_object().unwrap();
+    assert_eq!(shape.keys().collect::<Vec<_>>(), ["1:+X", "2:+X"]);
+    // Without a unit the columns may be records or FRFs: the roles alone are requested.
+    let open = succeed(["new", &path("open"), &a]);
+    assert!(open.contains("3 lines to be filled in"), "{open}");
+}
