@@ -415,26 +415,25 @@ fn check_new_files(args: &NewArgs, opened: &[NamedFile]) -> Result<(), Error> {
     let model = args.model.as_deref().and_then(ModelDraft::at);
     let names = NEW_FILES.into_iter().chain(model.map(|_| ModelDraft::FILE));
     let drafted = names.map(|name| args.folder.join(name));
-    match drafted.chain(raws).find(|path| path.exists()) {
-        None => Ok(()),
-        Some(path) => {
-            let again = args.folder.with_file_name(format!(
-                "{}-2",
-                args.folder
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-            ));
-            let drafted = NEW_FILES.map(|name| shell_quoted(&args.folder.join(name)));
-            let expected = format!(
-                "a folder without files of a scene: nothing is written over. Name another folder (modalign new {} ...), or remove an unedited draft first (rm {})",
-                shell_quoted(&again),
-                drafted.join(" ")
-            );
-            let got = format!("{}, which exists", path.display());
-            Err(argument_error("DIR", got, &expected))
-        }
-    }
+    let existing: Vec<PathBuf> = drafted.chain(raws).filter(|path| path.exists()).collect();
+    let Some((first, others)) = existing.split_first() else {
+        return Ok(());
+    };
+    let folder_name = args.folder.file_name().unwrap_or_default();
+    let again = format!("{}-2", folder_name.to_string_lossy());
+    let again = args.folder.with_file_name(again);
+    let removed: Vec<String> = existing.iter().map(|path| shell_quoted(path)).collect();
+    let expected = format!(
+        "a folder without files of a scene: nothing is written over. Name another folder (modalign new {} ...), or remove an unedited draft first (rm {})",
+        shell_quoted(&again),
+        removed.join(" ")
+    );
+    let more = match others.len() {
+        0 => "which exists".to_owned(),
+        _ => format!("which exists, and {} more", counted(others.len(), "file")),
+    };
+    let got = format!("{}, {more}", first.display());
+    Err(argument_error("DIR", got, &expected))
 }
 
 fn argument_error(argument: &'static str, got: String, expected: &str) -> Error {

@@ -11,7 +11,7 @@ use crate::geometry::{Geometry, Node};
 use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
 use crate::quantity::{Quantity, is_uncalibrated_response};
 
-use super::draft_columns::{TableContent, arrays_text};
+use super::draft_columns::{TableContent, arrays_text, has_same_columns};
 use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
 use super::draft_unused::{UnusedStatement, unused_statements};
 use super::model_draft::PointLine;
@@ -112,7 +112,7 @@ fn group_files<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFil
     for file in files {
         let content = Content::of(file.catalog);
         let joins = |(kind, first): &(Content, Vec<&DraftFile>)| {
-            let alike = || array_names(first[0].catalog) == array_names(file.catalog);
+            let alike = || has_same_columns(first[0].catalog, file.catalog);
             *kind == content && content != Content::Modes && (content != Content::Arrays || alike())
         };
         match groups.iter_mut().find(|group| joins(group)) {
@@ -121,13 +121,6 @@ fn group_files<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFil
         }
     }
     groups
-}
-
-fn array_names(catalog: &Catalog) -> Vec<(&str, usize)> {
-    let arrays = catalog.arrays.iter();
-    arrays
-        .map(|array| (array.name.as_str(), array.shape.len()))
-        .collect()
 }
 
 fn test_text(

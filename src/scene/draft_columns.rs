@@ -41,16 +41,74 @@ impl TableContent {
     }
 }
 
+fn is_number(array: &ArrayInfo) -> bool {
+    !["text", "struct", "cell"].contains(&array.kind.as_str())
+}
+
 fn number_arrays(catalog: &Catalog) -> Vec<&ArrayInfo> {
-    let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
-    catalog.arrays.iter().filter(is_number).collect()
+    let arrays = catalog.arrays.iter();
+    arrays.filter(|array| is_number(array)).collect()
+}
+
+/// Whether the files of two catalogs have columns of the same names; the name of an only array of
+/// several channels does not count, for NumPy files have that of the file.
+pub(super) fn has_same_columns(first: &Catalog, second: &Catalog) -> bool {
+    let names = |catalog: &Catalog| -> Vec<(String, usize, Option<usize>)> {
+        let has_channels = only_channels(&number_arrays(catalog)).is_some();
+        let arrays = catalog
+            .arrays
+            .iter()
+            .filter(|array| !has_channels || is_number(array));
+        let name = |array: &ArrayInfo| match has_channels {
+            true => (String::new(), array.shape.len(), channel_count(array)),
+            false => (array.name.clone(), array.shape.len(), None),
+        };
+        arrays.map(name).collect()
+    };
+    names(first) == names(second)
+}
+
+/// Number of channels of an array with an axis of channels: the second axis of two or three, or
+/// the first of two where it is short and the second is not.
+fn channel_count(array: &ArrayInfo) -> Option<usize> {
+    let is_channels = |count: &usize| (2..=MAX_COLUMNS).contains(count);
+    match array.shape.as_slice() {
+        [_, count, _] | [_, count] if is_channels(count) => Some(*count),
+        [count, _] if is_transposed(array) => Some(*count),
+        _ => None,
+    }
+}
+
+/// Whether the rows of an array are channels, not samples.
+fn is_transposed(array: &ArrayInfo) -> bool {
+    let is_few = |count: usize| (2..=MAX_COLUMNS).contains(&count);
+    matches!(array.shape.as_slice(), [rows, columns] if is_few(*rows) && *columns > MAX_COLUMNS)
+}
+
+/// The number of channels of the only array.
+fn only_channels(arrays: &[&ArrayInfo]) -> Option<usize> {
+    match arrays {
+        [only] => channel_count(only),
+        _ => None,
+    }
 }
 
 /// Columns and arrays: their names are known, their meaning where a heading says it.
 pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let arrays = number_arrays(files[0].catalog);
     let all = arrays.iter().flat_map(|array| columns_of(array)).count();
-    let draft = columns_to_state(&arrays);
+    let mut draft = columns_to_state(&arrays);
+    let names = files.iter().flat_map(|file| number_arrays(file.catalog));
+    let names: BTreeSet<&str> = names.map(|array| array.name.as_str()).collect();
+    let is_array = arrays.iter().any(|array| array.shape.len() > 2);
+    if only_channels(&arrays).is_some_and(|count| count == draft.columns.len())
+        && (is_array || names.len() > 1)
+    {
+        // The name of the array is that of one file.
+        for (number, column) in (1..).zip(&mut draft.columns) {
+            column.name = number.to_string();
+        }
+    }
     let roles = draft.roles();
     let content = TableContent::of_roles(&roles);
     // Columns without a known heading are FRFs where the user states a unit of FRFs.
@@ -73,14 +131,13 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     if !unused.is_empty() {
         text += &format!("# Not used below: {}\n", unused.join(", "));
     }
-    if !is_function {
+    if !is_function && !is_array {
         text += if files.len() > 1 {
             "hits = \"files\"            # each file is one hit\n"
         } else {
             "# hits = \"trigger\"        # where the record is continuous and holds several hits\n"
         };
     }
-    let is_array = arrays.iter().any(|array| array.shape.len() > 2);
     if !has_axis {
         let _ = match files[0].sampling_rate_hz {
             Some(rate) => writeln!(text, "sampling_rate_hz = {rate}"),
@@ -95,18 +152,15 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
             ),
         };
     }
-    if is_array {
-        let _ = writeln!(
-            text,
-            "dimensions = [\"{FILL_IN}\"]   # of the array, slowest first: \"hit\", \"channel\", \"sample\""
-        );
-    }
+    text += &dimensions_text(&arrays);
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
     // No column with a known heading takes the stated points.
     let takes_hit_point = has_unknown && !roles.contains(&Some("force"));
     let states_hit_point = files[0].reference.is_some();
-    let by_file = is_function || hit_points.len() > 1 || takes_hit_point && states_hit_point;
+    let by_file = is_function
+        || hit_points.len() > 1
+        || takes_hit_point && (states_hit_point || is_array && files.len() > 1);
     let responses: BTreeSet<&[Dof]> = files.iter().map(|file| file.responses).collect();
     let states_response = files[0].response().is_some();
     let response_by_file = match content.responses {
@@ -142,6 +196,28 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         text += &file_text(file, response_by_file, by_file, dofs);
     }
     text
+}
+
+/// `dimensions` of arrays whose rows are not samples or that have more than two dimensions.
+fn dimensions_text(arrays: &[&ArrayInfo]) -> String {
+    let shape = |array: &ArrayInfo| {
+        let lengths: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
+        lengths.join(" x ")
+    };
+    let mut all = arrays.iter();
+    if let Some(array) = all.clone().find(|array| array.shape.len() > 2) {
+        return format!(
+            "dimensions = [\"{FILL_IN}\"]   # of {}, slowest first, such as [\"hit\", \"channel\", \"sample\"]; the channels are columns 1, 2, ...\n",
+            shape(array)
+        );
+    }
+    all.find(|array| is_transposed(array))
+        .map_or_else(String::new, |array| {
+            format!(
+                "dimensions = [\"channel\", \"sample\"]   # of {}, slowest first\n",
+                shape(array)
+            )
+        })
 }
 
 /// A column of a draft.
@@ -255,21 +331,18 @@ fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
 
 /// The columns of an array, as `[[test.channel]] column` names them.
 fn columns_of(array: &ArrayInfo) -> Vec<String> {
-    let plain = |name: &str| quoted(name);
-    let is_number = array
-        .name
-        .strip_prefix("column ")
-        .and_then(|number| number.parse::<usize>().ok());
-    match (array.shape.as_slice(), is_number) {
-        (_, Some(number)) => vec![number.to_string()],
-        ([_, count], _) if (2..=MAX_COLUMNS).contains(count) => (1..=*count)
-            .map(|number| match array.name.as_str() {
-                "" => number.to_string(),
-                name => quoted(&format!("{name}:{number}")),
-            })
-            .collect(),
-        _ => vec![plain(heading(&array.name))],
+    let number = array.name.strip_prefix("column ");
+    if let Some(number) = number.and_then(|number| number.parse::<usize>().ok()) {
+        return vec![number.to_string()];
     }
+    let Some(count) = channel_count(array) else {
+        return vec![quoted(heading(&array.name))];
+    };
+    let channel = |number: usize| match array.name.as_str() {
+        "" => number.to_string(),
+        name => quoted(&format!("{name}:{number}")),
+    };
+    (1..=count).map(channel).collect()
 }
 
 /// The heading without the unit that is listed behind it.

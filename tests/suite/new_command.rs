@@ -689,9 +689,19 @@ fn a_model_to_complete_is_written_beside_the_scene() {
         assert!(roots.contains("frequency_hz"), "{roots}");
         let text = std::fs::read_to_string(path(&format!("{kind}/scene.toml"))).unwrap();
         assert!(text.contains("file = \"model.toml\""), "{text}");
-        // What is there is never written over.
+        // What is there is never written over; the suggested command removes all of it.
         std::fs::remove_file(path(&format!("{kind}/scene.toml"))).unwrap();
         let error = fail(["new", &scene, &path("hits.uff"), "--model", kind]);
-        assert!(error.contains("which exists"), "{error}");
+        let names = ["SOURCE.md", "expected.toml", "model.toml"];
+        let files = names.map(|name| path(&format!("{kind}/{name}")));
+        let command = format!("(rm {})", files.join(" "));
+        assert!(
+            error.contains("which exists") && error.contains(&command),
+            "{error}"
+        );
+        files
+            .iter()
+            .for_each(|file| std::fs::remove_file(file).unwrap());
+        succeed(["new", &scene, &path("hits.uff"), "--model", kind]);
     }
 }

@@ -1,5 +1,7 @@
 //! Options of `new` are written into the scene, or refused with the reason.
 
+use std::path::Path;
+
 use crate::command::{fail, modalign, succeed, write};
 use crate::new_command::{at, estimate_and_identify, recorded, write_columns};
 
@@ -138,4 +140,70 @@ fn options_for_columns_without_headings_stand_in_the_scene() {
     // Without a unit the columns may be records or FRFs: the roles alone are requested.
     let open = succeed(["new", &path("open"), &a]);
     assert!(open.contains("3 lines to be filled in"), "{open}");
+}
+
+/// A NumPy file of hits, channels and samples: a force and a response of one mode.
+fn write_hits(path: &Path, shape: [usize; 3]) {
+    let [hits, channels, samples] = shape;
+    let head = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({hits}, {channels}, {samples}), }}"
+    );
+    let head = format!("{head:<117}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((head.len() as u16).to_le_bytes());
+    bytes.extend(head.as_bytes());
+    for hit in 0..hits {
+        for channel in 0..channels {
+            for sample in 0..samples {
+                let seconds = (sample as f64 - 20.0) / 2000.0;
+                let noise = 1e-5 * ((sample * 7919 + 13 * hit + channel) % 101) as f64;
+                let value: f64 = match channel {
+                    0 if (20..23).contains(&sample) => 10.0,
+                    0 => 0.0,
+                    _ if sample <= 20 => 0.0,
+                    _ => (-5.0 * seconds).exp() * (314.0 * seconds).sin(),
+                };
+                bytes.extend((value + noise).to_le_bytes());
+            }
+        }
+    }
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn files_of_one_shape_are_one_test_with_a_column_for_each_channel() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    for file in ["F1.npy", "F2.npy"] {
+        write_hits(&folder.path().join(file), [3, 2, 4096]);
+    }
+    let (scene, files) = (path("scene"), ["F1.npy", "F2.npy"].map(path));
+    let stated = ["--reference", "1:+Z,2:+Z", "--sampling-rate", "2000"];
+    succeed(
+        ["new", &scene, &files[0], &files[1]]
+            .into_iter()
+            .chain(stated),
+    );
+    let text = std::fs::read_to_string(path("scene/scene.toml")).unwrap();
+    assert_eq!(text.matches("[[test]]\n").count(), 1, "{text}");
+    assert_eq!(text.matches("[[test.channel]]").count(), 2, "{text}");
+    assert!(text.contains("column = 1\n") && text.contains("column = 2\n"));
+    assert!(text.contains("of 3 x 2 x 4096, slowest first"), "{text}");
+    let open = "role = \"FILL IN\"";
+    let filled = text
+        .replace("[\"FILL IN\"]", "[\"hit\", \"channel\", \"sample\"]")
+        .replacen(open, "role = \"force\"\nunit = \"N\"", 1)
+        .replacen(open, "role = \"response\"\nunit = \"g\"\ndof = \"9:+Z\"", 1);
+    write(folder.path(), &[("scene/scene.toml", &filled)]);
+    let set: serde_json::Value = serde_json::from_str(&succeed(["frf", &scene, "--json"])).unwrap();
+    let functions = set["functions"].as_array().unwrap();
+    assert_eq!(functions.len(), 2, "one for each hit point: {set}");
+    // Vectors of different names are channels of different meaning.
+    for file in ["force.npy", "acceleration.npy"] {
+        write_hits(&folder.path().join(file), [1, 1, 4096]);
+    }
+    let (vectors, files) = (path("vectors"), ["force.npy", "acceleration.npy"].map(path));
+    succeed(["new", &vectors, &files[0], &files[1]]);
+    let text = std::fs::read_to_string(path("vectors/scene.toml")).unwrap();
+    assert_eq!(text.matches("[[test]]\n").count(), 2, "{text}");
 }
