@@ -23,13 +23,22 @@ pub struct TableContent {
     pub is_functions: bool,
     /// Number of responses or FRFs in the file.
     pub responses: usize,
+    /// Whether a heading says what its column holds.
+    pub has_known_column: bool,
 }
 
 impl TableContent {
     /// `None` where the file states itself what it holds.
     pub fn of(catalog: &Catalog) -> Option<Self> {
         let is_table = Content::of(catalog) == Content::Arrays;
-        is_table.then(|| Self::of_roles(&columns_to_state(&number_arrays(catalog)).roles()))
+        is_table.then(|| {
+            let draft = columns_to_state(&number_arrays(catalog));
+            let known = |column: &DraftColumn| column.role.is_some() && !column.is_open();
+            TableContent {
+                has_known_column: draft.columns.iter().any(known),
+                ..Self::of_roles(&draft.roles())
+            }
+        })
     }
 
     fn of_roles(roles: &[Option<&str>]) -> Self {
@@ -37,6 +46,7 @@ impl TableContent {
         TableContent {
             is_functions: count("frequency") + count("complex") > 0,
             responses: RESPONSE_ROLES.into_iter().map(count).max().unwrap_or(0),
+            has_known_column: false,
         }
     }
 }
@@ -226,6 +236,13 @@ struct DraftColumn {
     name: String,
     /// By its name or kind; to be stated by the user without it.
     role: Option<&'static str>,
+}
+
+impl DraftColumn {
+    /// Whether the user has to name the column.
+    fn is_open(&self) -> bool {
+        self.name == quoted(FILL_IN)
+    }
 }
 
 /// The columns of a draft, and the names of the arrays that it does not use.

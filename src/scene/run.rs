@@ -446,10 +446,14 @@ fn search_band(
         return Ok(usable);
     };
     let excited = set.excited_band.unwrap_or(usable);
-    let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
-        lo_hz: excited.lo_hz,
-        hi_hz: excited.hi_hz,
-    })?;
+    let band = wanted
+        .intersection(&excited)
+        .ok_or(FrfError::BandNotExcited {
+            got_lo_hz: wanted.lo_hz,
+            got_hi_hz: wanted.hi_hz,
+            lo_hz: excited.lo_hz,
+            hi_hz: excited.hi_hz,
+        })?;
     if wanted.hi_hz > band.hi_hz {
         findings.push(band_limited_finding(band));
     }

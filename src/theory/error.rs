@@ -508,7 +508,7 @@ mod tests {
         };
         assert_eq!(
             error.to_string(),
-            "parameter `k`: got 5 N/m, expected a finite value from 1 to 2.5 N/m"
+            "parameter `k`: got 5 N/m, expected a finite value from 1 to 2.5 N/m (its bounds `lower` and `upper`)"
         );
     }
 }

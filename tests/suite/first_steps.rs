@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::command::{modalign_in, write};
+use crate::command::{modalign_in, root, write};
 
 /// Standard output and error of the program in a folder, and its exit code.
 pub fn said(folder: &Path, line: &str) -> (String, String, Option<i32>) {
@@ -524,6 +524,94 @@ fn a_missing_key_of_a_channel_is_named_with_its_test_and_line() {
         "scene.toml:42:8: [[test.channel]] 2 of \"c\", unit: got \"furlong\"",
     ];
     assert_faults(&said_of(&tests.concat()), 2, &parts);
+}
+
+#[test]
+fn faults_of_one_cause_are_one_line_with_their_number_and_first_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let head = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n";
+    let sensor = |point: usize| {
+        format!("[[sensor]]\ndof = \"{point}:+Y\"\nbody = \"Beam\"\nat_m = [0, 0, 0.{point}]\n")
+    };
+    let sensors: String = (1..=9).map(sensor).collect();
+    let model = read(&root().join("measurements/free-free-beam"), "model.toml");
+    let scene = format!("{head}{sensors}");
+    write(folder, &[("scene.toml", &scene), ("model.toml", &model)]);
+    let error = said(folder, "run scene.toml").1;
+    assert!(error.contains("9 faults"), "{error}");
+    assert_eq!(error.matches("got body `Beam`").count(), 1, "{error}");
+    assert!(error.contains("(and 8 more like it: lines "), "{error}");
+    // Files of a misspelt folder, with the folder that exists.
+    std::fs::create_dir(folder.join("raw")).unwrap();
+    let files: Vec<String> = (1..=5).map(|k| format!("\"rwa/{k}.uff\"")).collect();
+    let files = files.join(", ");
+    let scene = format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"a\"\nfiles = [{files}]\n"
+    );
+    write(folder, &[("scene.toml", &scene)]);
+    let error = said(folder, "run scene.toml").1;
+    assert_eq!(error.matches("there is no such file").count(), 1, "{error}");
+    for wanted in [
+        "5 faults",
+        "(and 4 more like it)",
+        "did you mean `raw/1.uff`",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+}
+
+#[test]
+fn a_band_without_excitation_is_named_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let beam = root().join("measurements/free-free-beam");
+    let scene = read(&beam, "scene.toml").replace("[60.0, 3200.0]", "[40000.0, 50000.0]");
+    let (model, synth) = (read(&beam, "model.toml"), read(&beam, "synth.toml"));
+    let files = [
+        ("scene.toml", scene.as_str()),
+        ("model.toml", &model),
+        ("synth.toml", &synth),
+    ];
+    write(folder, &files);
+    let error = said(folder, "run scene.toml").1;
+    for wanted in [
+        "roving hammer",
+        "`band_hz`",
+        "40000 to 50000 Hz",
+        "expected one with lines",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+}
+
+#[test]
+fn inspect_counts_records_and_says_what_takes_modes_and_channels_further() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[("modes.csv", &beam_modes("Y"))]);
+    let (screen, ..) = said(folder, "inspect modes.csv");
+    assert!(
+        screen.contains("Next: modalign correlate --test FILE"),
+        "{screen}"
+    );
+    assert!(!screen.contains("\n\n\n"), "{screen}");
+    let beam = root().join("measurements/free-free-beam");
+    let synth = read(&beam, "synth.toml").replace("samples = 32768", "samples = 4096");
+    write(
+        folder,
+        &[
+            ("synth.toml", &synth),
+            ("model.toml", &read(&beam, "model.toml")),
+        ],
+    );
+    said(folder, "synth synth.toml -o hits.uff");
+    let (screen, ..) = said(folder, "inspect hits.uff");
+    let head = screen.lines().find(|line| line.contains(" responses "));
+    assert!(
+        head.is_some_and(|head| head.trim_start().starts_with("count")),
+        "{screen}"
+    );
 }
 
 #[test]

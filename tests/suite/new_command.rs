@@ -384,7 +384,7 @@ fn options_fill_in_what_the_files_do_not_state() {
         );
         assert!(asked.contains(&format!("--{key} DOF")), "{asked}");
     }
-    assert!(asked.contains("in a row (--points FILE)."), "{asked}");
+    assert!(asked.contains("in a row (--points FILE with"), "{asked}");
     let (said, model, points) = (path("said"), path("model.toml"), path("points.csv"));
     let stated = [
         "--response",

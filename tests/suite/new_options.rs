@@ -207,3 +207,80 @@ fn files_of_one_shape_are_one_test_with_a_column_for_each_channel() {
     let text = std::fs::read_to_string(path("vectors/scene.toml")).unwrap();
     assert_eq!(text.matches("[[test]]\n").count(), 2, "{text}");
 }
+
+#[test]
+fn a_list_of_coordinates_beside_test_data_is_left_out_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write_columns(folder.path(), "hits.csv", "force,acceleration");
+    let points = "0.1 0.0 0.0\n0.2 0.0 0.1\n0.3 0.0 0.2\n";
+    write(
+        folder.path(),
+        &[
+            ("a.txt", &pulse_export("(m/s2)/N", 1e-3)),
+            ("points.txt", points),
+        ],
+    );
+    let coordinates = path("points.txt");
+    for (scene, file) in [("of-frfs", "a.txt"), ("of-columns", "hits.csv")] {
+        let printed = succeed(["new", &path(scene), &path(file), &coordinates]);
+        let said = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            said.contains("points.txt: 3 columns without a known heading")
+                && said.contains("--points FILE"),
+            "{printed}"
+        );
+        let text = std::fs::read_to_string(path(&format!("{scene}/scene.toml"))).unwrap();
+        assert!(!text.contains("points.txt") && text.matches("[[test]]\n").count() == 1);
+    }
+    // Alone it may be a table of measured values.
+    let printed = succeed(["new", &path("alone"), &coordinates]);
+    assert!(printed.contains("3 lines to be filled in"), "{printed}");
+}
+
+#[test]
+fn positions_that_may_be_millimetres_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write(folder.path(), &[("a.txt", &pulse_export("(m/s2)/N", 1e-3))]);
+    for (scene, end, is_named) in [("mm", "900", true), ("bridge", "40", false)] {
+        let points = format!("point,x,y,z\n1,0,0,0\n2,{end},0,0\n");
+        write(folder.path(), &[("points.csv", &points)]);
+        let stated = ["--response", "1:+Z", "--reference", "2:+Z", "--points"];
+        let arguments = ["new", &path(scene), &path("a.txt")]
+            .map(str::to_owned)
+            .into_iter();
+        let stated = stated.map(str::to_owned).into_iter();
+        let printed = succeed(arguments.chain(stated).chain([path("points.csv")]));
+        let remark = format!("The points extend over {end} m. Positions are in metres");
+        assert_eq!(printed.contains(&remark), is_named, "{printed}");
+    }
+}
+
+#[test]
+fn a_faulty_list_of_points_is_answered_with_its_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write(
+        folder.path(),
+        &[
+            ("a.txt", &pulse_export("(m/s2)/N", 1e-3)),
+            ("points.csv", "1;0;0;0\n2;0.1;0;0\n"),
+        ],
+    );
+    let error = fail([
+        "new",
+        &path("x"),
+        &path("a.txt"),
+        "--points",
+        &path("points.csv"),
+    ]);
+    for wanted in [
+        "line 2",
+        "line 1 was taken as the heading",
+        "`point,x,y,z`",
+        "POINT,X,Y,Z in metres",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+}
