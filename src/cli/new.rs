@@ -413,11 +413,17 @@ fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
 
 /// The open lines, those of one key and expectation together.
 fn open_text(open: &[OpenLine]) -> String {
+    // A position begins with its point.
+    let expected = |line: &OpenLine| -> String {
+        let text = line.expected.as_str();
+        let position = text.split_once(": ").filter(|_| line.key == "at_m");
+        position.map_or(text, |(_, expected)| expected).to_owned()
+    };
     let mut alike: Vec<(&OpenLine, Vec<String>)> = Vec::new();
     for line in open {
         let number = line.line.to_string();
         let same = |(first, _): &&mut (&OpenLine, Vec<String>)| {
-            (&first.key, &first.expected) == (&line.key, &line.expected)
+            (&first.key, expected(first)) == (&line.key, expected(line))
         };
         match alike.iter_mut().find(same) {
             Some((_, numbers)) => numbers.push(number),
@@ -427,7 +433,7 @@ fn open_text(open: &[OpenLine]) -> String {
     let text = |(line, numbers): &(&OpenLine, Vec<String>)| {
         let lines = if numbers.len() == 1 { "line" } else { "lines" };
         let numbers = numbers.join(", ");
-        format!("\n  {lines} {numbers}: {}: {}", line.key, line.expected)
+        format!("\n  {lines} {numbers}: {}: {}", line.key, expected(line))
     };
     alike.iter().map(text).collect()
 }

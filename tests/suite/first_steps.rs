@@ -542,6 +542,19 @@ fn faults_of_one_cause_are_one_line_with_their_number_and_first_lines() {
     assert!(error.contains("9 faults"), "{error}");
     assert_eq!(error.matches("got body `Beam`").count(), 1, "{error}");
     assert!(error.contains("(and 8 more like it: lines "), "{error}");
+    // Also while the model has a fault.
+    let faulty = model
+        + "\n[[point_mass]]\nname = \"lump\"\nbeam = \"bar\"\nat_m = [0.0, 0.0, 0.0]\nmass_kg = -1.0\n";
+    write(folder, &[("model.toml", &faulty)]);
+    let error = said(folder, "run scene.toml").1;
+    for wanted in [
+        "10 faults",
+        "lump",
+        "got body `Beam`",
+        "(and 8 more like it: lines ",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
     // Files of a misspelt folder, with the folder that exists.
     std::fs::create_dir(folder.join("raw")).unwrap();
     let files: Vec<String> = (1..=5).map(|k| format!("\"rwa/{k}.uff\"")).collect();

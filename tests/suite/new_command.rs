@@ -95,6 +95,7 @@ fn a_scene_with_a_model_lists_lines_to_fill_in_and_then_compares() {
         printed.contains("11 lines to be filled in"),
         "a place for each point: {printed}"
     );
+    assert_eq!(printed.matches(": at_m: [x, y, z] in metres").count(), 1);
     let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
     let line = 1 + scene
         .lines()
