@@ -217,6 +217,15 @@ pub(crate) fn names_other_quantity(text: &str) -> bool {
     is_other(text) || sides.is_some_and(|(above, below)| is_other(above) || is_other(below))
 }
 
+/// Whether a unit text is a voltage over force, such as `mV/N`: a response without calibration.
+pub(crate) fn is_uncalibrated_response(text: &str) -> bool {
+    let unit = FrfUnit::of_any_response(text);
+    unit.is_ok_and(|unit| match unit.kind {
+        FrfKind::Other(response) => response.is_voltage(),
+        _ => false,
+    })
+}
+
 /// Response per force: receptance X/F, mobility V/F, accelerance A/F, or another response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FrfKind {

@@ -8,7 +8,8 @@ use crate::error::Error;
 use crate::io::{MODES_SCHEMA, check_result, modes_from_json};
 use crate::modal::ModalModel;
 use crate::report::json::{
-    COMPARISON_SCHEMA, ComparisonFile, JsonError, TestFile, UPDATE_SCHEMA, comparison_from_json,
+    COMPARISON_SCHEMA, ComparisonFile, JsonError, REPORT_FILE, TestFile, UPDATE_SCHEMA,
+    comparison_from_json,
 };
 use crate::report::{regression_check_blocks, regression_check_screen};
 use crate::scene::{
@@ -28,6 +29,9 @@ use super::targets::{check_targets, targets};
 /// Largest change of a theory's frequency, percent: the same model gives the same roots up to
 /// rounding.
 const MAX_THEORY_CHANGE_PERCENT: f64 = 1e-4;
+
+/// Name of the file of a scene.
+const SCENE_FILE: &str = "scene.toml";
 
 /// A result of any kind.
 enum ResultFile {
@@ -119,6 +123,19 @@ fn baseline_path(args: &CheckArgs) -> Result<PathBuf, Error> {
         result.display(),
         result.extension().is_some_and(|e| e == "toml"),
     );
+    if result.is_dir()
+        && let Some(file) = first_result(result)
+    {
+        let against = scene_of_results(result).unwrap_or_else(|| "SCENE".to_owned());
+        return Err(Error::Argument {
+            argument: "RESULT",
+            got: format!("{scene}, the folder of results"),
+            expected: format!(
+                "one of its results: `modalign check {} --against {against}`",
+                file.display()
+            ),
+        });
+    }
     if is_toml || result.is_dir() {
         return Err(Error::Argument {
             argument: "RESULT",
@@ -139,6 +156,42 @@ fn baseline_path(args: &CheckArgs) -> Result<PathBuf, Error> {
         true => against.join("scene.toml"),
         false => against.clone(),
     })
+}
+
+/// The first result in a folder: of a comparison, else of an update, else the first modes.
+fn first_result(folder: &Path) -> Option<PathBuf> {
+    let files = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
+    let files = files.map(|file| file.file_name().to_string_lossy().into_owned());
+    let rank = |name: &String| match name.as_str() {
+        "comparison.json" => Some(0),
+        "update.json" => Some(1),
+        // The truth of a synthetic test is no result.
+        name if name.ends_with(".truth.modes.json") => None,
+        name if name.ends_with("modes.json") => Some(2),
+        _ => None,
+    };
+    let ranked = files.filter_map(|name| Some((rank(&name)?, name)));
+    ranked.min().map(|(_, name)| folder.join(name))
+}
+
+/// The folder of the scene that the report of a run names, else the folder above that has one.
+fn scene_of_results(folder: &Path) -> Option<String> {
+    let text = read_text(&folder.join(REPORT_FILE)).ok();
+    let report = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    let stated = report.as_ref().and_then(|report| {
+        let files = report["provenance"]["stated"].as_array()?;
+        let mut paths = files.iter().filter_map(|file| file["path"].as_str());
+        paths
+            .find(|path| path.ends_with(SCENE_FILE))
+            .map(PathBuf::from)
+    });
+    let above = folder.parent().map(|parent| parent.join(SCENE_FILE));
+    let mut scenes = stated.into_iter().chain(above);
+    let scene = scenes.find(|scene| scene.is_file())?;
+    let scene = scene
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
+    Some(scene.unwrap_or(Path::new(".")).display().to_string())
 }
 
 /// A result, with all values of its file.

@@ -44,7 +44,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         None => ingest_recordings(args, &args.inputs, grouping, format)?,
     };
     let options = options(args, scene.as_ref())?;
-    let mut recording = data.recording.ok_or_else(no_records)?;
+    let mut recording = data.recording.ok_or_else(|| no_records(scene.is_some()))?;
     let result = evaluate_test(recording.as_mut(), &options)?;
     let sensors = scene
         .as_ref()
@@ -203,12 +203,19 @@ fn record_window(options: &EstimateOptions) -> Option<Window> {
 }
 
 /// The error of files without time records.
-pub(super) fn no_records() -> Error {
-    argument_error(
-        "INPUT",
-        "files whose headers describe no time records",
-        "recorded hits; a scene states what columns hold: `modalign new DIR FILE...` drafts one",
-    )
+pub(super) fn no_records(has_scene: bool) -> Error {
+    match has_scene {
+        true => argument_error(
+            "INPUT",
+            "a scene whose files hold no time records",
+            "recorded hits; `modalign run` identifies FRFs of a scene",
+        ),
+        false => argument_error(
+            "INPUT",
+            "files whose headers describe no time records",
+            "recorded hits; a scene states what columns hold: `modalign new DIR FILE...` drafts one",
+        ),
+    }
 }
 
 /// Options of the command line, else of the scene, else the defaults.

@@ -102,13 +102,23 @@ fn is_report(path: &Path) -> bool {
 
 fn missing_path(error: &Error) -> Option<&Path> {
     let io = match error {
-        Error::Io(io) | Error::Scene(SceneError::Io(io)) => io,
-        _ => return None,
+        Error::Io(io) => Some(io),
+        Error::Scene(error) => missing_file(error),
+        _ => None,
     };
-    match io {
+    match io? {
         IoError::System { path, source, .. } if source.kind() == ErrorKind::NotFound => {
             Some(Path::new(path))
         }
+        _ => None,
+    }
+}
+
+/// The error of a file; of several faults the first of a file.
+fn missing_file(error: &SceneError) -> Option<&IoError> {
+    match error {
+        SceneError::Io(io) => Some(io),
+        SceneError::Several { faults } => faults.iter().find_map(missing_file),
         _ => None,
     }
 }

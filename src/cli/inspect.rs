@@ -16,7 +16,7 @@ use crate::printable::counted;
 use crate::report::{Block, Cell, Column, Table, abridged};
 
 use super::args::InspectArgs;
-use super::left_out::LeftOut;
+use super::left_out::{LeftOut, Reason};
 use super::outcome::Outcome;
 use super::output::Output;
 
@@ -40,7 +40,8 @@ pub fn inspect(
             Ok(source) => source,
             // An unreadable file does not hide the others.
             Err(error) if args.files.len() > 1 => {
-                let file = LeftOut { path, error };
+                let reason = Reason::Error(error);
+                let file = LeftOut { path, reason };
                 files.push(file.json());
                 left_out.push(file);
                 continue;
@@ -58,8 +59,9 @@ pub fn inspect(
     let is_complete = !left_out.iter().any(|file| file.may_hold_data(&read));
     let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
     output.add_blocks(lines.collect());
-    if let (true, Some(file)) = (catalogs.is_empty(), left_out.into_iter().next()) {
-        return Err(file.error.into());
+    let first = left_out.into_iter().next().map(|file| file.reason);
+    if let (true, Some(Reason::Error(error))) = (catalogs.is_empty(), first) {
+        return Err(error.into());
     }
     for group in alike(&catalogs) {
         let full = || group.iter().flat_map(|catalog| blocks(catalog)).collect();
@@ -68,7 +70,9 @@ pub fn inspect(
             output.add_findings(&catalog.findings);
         }
     }
-    output.add_rest_note(&next_step(&catalogs));
+    if let Some(note) = next_step(&catalogs) {
+        output.add_rest_note(&note);
+    }
     output.add_json(|| {
         let result = json!({ "schema": "modalign-inspect/1", "files": files });
         format!("{result:#}")
@@ -116,7 +120,7 @@ fn kind(entry: &Entry) -> (String, String, String, String) {
 }
 
 /// What the files do not state, and the command that takes them further.
-fn next_step(catalogs: &[Catalog]) -> String {
+fn next_step(catalogs: &[Catalog]) -> Option<String> {
     let entries = || catalogs.iter().flat_map(|catalog| &catalog.entries);
     let is_frf = |entry: &&Entry| entry.function_type == FunctionType::Frf;
     let is_record = |entry: &&Entry| entry.function_type == FunctionType::Time;
@@ -124,7 +128,11 @@ fn next_step(catalogs: &[Catalog]) -> String {
     let holds_arrays = |file: &Catalog| !file.arrays.is_empty() && file.entries.is_empty();
     let arrays = catalogs.iter().any(holds_arrays);
     if !arrays && !entries().any(|entry| is_test(&entry)) {
-        return String::new();
+        let has_modes = catalogs.iter().any(|catalog| !catalog.modes.is_empty());
+        return has_modes.then(|| {
+            "Next: modalign correlate --test FILE --theory MODEL, or modalign new DIR FILE..."
+                .to_owned()
+        });
     }
     let mut options = Vec::new();
     let mut missing = |what: &'static str, option: &'static str, is_missing: bool| {
@@ -140,9 +148,7 @@ fn next_step(catalogs: &[Catalog]) -> String {
     missing(
         "the reference of FRFs",
         "--reference DOF",
-        entries().any(|entry| {
-            is_frf(&entry) && (entry.reference.is_none() || entry.reference_is_channel)
-        }),
+        entries().any(|entry| is_frf(&entry) && entry.reference.is_none()),
     );
     missing(
         "units",
@@ -158,7 +164,38 @@ fn next_step(catalogs: &[Catalog]) -> String {
         text += &format!("Not stated: {}.\n", names.join(", "));
     }
     let flags: String = flags.iter().map(|flag| format!(" {flag}")).collect();
-    text + &format!("Next: modalign new DIR FILE...{flags}")
+    text += &channels_text(entries().filter(is_test));
+    Some(text + &format!("Next: modalign new DIR FILE...{flags}"))
+}
+
+/// The channels that stand in the place of points, and the options that name the points.
+fn channels_text<'e>(entries: impl Iterator<Item = &'e Entry>) -> String {
+    let (mut responses, mut references) = (BTreeSet::new(), BTreeSet::new());
+    for entry in entries {
+        responses.extend(
+            entry
+                .response
+                .as_ref()
+                .filter(|_| entry.response_is_channel),
+        );
+        references.extend(
+            entry
+                .reference
+                .as_ref()
+                .filter(|_| entry.reference_is_channel),
+        );
+    }
+    let text = |what: &str, channels: &BTreeSet<&Dof>, option: &str| {
+        let names = dofs_text(channels.iter().copied());
+        match channels.len() {
+            0 => String::new(),
+            1 => format!("A channel, no point: the {what} {names} ({option} names the point).\n"),
+            // An option of `new` replaces one channel of a file.
+            _ => format!("Channels, no points: the {what}s {names}.\n"),
+        }
+    };
+    text("response", &responses, "--response DOF")
+        + &text("reference", &references, "--reference DOF")
 }
 
 fn blocks(catalog: &Catalog) -> Vec<Block> {
@@ -263,7 +300,7 @@ fn kind_table(entries: &[&Entry]) -> Table {
         "unit",
         "axis",
     ];
-    let columns = std::iter::once(Column::number("no.")).chain(texts.map(Column::text));
+    let columns = std::iter::once(Column::number("count")).chain(texts.map(Column::text));
     Table {
         caption: format!("Records and functions: {}", entries.len()),
         columns: columns.collect(),

@@ -1,22 +1,37 @@
 //! Files that `inspect` and `new` leave out beside others that hold test data.
 
+use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 use serde_json::{Value, json};
 
 use crate::io::IoError;
+use crate::printable::counted;
 
-/// A file that could not be opened as test data.
+/// A file that is not used as test data.
 pub(super) struct LeftOut<'a> {
     pub(super) path: &'a Path,
-    pub(super) error: IoError,
+    pub(super) reason: Reason,
+}
+
+/// The reason why a file is not used.
+pub(super) enum Reason {
+    /// It could not be opened as test data.
+    Error(IoError),
+    /// It has this number of columns, none with a known heading, beside files that state their
+    /// contents: coordinates of points as a rule.
+    Unnamed(usize),
 }
 
 impl LeftOut<'_> {
     /// Whether the file may be test data that are lost: damaged, empty, or without numbers under
     /// the extension of a file that was read. A picture or notes beside the data are not.
     pub(super) fn may_hold_data(&self, read: &[&Path]) -> bool {
-        match &self.error {
+        let error = match &self.reason {
+            Reason::Error(error) => error,
+            Reason::Unnamed(_) => return false,
+        };
+        match error {
             IoError::NoNumbers { got, .. } => {
                 *got == IoError::EMPTY_FILE
                     || read.iter().any(|path| has_same_extension(path, self.path))
@@ -27,15 +42,17 @@ impl LeftOut<'_> {
 
     /// The line for the screen.
     pub(super) fn text(&self, read: &[&Path]) -> String {
-        match &self.error {
+        let path = self.path.display();
+        let error = match &self.reason {
+            Reason::Error(error) => error,
+            Reason::Unnamed(_) => return format!("not used: {path}: {}", self.reason),
+        };
+        match error {
             IoError::NoNumbers { .. } if self.may_hold_data(read) => {
-                format!(
-                    "not used: {}; if it should contain data, export it again",
-                    self.error
-                )
+                format!("not used: {error}; if it should contain data, export it again")
             }
             IoError::UnknownFormat { .. } => {
-                format!("not used: {}: of unknown format", self.path.display())
+                format!("not used: {path}: of unknown format")
             }
             error if error.is_no_measurement() => format!("not used: {error}"),
             error => format!("not read: {error}"),
@@ -43,7 +60,21 @@ impl LeftOut<'_> {
     }
 
     pub(super) fn json(&self) -> Value {
-        json!({ "path": self.path.display().to_string(), "error": self.error.to_string() })
+        json!({ "path": self.path.display().to_string(), "error": self.reason.to_string() })
+    }
+}
+
+impl Display for Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Reason::Error(error) => error.fmt(f),
+            Reason::Unnamed(columns) => write!(
+                f,
+                "{} without a known heading beside files that state their contents; \
+                 coordinates of points are an option of `new`, --points FILE",
+                counted(*columns, "column")
+            ),
+        }
     }
 }
 

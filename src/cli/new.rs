@@ -15,20 +15,23 @@ use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
     Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModesOptions, OpenLine, StatedUnits,
-    TableContent, built_in_name_finding, draft_scene, is_built_in_model, load_model, load_modes,
-    open_lines, read_text,
+    Statement, TableContent, UnusedStatement, built_in_name_finding, draft_scene,
+    is_built_in_model, load_model, load_modes, open_lines, read_text,
 };
 
 use crate::printable::counted;
 
 use super::args::NewArgs;
 use super::first_names::first_names;
-use super::left_out::LeftOut;
+use super::left_out::{LeftOut, Reason};
 use super::outcome::Outcome;
 use super::output::Output;
 
 /// The parts of a new scene other than the raw files.
 const NEW_FILES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
+
+/// Format of tables of text.
+const TABLE_FORMAT: &str = "table";
 
 const EXPECTED_TEMPLATE: &str =
     "# Published results about this machine, if there are any; `run` holds the model against them.
@@ -103,6 +106,9 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         band: args.band,
     };
     let draft = draft_scene(&files, &plan);
+    if let Some(unused) = draft.unused.first() {
+        return Err(unused_error(unused));
+    }
     let source = source_text(&opened)?;
     let copied = opened.iter().filter(|_| args.copy);
     let mut written: Vec<(PathBuf, NewFile)> = copied
@@ -133,6 +139,7 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         args,
         &files,
         &draft,
+        points.as_ref(),
         has_positions,
     ))]);
     output.add_json(|| {
@@ -233,6 +240,17 @@ fn stated_units(args: &NewArgs) -> Result<StatedUnits<'_>, Error> {
     Ok(units)
 }
 
+/// The error of an option that the draft does not use.
+fn unused_error(unused: &UnusedStatement) -> Error {
+    let option = match unused.statement {
+        Statement::Unit => "--unit",
+        Statement::Response => "--response",
+        Statement::Reference => "--reference",
+        Statement::SamplingRate => "--sampling-rate",
+    };
+    argument_error(option, unused.got.clone(), &unused.expected)
+}
+
 /// Options that fill in lines of a draft: the key of the line, the beginning of what it expects,
 /// and the option.
 const OPTIONS_OF_LINES: &[(&str, &str, &str)] = &[
@@ -248,7 +266,13 @@ const OPTIONS_OF_LINES: &[(&str, &str, &str)] = &[
 ];
 
 /// The open lines of the scene, the options that fill them in, and the next command.
-fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions: bool) -> String {
+fn next_steps(
+    args: &NewArgs,
+    files: &[DraftFile],
+    draft: &Draft,
+    points: Option<&Geometry>,
+    has_positions: bool,
+) -> String {
     let path = args.folder.join("scene.toml");
     let open = open_lines(&draft.scene);
     let mut paragraphs = vec![match open.is_empty() {
@@ -294,9 +318,16 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
     }
     if !has_positions {
         paragraphs.push(
-            "No positions are stated: figures of shapes have the points in a row (--points FILE)."
+            "No positions are stated: figures of shapes have the points in a row (--points FILE with \
+             lines POINT,X,Y,Z in metres)."
                 .to_owned(),
         );
+    }
+    if let Some(extent_m) = extent_m(points, files).filter(|extent_m| *extent_m > MAX_EXTENT_M) {
+        paragraphs.push(format!(
+            "The points extend over {extent_m:.0} m. Positions are in metres: write 0.25 for \
+             250 mm."
+        ));
     }
     if !draft.points_without_position.is_empty() {
         let points = first_names(&draft.points_without_position);
@@ -329,6 +360,35 @@ fn next_steps(args: &NewArgs, files: &[DraftFile], draft: &Draft, has_positions:
     paragraphs.join("\n")
 }
 
+/// Maximum extent of a structure without a remark on the unit of its positions.
+/// Larger: positions in millimetres of a part below that many millimetres are taken as metres.
+/// Smaller: footbridges, and aircraft in a ground vibration test, have the remark.
+/// The test is `positions_that_may_be_millimetres_are_named`.
+const MAX_EXTENT_M: f64 = 50.0;
+
+/// The diagonal of the box around the stated points and those of the files.
+fn extent_m(points: Option<&Geometry>, files: &[DraftFile]) -> Option<f64> {
+    let of_files = files.iter().map(|file| &file.catalog.geometry);
+    let nodes = points
+        .into_iter()
+        .chain(of_files)
+        .flat_map(|all| &all.nodes);
+    let positions: Vec<Vector3> = nodes.map(|node| node.at_m).collect();
+    let first = positions.first()?;
+    let corners = positions.iter().fold((*first, *first), |(low, high), at| {
+        let bound = |bound: fn(f64, f64) -> f64, to: &Vector3| {
+            Vector3::new(
+                bound(to[0], at[0]),
+                bound(to[1], at[1]),
+                bound(to[2], at[2]),
+            )
+        };
+        (bound(f64::min, &low), bound(f64::max, &high))
+    });
+    let squares = (0..3).map(|axis| (corners.1[axis] - corners.0[axis]).powi(2));
+    Some(squares.sum::<f64>().sqrt())
+}
+
 /// Number of files with FRFs, where all of them take both DOFs from the options, the same ones;
 /// `None` for a single file.
 fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
@@ -353,11 +413,17 @@ fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
 
 /// The open lines, those of one key and expectation together.
 fn open_text(open: &[OpenLine]) -> String {
+    // A position begins with its point.
+    let expected = |line: &OpenLine| -> String {
+        let text = line.expected.as_str();
+        let position = text.split_once(": ").filter(|_| line.key == "at_m");
+        position.map_or(text, |(_, expected)| expected).to_owned()
+    };
     let mut alike: Vec<(&OpenLine, Vec<String>)> = Vec::new();
     for line in open {
         let number = line.line.to_string();
         let same = |(first, _): &&mut (&OpenLine, Vec<String>)| {
-            (&first.key, &first.expected) == (&line.key, &line.expected)
+            (&first.key, expected(first)) == (&line.key, expected(line))
         };
         match alike.iter_mut().find(same) {
             Some((_, numbers)) => numbers.push(number),
@@ -367,7 +433,7 @@ fn open_text(open: &[OpenLine]) -> String {
     let text = |(line, numbers): &(&OpenLine, Vec<String>)| {
         let lines = if numbers.len() == 1 { "line" } else { "lines" };
         let numbers = numbers.join(", ");
-        format!("\n  {lines} {numbers}: {}: {}", line.key, line.expected)
+        format!("\n  {lines} {numbers}: {}: {}", line.key, expected(line))
     };
     alike.iter().map(text).collect()
 }
@@ -401,26 +467,25 @@ fn check_new_files(args: &NewArgs, opened: &[NamedFile]) -> Result<(), Error> {
     let model = args.model.as_deref().and_then(ModelDraft::at);
     let names = NEW_FILES.into_iter().chain(model.map(|_| ModelDraft::FILE));
     let drafted = names.map(|name| args.folder.join(name));
-    match drafted.chain(raws).find(|path| path.exists()) {
-        None => Ok(()),
-        Some(path) => {
-            let again = args.folder.with_file_name(format!(
-                "{}-2",
-                args.folder
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-            ));
-            let drafted = NEW_FILES.map(|name| shell_quoted(&args.folder.join(name)));
-            let expected = format!(
-                "a folder without files of a scene: nothing is written over. Name another folder (modalign new {} ...), or remove an unedited draft first (rm {})",
-                shell_quoted(&again),
-                drafted.join(" ")
-            );
-            let got = format!("{}, which exists", path.display());
-            Err(argument_error("DIR", got, &expected))
-        }
-    }
+    let existing: Vec<PathBuf> = drafted.chain(raws).filter(|path| path.exists()).collect();
+    let Some((first, others)) = existing.split_first() else {
+        return Ok(());
+    };
+    let folder_name = args.folder.file_name().unwrap_or_default();
+    let again = format!("{}-2", folder_name.to_string_lossy());
+    let again = args.folder.with_file_name(again);
+    let removed: Vec<String> = existing.iter().map(|path| shell_quoted(path)).collect();
+    let expected = format!(
+        "a folder without files of a scene: nothing is written over. Name another folder (modalign new {} ...), or remove an unedited draft first (rm {})",
+        shell_quoted(&again),
+        removed.join(" ")
+    );
+    let more = match others.len() {
+        0 => "which exists".to_owned(),
+        _ => format!("which exists, and {} more", counted(others.len(), "file")),
+    };
+    let got = format!("{}, {more}", first.display());
+    Err(argument_error("DIR", got, &expected))
 }
 
 fn argument_error(argument: &'static str, got: String, expected: &str) -> Error {
@@ -475,7 +540,8 @@ fn open_files<'a>(
         let mut source = match open_path(path, &hints, format) {
             Ok(source) => source,
             Err(error) if error.is_no_measurement() => {
-                left_out.push(LeftOut { path, error });
+                let reason = Reason::Error(error);
+                left_out.push(LeftOut { path, reason });
                 continue;
             }
             Err(error) => return Err(error.into()),
@@ -490,12 +556,22 @@ fn open_files<'a>(
             is_bad,
         });
     }
-    if opened.is_empty() {
-        let first = left_out.into_iter().next();
-        return Err(first
-            .expect("at least one file is an argument")
-            .error
-            .into());
+    if opened.is_empty()
+        && let Some(Reason::Error(error)) = left_out.drain(..).next().map(|file| file.reason)
+    {
+        return Err(error.into());
+    }
+    let states_contents = |file: &NamedFile| match TableContent::of(&file.catalog) {
+        Some(table) => table.has_known_column,
+        None => file.has_test_data(),
+    };
+    if opened.iter().any(states_contents) {
+        let is_table = |file: &NamedFile| file.catalog.format == TABLE_FORMAT;
+        let is_unnamed = |file: &mut NamedFile| is_table(file) && !states_contents(file);
+        left_out.extend(opened.extract_if(.., is_unnamed).map(|file| LeftOut {
+            path: file.path,
+            reason: Reason::Unnamed(file.catalog.arrays.len()),
+        }));
     }
     let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
     let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
@@ -621,6 +697,7 @@ fn read_points(path: &Path) -> Result<Geometry, Error> {
     let text = read_text(path)?;
     let mut geometry = Geometry::default();
     let mut known = BTreeSet::new();
+    let mut has_heading = false;
     for (index, line) in text.lines().enumerate() {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let numbers: Vec<f64> = fields[1..]
@@ -638,11 +715,21 @@ fn read_points(path: &Path) -> Result<Geometry, Error> {
                 }
                 "every point once"
             }
-            [] if index == 0 => continue,
             _ if line.trim().is_empty() || line.starts_with('#') => continue,
-            _ => "POINT,X,Y,Z in metres",
+            [] if index == 0 => {
+                has_heading = true;
+                continue;
+            }
+            _ => {
+                "POINT,X,Y,Z in metres in every line, such as `1,0.25,0,0`, below an optional \
+                 heading such as `point,x,y,z`"
+            }
         };
-        let got = format!("{line:?} in line {} of {name}", index + 1);
+        let heading = match has_heading {
+            true => " (line 1 was taken as the heading)",
+            false => "",
+        };
+        let got = format!("{line:?} in line {} of {name}{heading}", index + 1);
         return Err(argument_error("--points", got, expected));
     }
     Ok(geometry)

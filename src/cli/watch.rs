@@ -118,7 +118,7 @@ struct WatchedTest<'a> {
 impl WatchedTest<'_> {
     fn evaluate(&self, paths: &[PathBuf]) -> Result<Evaluated, Error> {
         let data = ingest_recordings(self.args, paths, self.grouping, self.format)?;
-        let mut recording = data.recording.ok_or_else(no_records)?;
+        let mut recording = data.recording.ok_or_else(|| no_records(false))?;
         let result = evaluate_test(recording.as_mut(), &self.options)?;
         let body = test_rigid_body(&result.estimated.set, &data.geometry, &[]);
         Ok(Evaluated {

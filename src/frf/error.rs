@@ -200,6 +200,20 @@ pub enum FrfError {
         /// Last usable line.
         hi_hz: f64,
     },
+    /// A stated band in which the force excites nothing.
+    #[error(
+        "got the band {got_lo_hz} to {got_hi_hz} Hz (`band_hz`), expected one with lines that the force excites, {lo_hz} to {hi_hz} Hz"
+    )]
+    BandNotExcited {
+        /// Lower end of the stated band.
+        got_lo_hz: f64,
+        /// Its upper end.
+        got_hi_hz: f64,
+        /// First line that the force excites.
+        lo_hz: f64,
+        /// Last such line.
+        hi_hz: f64,
+    },
     /// A frequency axis that is none.
     #[error(
         "got a frequency axis of {len} lines from {start_hz} Hz in steps of {step_hz} Hz, expected a start of 0 or more and a positive finite step"

@@ -38,7 +38,7 @@ pub enum IdentifyError {
     },
     /// A band that is not inside the data.
     #[error(
-        "got band {got_lo_hz} to {got_hi_hz} Hz, expected a band inside the data, {lo_hz} to {hi_hz} Hz"
+        "got band {got_lo_hz} to {got_hi_hz} Hz (--band, or `band_hz` of a scene), expected a band inside the data, {lo_hz} to {hi_hz} Hz"
     )]
     BandOutside {
         /// Lower edge as given, Hz.

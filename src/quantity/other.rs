@@ -85,6 +85,11 @@ impl OtherQuantity {
         ROWS.iter().find(|row| row.name == name).map(Self)
     }
 
+    /// Whether it is the voltage of a response without calibration.
+    pub(super) fn is_voltage(self) -> bool {
+        self.0.dimension == VOLTAGE
+    }
+
     /// Its name.
     pub fn name(self) -> &'static str {
         self.0.name

@@ -12,14 +12,20 @@ use super::typed::{ChannelTable, ColumnKey, TestTable};
 /// Errors of the keys of one channel.
 struct ChannelErrors<'a> {
     path: &'a str,
+    test: &'a str,
     column: String,
 }
 
 impl ChannelErrors<'_> {
     fn at_key(&self, key: &str, got: impl Into<String>, expected: impl Into<String>) -> SceneError {
-        let key = format!("[[test.channel]] {} {key}", self.column);
+        let key = channel_key(self.test, &self.column, key);
         value_error(self.path, &key, &got.into(), &expected.into())
     }
+}
+
+/// A key of a channel, as an error names it.
+pub(super) fn channel_key(test: &str, column: &str, key: &str) -> String {
+    format!("[[test.channel]] {column} of {test:?}, {key}")
 }
 
 /// How to read the tables of a test.
@@ -29,8 +35,10 @@ impl ChannelErrors<'_> {
 pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError> {
     let mut faults = Faults::default();
     let of_channel = |faults: &mut Faults<SceneError>, channel| {
-        let axis = faults.take(axis_factor(channel, path)).flatten();
-        (axis, faults.take(column(channel, path)))
+        let axis = faults
+            .take(axis_factor(channel, &test.name, path))
+            .flatten();
+        (axis, faults.take(column(channel, &test.name, path)))
     };
     let channels = test.channel.iter();
     let (axes, columns): (Vec<Option<f64>>, Vec<Option<TableColumn>>) = channels
@@ -38,26 +46,20 @@ pub fn table_spec(test: &TestTable, path: &str) -> Result<TableSpec, SceneError>
         .unzip();
     let spec = TableSpec {
         axis_to_si: axes.into_iter().flatten().next(),
-        delimiter: faults
-            .take(delimiter(test.delimiter.as_deref(), path))
-            .flatten(),
+        delimiter: faults.take(delimiter(test, path)).flatten(),
         skip_lines: test.skip_lines,
-        dimensions: faults
-            .take(dimensions(test.dimensions.as_deref(), path))
-            .flatten(),
-        sampling_rate_hz: faults
-            .take(sampling_rate(test.sampling_rate_hz, path))
-            .flatten(),
+        dimensions: faults.take(dimensions(test, path)).flatten(),
+        sampling_rate_hz: faults.take(sampling_rate(test, path)).flatten(),
         columns: columns.into_iter().flatten().collect(),
     };
     faults.into_result().map(|()| spec)
 }
 
-fn sampling_rate(rate: Option<f64>, path: &str) -> Result<Option<f64>, SceneError> {
-    match rate {
+fn sampling_rate(test: &TestTable, path: &str) -> Result<Option<f64>, SceneError> {
+    match test.sampling_rate_hz {
         Some(hz) if !(hz.is_finite() && hz > 0.0) => Err(value_error(
             path,
-            "[[test]] sampling_rate_hz",
+            &format!("[[test]] {:?} sampling_rate_hz", test.name),
             &hz.to_string(),
             "a positive number of samples per second",
         )),
@@ -65,8 +67,8 @@ fn sampling_rate(rate: Option<f64>, path: &str) -> Result<Option<f64>, SceneErro
     }
 }
 
-fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneError> {
-    match name {
+fn delimiter(test: &TestTable, path: &str) -> Result<Option<Delimiter>, SceneError> {
+    match test.delimiter.as_deref() {
         None => Ok(None),
         Some("comma") => Ok(Some(Delimiter::Comma)),
         Some("semicolon") => Ok(Some(Delimiter::Semicolon)),
@@ -74,7 +76,7 @@ fn delimiter(name: Option<&str>, path: &str) -> Result<Option<Delimiter>, SceneE
         Some("blank") => Ok(Some(Delimiter::Blank)),
         Some(other) => Err(value_error(
             path,
-            "[[test]] delimiter",
+            &format!("[[test]] {:?} delimiter", test.name),
             &format!("{other:?}"),
             "comma, semicolon, tab or blank",
         )),
@@ -93,8 +95,10 @@ pub(super) fn window(name: Option<&str>, path: &str) -> Result<Option<Window>, S
 }
 
 /// Meaning of the dimensions of an array: each at most once, samples always.
-fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimension>>, SceneError> {
-    let Some(names) = names else { return Ok(None) };
+fn dimensions(test: &TestTable, path: &str) -> Result<Option<Vec<Dimension>>, SceneError> {
+    let Some(names) = &test.dimensions else {
+        return Ok(None);
+    };
     let one = |name: &String| match name.as_str() {
         "hit" => Some(Dimension::Hit),
         "channel" => Some(Dimension::Channel),
@@ -112,20 +116,21 @@ fn dimensions(names: Option<&[String]>, path: &str) -> Result<Option<Vec<Dimensi
         Some(dimensions) => Ok(Some(dimensions)),
         None => Err(value_error(
             path,
-            "[[test]] dimensions",
+            &format!("[[test]] {:?} dimensions", test.name),
             &format!("{names:?}"),
             "hit, channel and sample, slowest first, each at most once and sample always",
         )),
     }
 }
 
-fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError> {
+fn column(channel: &ChannelTable, test: &str, path: &str) -> Result<TableColumn, SceneError> {
     let name = match &channel.column {
         ColumnKey::Number(number) => ColumnName::Number(*number),
         ColumnKey::Heading(heading) => ColumnName::Heading(heading.clone()),
     };
     let errors = ChannelErrors {
         path,
+        test,
         column: channel.column.to_string(),
     };
     let scale = channel.scale.unwrap_or(1.0);
@@ -140,9 +145,10 @@ fn column(channel: &ChannelTable, path: &str) -> Result<TableColumn, SceneError>
 }
 
 /// Factor to s or Hz of an axis with a stated unit; `None` for every other column.
-fn axis_factor(channel: &ChannelTable, path: &str) -> Result<Option<f64>, SceneError> {
+fn axis_factor(channel: &ChannelTable, test: &str, path: &str) -> Result<Option<f64>, SceneError> {
     let errors = ChannelErrors {
         path,
+        test,
         column: channel.column.to_string(),
     };
     let known: &[(&str, f64)] = match channel.role.as_deref() {

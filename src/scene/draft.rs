@@ -9,10 +9,11 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::geometry::{Geometry, Node};
 use crate::io::{Catalog, Entry, EntryAxis, FunctionType};
-use crate::quantity::Quantity;
+use crate::quantity::{Quantity, is_uncalibrated_response};
 
-use super::draft_columns::{TableContent, arrays_text};
+use super::draft_columns::{TableContent, arrays_text, has_same_columns};
 use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
+use super::draft_unused::{UnusedStatement, unused_statements};
 use super::model_draft::PointLine;
 use super::toml_text::{FILL_IN, quoted};
 use super::typed::SCENE_SCHEMA;
@@ -52,6 +53,8 @@ pub struct Draft {
     pub points_without_position: Vec<String>,
     /// The line of the points, for the model of a beam.
     pub line: Option<PointLine>,
+    /// Statements of the user that it does not use.
+    pub unused: Vec<UnusedStatement>,
 }
 
 /// Drafts the `scene.toml` of files that were exported together: recordings are one test, FRFs one,
@@ -69,6 +72,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         let (content, files) = group;
         text += &test_text(*content, files, index, plan.band, &mut dofs);
     }
+    let unused = unused_statements(&text, files);
     text += &model_text(plan.model);
     let mut geometry = plan.geometry.cloned().unwrap_or_default();
     files
@@ -93,6 +97,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         scene: text,
         open_lines,
         line: PointLine::of(&dofs, &geometry),
+        unused,
         points_without_position: match plan.model {
             _ if geometry.nodes.is_empty() => Vec::new(),
             Some(model) if model.has_sensors => Vec::new(),
@@ -107,7 +112,7 @@ fn group_files<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFil
     for file in files {
         let content = Content::of(file.catalog);
         let joins = |(kind, first): &(Content, Vec<&DraftFile>)| {
-            let alike = || array_names(first[0].catalog) == array_names(file.catalog);
+            let alike = || has_same_columns(first[0].catalog, file.catalog);
             *kind == content && content != Content::Modes && (content != Content::Arrays || alike())
         };
         match groups.iter_mut().find(|group| joins(group)) {
@@ -116,13 +121,6 @@ fn group_files<'a>(files: &'a [DraftFile<'a>]) -> Vec<(Content, Vec<&'a DraftFil
         }
     }
     groups
-}
-
-fn array_names(catalog: &Catalog) -> Vec<(&str, usize)> {
-    let arrays = catalog.arrays.iter();
-    arrays
-        .map(|array| (array.name.as_str(), array.shape.len()))
-        .collect()
 }
 
 fn test_text(
@@ -321,7 +319,10 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let unknown = |entry: &Entry| {
         entry.quantity.is_none() || entry.denominator.is_none() || entry.to_si.is_none()
     };
-    if let Some(entry) = frfs().find(|entry| unknown(entry)) {
+    let (uncalibrated, others): (Vec<&DraftFile>, Vec<&DraftFile>) =
+        files.iter().partition(|file| is_uncalibrated(file.catalog));
+    let entry = entries_of_type(&others, FunctionType::Frf).find(|entry| unknown(entry));
+    if let Some(entry) = entry {
         let label = entry.unit_label.as_str();
         let accepted = format!(
             "of the FRFs that state none: (m/s2)/N, (m/s)/N or m/N; the header says {label:?}"
@@ -329,6 +330,7 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         text += "[[test.channel]]\ncolumn = 1\n";
         text += &unit_line(files[0].units.frf, &accepted);
     }
+    text += &uncalibrated_text(&uncalibrated);
     for file in files {
         let of_file = || entries_of_type(std::slice::from_ref(file), FunctionType::Frf);
         let response = of_file().any(|frf| {
@@ -340,6 +342,37 @@ fn functions_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
         if response || reference {
             text += &file_text(file, response, reference, dofs);
         }
+    }
+    text
+}
+
+/// Whether all FRFs of a file are voltages over force.
+fn is_uncalibrated(catalog: &Catalog) -> bool {
+    let entries = catalog.entries.iter();
+    let mut frfs = entries.filter(|entry| entry.function_type == FunctionType::Frf);
+    frfs.all(|entry| is_uncalibrated_response(&entry.unit_label))
+}
+
+/// The unit of FRFs without calibration, for each of their responses: a unit without a response is
+/// not used for FRFs that state another quantity.
+fn uncalibrated_text(files: &[&DraftFile]) -> String {
+    let pairs = files.iter().flat_map(|file| pairs_of(file));
+    let responses: BTreeSet<Option<Dof>> = pairs
+        .map(|(response, _)| response.map(|dof| dof.positive()))
+        .collect();
+    let mut text = String::new();
+    for (number, response) in (1..).zip(&responses) {
+        let dof = match response {
+            Some(dof) => dof.to_string(),
+            None => FILL_IN.to_owned(),
+        };
+        let _ = write!(
+            text,
+            "[[test.channel]]\ncolumn = {number}\ndof = \"{dof}\"   # a response of the {} without calibration (V/N)\n",
+            counted(files.len(), "file")
+        );
+        text += &unit_line(files[0].units.frf, "of the FRFs: (m/s2)/N, (m/s)/N or m/N");
+        text += "# scale = 1.0   # the calibration of this sensor, such as 98.1 (m/s2)/V\n";
     }
     text
 }

@@ -23,13 +23,22 @@ pub struct TableContent {
     pub is_functions: bool,
     /// Number of responses or FRFs in the file.
     pub responses: usize,
+    /// Whether a heading says what its column holds.
+    pub has_known_column: bool,
 }
 
 impl TableContent {
     /// `None` where the file states itself what it holds.
     pub fn of(catalog: &Catalog) -> Option<Self> {
         let is_table = Content::of(catalog) == Content::Arrays;
-        is_table.then(|| Self::of_roles(&columns_to_state(&number_arrays(catalog)).roles()))
+        is_table.then(|| {
+            let draft = columns_to_state(&number_arrays(catalog));
+            let known = |column: &DraftColumn| column.role.is_some() && !column.is_open();
+            TableContent {
+                has_known_column: draft.columns.iter().any(known),
+                ..Self::of_roles(&draft.roles())
+            }
+        })
     }
 
     fn of_roles(roles: &[Option<&str>]) -> Self {
@@ -37,23 +46,84 @@ impl TableContent {
         TableContent {
             is_functions: count("frequency") + count("complex") > 0,
             responses: RESPONSE_ROLES.into_iter().map(count).max().unwrap_or(0),
+            has_known_column: false,
         }
     }
 }
 
+fn is_number(array: &ArrayInfo) -> bool {
+    !["text", "struct", "cell"].contains(&array.kind.as_str())
+}
+
 fn number_arrays(catalog: &Catalog) -> Vec<&ArrayInfo> {
-    let is_number = |array: &&ArrayInfo| !["text", "struct", "cell"].contains(&array.kind.as_str());
-    catalog.arrays.iter().filter(is_number).collect()
+    let arrays = catalog.arrays.iter();
+    arrays.filter(|array| is_number(array)).collect()
+}
+
+/// Whether the files of two catalogs have columns of the same names; the name of an only array of
+/// several channels does not count, for NumPy files have that of the file.
+pub(super) fn has_same_columns(first: &Catalog, second: &Catalog) -> bool {
+    let names = |catalog: &Catalog| -> Vec<(String, usize, Option<usize>)> {
+        let has_channels = only_channels(&number_arrays(catalog)).is_some();
+        let arrays = catalog
+            .arrays
+            .iter()
+            .filter(|array| !has_channels || is_number(array));
+        let name = |array: &ArrayInfo| match has_channels {
+            true => (String::new(), array.shape.len(), channel_count(array)),
+            false => (array.name.clone(), array.shape.len(), None),
+        };
+        arrays.map(name).collect()
+    };
+    names(first) == names(second)
+}
+
+/// Number of channels of an array with an axis of channels: the second axis of two or three, or
+/// the first of two where it is short and the second is not.
+fn channel_count(array: &ArrayInfo) -> Option<usize> {
+    let is_channels = |count: &usize| (2..=MAX_COLUMNS).contains(count);
+    match array.shape.as_slice() {
+        [_, count, _] | [_, count] if is_channels(count) => Some(*count),
+        [count, _] if is_transposed(array) => Some(*count),
+        _ => None,
+    }
+}
+
+/// Whether the rows of an array are channels, not samples.
+fn is_transposed(array: &ArrayInfo) -> bool {
+    let is_few = |count: usize| (2..=MAX_COLUMNS).contains(&count);
+    matches!(array.shape.as_slice(), [rows, columns] if is_few(*rows) && *columns > MAX_COLUMNS)
+}
+
+/// The number of channels of the only array.
+fn only_channels(arrays: &[&ArrayInfo]) -> Option<usize> {
+    match arrays {
+        [only] => channel_count(only),
+        _ => None,
+    }
 }
 
 /// Columns and arrays: their names are known, their meaning where a heading says it.
 pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> String {
     let arrays = number_arrays(files[0].catalog);
     let all = arrays.iter().flat_map(|array| columns_of(array)).count();
-    let draft = columns_to_state(&arrays);
+    let mut draft = columns_to_state(&arrays);
+    let names = files.iter().flat_map(|file| number_arrays(file.catalog));
+    let names: BTreeSet<&str> = names.map(|array| array.name.as_str()).collect();
+    let is_array = arrays.iter().any(|array| array.shape.len() > 2);
+    if only_channels(&arrays).is_some_and(|count| count == draft.columns.len())
+        && (is_array || names.len() > 1)
+    {
+        // The name of the array is that of one file.
+        for (number, column) in (1..).zip(&mut draft.columns) {
+            column.name = number.to_string();
+        }
+    }
     let roles = draft.roles();
     let content = TableContent::of_roles(&roles);
-    let is_function = content.is_functions;
+    // Columns without a known heading are FRFs where the user states a unit of FRFs.
+    let has_unknown = roles.contains(&None);
+    let is_function = content.is_functions || has_unknown && files[0].units.frf.is_some();
     let DraftColumns { columns, unused } = draft;
     let has_axis = is_function || roles.contains(&Some("time"));
     let mut text = format!(
@@ -71,7 +141,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     if !unused.is_empty() {
         text += &format!("# Not used below: {}\n", unused.join(", "));
     }
-    if !is_function {
+    if !is_function && !is_array {
         text += if files.len() > 1 {
             "hits = \"files\"            # each file is one hit\n"
         } else {
@@ -81,23 +151,33 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     if !has_axis {
         let _ = match files[0].sampling_rate_hz {
             Some(rate) => writeln!(text, "sampling_rate_hz = {rate}"),
+            // A column may turn out to be the axis.
+            None if has_unknown && !is_array => writeln!(
+                text,
+                "# sampling_rate_hz = 1000.0   # samples per second, where no column is time or frequency"
+            ),
             None => writeln!(
                 text,
                 "sampling_rate_hz = \"{FILL_IN}\"   # samples per second, a number without quotes"
             ),
         };
     }
-    if arrays.iter().any(|array| array.shape.len() > 2) {
-        let _ = writeln!(
-            text,
-            "dimensions = [\"{FILL_IN}\"]   # of the array, slowest first: \"hit\", \"channel\", \"sample\""
-        );
-    }
+    text += &dimensions_text(&arrays);
     let hit_points: BTreeSet<Option<&Dof>> = files.iter().map(|file| file.reference).collect();
     // One hit point of all files stands with the force, several with their files.
-    let by_file = is_function || hit_points.len() > 1;
+    // No column with a known heading takes the stated points.
+    let takes_hit_point = has_unknown && !roles.contains(&Some("force"));
+    let states_hit_point = files[0].reference.is_some();
+    let by_file = is_function
+        || hit_points.len() > 1
+        || takes_hit_point && (states_hit_point || is_array && files.len() > 1);
     let responses: BTreeSet<&[Dof]> = files.iter().map(|file| file.responses).collect();
-    let response_by_file = content.responses <= 1 && responses.len() > 1;
+    let states_response = files[0].response().is_some();
+    let response_by_file = match content.responses {
+        0 => has_unknown && (is_function || states_response) || responses.len() > 1,
+        1 => responses.len() > 1,
+        _ => false,
+    };
     let stated = StatedPoints {
         responses: match files[0].responses {
             stated if stated.len() == content.responses && responses.len() == 1 => stated,
@@ -114,12 +194,40 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         let response = (of_role(&roles) == content.responses)
             .then(|| stated.responses.get(of_role(&roles[..index])));
         let has_several = content.responses > 1;
-        text += &stated.column_text(column, response.flatten(), has_several, dofs);
+        text += &match column.role {
+            Some(role) => {
+                let name = &column.name;
+                stated.column_text(name, role, response.flatten(), has_several, dofs)
+            }
+            None => unknown_column_text(&column.name, index == 0, files[0].units),
+        };
     }
     for file in files.iter().filter(|_| by_file || response_by_file) {
         text += &file_text(file, response_by_file, by_file, dofs);
     }
     text
+}
+
+/// `dimensions` of arrays whose rows are not samples or that have more than two dimensions.
+fn dimensions_text(arrays: &[&ArrayInfo]) -> String {
+    let shape = |array: &ArrayInfo| {
+        let lengths: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
+        lengths.join(" x ")
+    };
+    let mut all = arrays.iter();
+    if let Some(array) = all.clone().find(|array| array.shape.len() > 2) {
+        return format!(
+            "dimensions = [\"{FILL_IN}\"]   # of {}, slowest first, such as [\"hit\", \"channel\", \"sample\"]; the channels are columns 1, 2, ...\n",
+            shape(array)
+        );
+    }
+    all.find(|array| is_transposed(array))
+        .map_or_else(String::new, |array| {
+            format!(
+                "dimensions = [\"channel\", \"sample\"]   # of {}, slowest first\n",
+                shape(array)
+            )
+        })
 }
 
 /// A column of a draft.
@@ -128,6 +236,13 @@ struct DraftColumn {
     name: String,
     /// By its name or kind; to be stated by the user without it.
     role: Option<&'static str>,
+}
+
+impl DraftColumn {
+    /// Whether the user has to name the column.
+    fn is_open(&self) -> bool {
+        self.name == quoted(FILL_IN)
+    }
 }
 
 /// The columns of a draft, and the names of the arrays that it does not use.
@@ -233,21 +348,18 @@ fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
 
 /// The columns of an array, as `[[test.channel]] column` names them.
 fn columns_of(array: &ArrayInfo) -> Vec<String> {
-    let plain = |name: &str| quoted(name);
-    let is_number = array
-        .name
-        .strip_prefix("column ")
-        .and_then(|number| number.parse::<usize>().ok());
-    match (array.shape.as_slice(), is_number) {
-        (_, Some(number)) => vec![number.to_string()],
-        ([_, count], _) if (2..=MAX_COLUMNS).contains(count) => (1..=*count)
-            .map(|number| match array.name.as_str() {
-                "" => number.to_string(),
-                name => quoted(&format!("{name}:{number}")),
-            })
-            .collect(),
-        _ => vec![plain(heading(&array.name))],
+    let number = array.name.strip_prefix("column ");
+    if let Some(number) = number.and_then(|number| number.parse::<usize>().ok()) {
+        return vec![number.to_string()];
     }
+    let Some(count) = channel_count(array) else {
+        return vec![quoted(heading(&array.name))];
+    };
+    let channel = |number: usize| match array.name.as_str() {
+        "" => number.to_string(),
+        name => quoted(&format!("{name}:{number}")),
+    };
+    (1..=count).map(channel).collect()
 }
 
 /// The heading without the unit that is listed behind it.
@@ -276,6 +388,38 @@ fn role_of(name: &str) -> Option<&'static str> {
     }
 }
 
+/// The lines of a column without a known heading. The first column is the axis as a rule, so that
+/// a stated unit of FRFs is put on the others.
+fn unknown_column_text(name: &str, is_first: bool, units: StatedUnits<'_>) -> String {
+    let mut text = format!(
+        "[[test.channel]]\ncolumn = {name}\n\
+         role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n"
+    );
+    let stated = [
+        (units.force, "where it is a force"),
+        (units.response, "where it is a response"),
+        (units.frf.filter(|_| is_first), "where it is an FRF"),
+    ];
+    let stated = stated
+        .into_iter()
+        .filter_map(|(unit, of)| Some((unit?, of)));
+    let remarks: String = stated
+        .map(|(unit, of)| format!("# unit = {}   # {of}\n", quoted(unit)))
+        .collect();
+    text += &match units.frf.filter(|_| !is_first) {
+        Some(unit) => format!(
+            "unit = {}   # of real, imaginary, complex or magnitude; the others have none\n",
+            quoted(unit)
+        ),
+        None if remarks.is_empty() => {
+            "# unit = \"m/s2\"        # of a force, a response or FRF; of an axis only ms, us or kHz\n"
+                .to_owned()
+        }
+        None => remarks,
+    };
+    text + "# dof = \"1:+Z\"         # point and direction of a sensor or hit; an axis has none\n"
+}
+
 /// Points of columns that the user has stated.
 struct StatedPoints<'a> {
     /// One for each response or FRF, or none.
@@ -293,21 +437,13 @@ impl StatedPoints<'_> {
     /// responses, so that a coherence says whose it is.
     fn column_text(
         &self,
-        column: &DraftColumn,
+        name: &str,
+        role: &str,
         response: Option<&Dof>,
         has_several: bool,
         dofs: &mut BTreeSet<Dof>,
     ) -> String {
-        let mut text = format!("[[test.channel]]\ncolumn = {}\n", column.name);
-        let Some(role) = column.role else {
-            let _ = write!(
-                text,
-                "role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n\
-                 # unit = \"m/s2\"        # of a force, a response or FRF\n\
-                 # dof = \"1:+Z\"         # point and direction of a sensor or hit\n"
-            );
-            return text;
-        };
+        let mut text = format!("[[test.channel]]\ncolumn = {name}\n");
         let _ = writeln!(text, "role = \"{role}\"   # by its name");
         let (unit, accepted, stated, what) = match role {
             "force" => (

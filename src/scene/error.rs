@@ -1,5 +1,7 @@
 //! Errors of a scene, of a model file or of the spec of a synthetic test.
 
+use std::path::Path;
+
 use crate::correlate::CorrelateError;
 use crate::frf::FrfError;
 use crate::identify::IdentifyError;
@@ -52,6 +54,18 @@ pub enum SceneError {
         got: String,
         /// The accepted values.
         expected: String,
+    },
+    /// A property of a test's data that neither its files nor the scene states.
+    #[error("{scene}{}: test {test:?}: {source}", place_text(place.as_deref()))]
+    NotStated {
+        /// Path of the scene.
+        scene: String,
+        /// Where the scene has the channel, else the test.
+        place: Option<Box<Place>>,
+        /// Name of the test.
+        test: String,
+        /// The file and the property.
+        source: IoError,
     },
     /// Faults of a scene and of the files that it names.
     #[error("{}", several_lines(faults))]
@@ -179,16 +193,90 @@ fn several_lines(faults: &[SceneError]) -> String {
         }
         other => vec![other.to_string()],
     };
-    let lines: Vec<String> = faults.iter().flat_map(of_fault).collect();
-    let further = lines.len().saturating_sub(MAX_LISTED_FAULTS);
+    let groups = alike_faults(faults);
+    let of_group = |group: &Vec<&SceneError>| match group.as_slice() {
+        [first, others @ ..] if others.len() + 1 >= MIN_GROUPED_FAULTS => {
+            vec![(group.len(), grouped_line(first, others))]
+        }
+        all => all
+            .iter()
+            .flat_map(|fault| of_fault(fault).into_iter().map(|line| (1, line)))
+            .collect(),
+    };
+    let lines: Vec<(usize, String)> = groups.iter().flat_map(of_group).collect();
+    let further: usize = lines
+        .iter()
+        .skip(MAX_LISTED_FAULTS)
+        .map(|line| line.0)
+        .sum();
     let further = (further > 0).then(|| format!("and {further} more"));
-    let count = lines.len();
-    let shown = lines.into_iter().take(MAX_LISTED_FAULTS);
+    let count: usize = lines.iter().map(|line| line.0).sum();
+    let shown = lines.into_iter().take(MAX_LISTED_FAULTS).map(|line| line.1);
     // A hint stands on a separate line.
     let shown = shown.map(|line| line.replace('\n', "\n    "));
     let shown: Vec<String> = shown.chain(further).collect();
     let path = common_path(faults).map_or_else(String::new, |path| format!("{path}: "));
     format!("{path}{count} faults\n  {}", shown.join("\n  "))
+}
+
+/// Minimum number of faults of one cause that are one line. Smaller: faults that happen to be alike
+/// lose their lines. Larger: a misspelt body of a model fills the message.
+const MIN_GROUPED_FAULTS: usize = 4;
+
+/// The faults, each with those of the same cause after it: a value that several tables of one kind
+/// have, or files that are missing in one folder.
+fn alike_faults(faults: &[SceneError]) -> Vec<Vec<&SceneError>> {
+    let cause = |fault: &SceneError| match fault {
+        SceneError::Value {
+            path,
+            key,
+            got,
+            expected,
+            ..
+        } => {
+            let table = key.split(' ').next().unwrap_or_default();
+            Some(format!("{path}\n{table}\n{got}\n{expected}"))
+        }
+        SceneError::Io(IoError::System { path, source, .. })
+            if source.kind() == std::io::ErrorKind::NotFound =>
+        {
+            let folder = Path::new(path).parent()?;
+            Some(folder.display().to_string())
+        }
+        _ => None,
+    };
+    let mut groups: Vec<(Option<String>, Vec<&SceneError>)> = Vec::new();
+    for fault in faults {
+        let cause = cause(fault);
+        let is_same = |(known, _): &&mut (Option<String>, _)| cause.is_some() && *known == cause;
+        match groups.iter_mut().find(is_same) {
+            Some((_, group)) => group.push(fault),
+            None => groups.push((cause, vec![fault])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// Maximum number of lines of a file that a group of faults lists.
+const MAX_LISTED_LINES: usize = 3;
+
+/// The first fault, and the number and first lines of the others of its cause.
+fn grouped_line(first: &SceneError, others: &[&SceneError]) -> String {
+    let lines = others.iter().filter_map(|fault| match fault {
+        SceneError::Value { place, .. } => Some(place.as_ref()?.line.to_string()),
+        _ => None,
+    });
+    let lines: Vec<String> = lines.take(MAX_LISTED_LINES).collect();
+    let more = if others.len() > lines.len() {
+        ", ..."
+    } else {
+        ""
+    };
+    let lines = match lines.is_empty() {
+        true => String::new(),
+        false => format!(": lines {}{more}", lines.join(", ")),
+    };
+    format!("{first} (and {} more like it{lines})", others.len())
 }
 
 /// The file of all faults, where it is one.

@@ -55,11 +55,11 @@ impl Faults<SceneError> {
             SceneError::Toml { path, faults, .. } if path == file => {
                 faults.first().map_or(0, |fault| fault.line)
             }
-            SceneError::Value { path, place, .. } | SceneError::Model { path, place, .. }
-                if path == file =>
-            {
-                place.as_ref().map_or(0, |place| place.line)
-            }
+            SceneError::Value { path, place, .. }
+            | SceneError::Model { path, place, .. }
+            | SceneError::NotStated {
+                scene: path, place, ..
+            } if path == file => place.as_ref().map_or(0, |place| place.line),
             _ => usize::MAX,
         };
         faults.sort_by_key(line);

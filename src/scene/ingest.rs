@@ -17,13 +17,15 @@ use crate::record::{Recording, Role};
 use crate::signal::TriggerOptions;
 
 use super::SceneError;
-use super::columns::{table_spec, window};
+use super::columns::{channel_key, table_spec, window};
 use super::draft_columns::TableContent;
 use super::error::value_error;
 use super::faults::Faults;
 use super::file_dofs::dofs_of_files;
 use super::modes_file::held;
+use super::places::{key_place, located};
 use super::test_plan::FilePlan;
+use super::toml_text::read_text;
 use super::trigger::{cut_hits, is_continuous};
 use super::typed::{ChannelTable, ColumnKey, TestTable};
 
@@ -99,7 +101,51 @@ pub struct IngestOptions<'a> {
 /// partly bad file, unless its good part is used.
 pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Ingested, SceneError> {
     let opened = files.iter().map(|file| open(file, options));
-    collect_data(opened.collect::<Result<Vec<_>, SceneError>>()?, options)
+    let opened = opened.collect::<Result<Vec<_>, SceneError>>();
+    let data = opened.and_then(|opened| collect_data(opened, options));
+    data.map_err(|error| options.located(error))
+}
+
+impl IngestOptions<'_> {
+    /// An error of the data with its place in the scene, where one describes them.
+    fn located(&self, error: SceneError) -> SceneError {
+        let Some(test) = self.typed.filter(|_| !self.scene.is_empty()) else {
+            return error;
+        };
+        let text = read_text(Path::new(self.scene)).unwrap_or_default();
+        match error {
+            SceneError::Io(source @ IoError::NotStated { .. }) => SceneError::NotStated {
+                place: key_place(&text, &lacking_key(test, &source), "").map(Box::new),
+                scene: self.scene.to_owned(),
+                test: test.name.clone(),
+                source,
+            },
+            other => located(other, self.scene, &text),
+        }
+    }
+}
+
+/// The key of the first channel that lacks the point that is not stated, else that of the test.
+fn lacking_key(test: &TestTable, error: &IoError) -> String {
+    let of_test = format!("[[test]] {:?}", test.name);
+    let IoError::NotStated { what, .. } = error else {
+        return of_test;
+    };
+    let roles: &[&str] = match what {
+        what if what.starts_with("the hit point") => &["force"],
+        what if what.starts_with("the response point") => {
+            &["response", "real", "complex", "magnitude"]
+        }
+        _ => &[],
+    };
+    let lacks = |channel: &&ChannelTable| {
+        let role = channel.role.as_deref();
+        channel.dof.is_none() && role.is_some_and(|role| roles.contains(&role))
+    };
+    let channel = test.channel.iter().find(lacks);
+    channel.map_or(of_test, |channel| {
+        channel_key(&test.name, &channel.column.to_string(), "dof")
+    })
 }
 
 /// Opens the files of a test for their faults alone.
@@ -109,7 +155,7 @@ pub fn ingest_files(files: &[FilePlan], options: &IngestOptions) -> Result<Inges
 pub(super) fn check_files(files: &[FilePlan], options: &IngestOptions) -> Result<(), SceneError> {
     let mut faults = Faults::default();
     for file in files {
-        faults.take(open(file, options));
+        faults.take(open(file, options).map_err(|error| options.located(error)));
     }
     faults.into_result()
 }
@@ -437,7 +483,7 @@ fn overrides_of(
         .filter(|file| DESCRIBED_FORMATS.contains(&file.source.catalog().format))
         .count();
     match tables {
-        0 => overrides(&test.channel, options.scene),
+        0 => overrides(test, options.scene),
         all if all == files.len() => Ok(Vec::new()),
         _ => {
             let got = "tables and other files in one test";
@@ -459,21 +505,25 @@ fn unused_data_finding(count: usize, code: Code, unit: &str) -> Option<Finding> 
 
 /// `[[test.channel]]` for files that are no tables: `column` is the number of the record within its
 /// hit.
-fn overrides(channels: &[ChannelTable], path: &str) -> Result<Vec<ChannelOverride>, SceneError> {
+fn overrides(test: &TestTable, path: &str) -> Result<Vec<ChannelOverride>, SceneError> {
+    let channels = test.channel.iter();
     channels
-        .iter()
-        .map(|channel| channel_override(channel, path))
+        .map(|channel| channel_override(channel, &test.name, path))
         .collect()
 }
 
-fn channel_override(channel: &ChannelTable, path: &str) -> Result<ChannelOverride, SceneError> {
-    let key = |name: &str| format!("[[test.channel]] {} {name}", channel.column);
+fn channel_override(
+    channel: &ChannelTable,
+    test: &str,
+    path: &str,
+) -> Result<ChannelOverride, SceneError> {
+    let key = |name: &str| channel_key(test, &channel.column.to_string(), name);
     let number = match &channel.column {
         ColumnKey::Number(number) if *number > 0 => *number,
         other => {
             return Err(value_error(
                 path,
-                "[[test.channel]] column",
+                &key("column"),
                 &other.to_string(),
                 "the record's number within its hit, from 1",
             ));

@@ -488,7 +488,9 @@ pub(super) fn open_model(
     path: &str,
     sensors: &[Sensor],
 ) -> Result<OpenedModel, SceneError> {
-    let Some(model) = table_model(table, folder, path)? else {
+    let model = table_model(table, folder, path);
+    let model = model.map_err(|error| with_body_faults(error, table, folder, path, sensors))?;
+    let Some(model) = model else {
         let options = ModesOptions {
             partial: table.partial,
             ..ModesOptions::default()
@@ -507,6 +509,48 @@ pub(super) fn open_model(
         faults.take(row.map_err(of_sensor));
     }
     faults.into_result().map(|()| OpenedModel::Model(model))
+}
+
+/// The error of a model with those of the sensors on bodies that its file does not name.
+fn with_body_faults(
+    error: SceneError,
+    table: &ModelTable,
+    folder: &Path,
+    path: &str,
+    sensors: &[Sensor],
+) -> SceneError {
+    let file = named_model(table, folder, path);
+    let text = file.ok().and_then(|file| read_text(&file).ok());
+    let bodies = text.and_then(|text| named_bodies(&text));
+    // A misspelt key may be that of a body.
+    let Some(bodies) = bodies.filter(|_| !error.to_string().contains("unknown key")) else {
+        return error;
+    };
+    let mut faults = Faults::default();
+    faults.add(error);
+    for sensor in sensors {
+        if let Target::BodyPoint { body, .. } = &sensor.target
+            && !bodies.contains(body)
+        {
+            let unknown = TheoryError::unknown_body("sensor", body, bodies.clone());
+            faults.add(sensor_error(path, &sensor.dof, unknown));
+        }
+    }
+    let Err(error) = faults.into_result() else {
+        unreachable!("the error of the model is one of the faults");
+    };
+    error
+}
+
+/// The names of the bodies or beams of a model file; `None` where one has none or there are none.
+fn named_bodies(text: &str) -> Option<Vec<String>> {
+    let file: toml::Table = text.parse().ok()?;
+    let parts = ["body", "beam"]
+        .into_iter()
+        .filter_map(|key| file.get(key)?.as_array());
+    let name = |part: &toml::Value| Some(part.get("name")?.as_str()?.to_owned());
+    let names: Option<Vec<String>> = parts.flatten().map(name).collect();
+    names.filter(|names| !names.is_empty())
 }
 
 /// The error of a sensor without a place in the model, with its key in the scene.

@@ -102,6 +102,12 @@ impl<'t, 'd> Table<'t, 'd> {
         matches!(name, Some(DeValue::String(text)) if text == wanted)
     }
 
+    /// Whether the key `column` has this number.
+    fn has_column(&self, wanted: &str) -> bool {
+        let column = self.entries.get("column").map(|value| value.get_ref());
+        matches!(column, Some(DeValue::Integer(number)) if number.as_str() == wanted)
+    }
+
     fn has_text(&self, wanted: &str) -> bool {
         let mut values = self.entries.values();
         values.any(|value| matches!(value.get_ref(), DeValue::String(text) if text == wanted))
@@ -109,8 +115,8 @@ impl<'t, 'd> Table<'t, 'd> {
 }
 
 /// The place of a key: of several tables that could be meant, the one that the key names, else the
-/// one with the value, else the last.
-fn key_place(text: &str, key: &str, got: &str) -> Option<Place> {
+/// one with the value, else the last. A table of an array inside it may be named as well.
+pub(super) fn key_place(text: &str, key: &str, got: &str) -> Option<Place> {
     let document = DeTable::parse(text).ok()?;
     let document = Table {
         entries: document.get_ref(),
@@ -120,12 +126,23 @@ fn key_place(text: &str, key: &str, got: &str) -> Option<Place> {
         return document.value_at(key).map(|at| place_at(text, at));
     };
     let (header, names) = header.trim_start_matches('[').split_once(']')?;
-    let names = words(names.trim_start_matches(']'));
+    let mut names = words(names.trim_start_matches(']'));
     let mut tables = vec![document];
-    for part in header.split('.') {
+    let mut parts = header.split('.').peekable();
+    while let Some(part) = parts.next() {
         tables = tables.iter().flat_map(|table| table.below(part)).collect();
+        let outer = names.iter().rposition(|name| {
+            let is_outer = parts.peek().is_some();
+            is_outer && tables.iter().any(|table| table.has_name(name))
+        });
+        if let Some(name) = outer.map(|position| names.remove(position)) {
+            tables.retain(|table| table.has_name(&name));
+        }
     }
-    let is_named = |table: &Table| names.iter().any(|name| table.has_text(name));
+    let is_named = |table: &Table| {
+        let mut names = names.iter();
+        names.any(|name| table.has_text(name) || table.has_column(name))
+    };
     if tables.iter().any(is_named) {
         tables.retain(is_named);
     } else if let Some(number) = names.iter().find_map(|name| name.parse::<usize>().ok()) {

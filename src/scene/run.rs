@@ -64,7 +64,7 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
     };
     let tests = scene.tests.iter().zip(1..).map(one);
     let tests = tests.collect::<Result<Vec<_>, _>>();
-    let tests = tests.map_err(|error| with_spec_faults(scene, error))?;
+    let tests = tests.map_err(|error| with_source_faults(scene, error))?;
     let limits = tests.iter().flat_map(|test| mode_limits(scene, test));
     let mut limits: Vec<LimitCheck> = limits.collect();
     let Some(model) = model else {
@@ -142,17 +142,31 @@ fn check_named_files(scene: &Scene) -> Result<Option<OpenedModel>, SceneError> {
     faults.finish(model)
 }
 
-/// An error of a test with the faults of the specs of all synthetic ones.
-fn with_spec_faults(scene: &Scene, error: SceneError) -> SceneError {
+/// An error of a test with the faults of the specs of all synthetic ones and, where the scene
+/// describes the data wrongly, of the channels of all tests.
+fn with_source_faults(scene: &Scene, error: SceneError) -> SceneError {
+    let is_of_scene = matches!(
+        error,
+        SceneError::Value { .. } | SceneError::NotStated { .. } | SceneError::Several { .. }
+    );
     let mut faults = Faults::default();
-    let sources = scene.tests.iter().map(|test| &test.source);
-    for source in sources.filter(|source| matches!(source, TestSource::Synth(_))) {
-        collect_source_faults(source, false, &scene.path, &mut faults);
+    for test in &scene.tests {
+        if is_of_scene || matches!(test.source, TestSource::Synth(_)) {
+            collect_source_faults(&test.source, test.partial, &scene.path, &mut faults);
+        }
     }
     let text = error.to_string();
-    if faults.0.iter().any(|fault| fault.to_string() == text) {
-        return faults.into_result().err().unwrap_or(error);
+    let has_error = faults.0.iter().any(|fault| fault.to_string() == text);
+    if !is_of_scene && !has_error {
+        return error;
     }
+    let mut all = Faults::default();
+    all.add(error);
+    faults.0.into_iter().for_each(|fault| all.add(fault));
+    let text = read_text(&scene.file).unwrap_or_default();
+    let Err(error) = all.located(&scene.path, &text).into_result() else {
+        unreachable!("the error is one of the faults");
+    };
     error
 }
 
@@ -432,10 +446,14 @@ fn search_band(
         return Ok(usable);
     };
     let excited = set.excited_band.unwrap_or(usable);
-    let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
-        lo_hz: excited.lo_hz,
-        hi_hz: excited.hi_hz,
-    })?;
+    let band = wanted
+        .intersection(&excited)
+        .ok_or(FrfError::BandNotExcited {
+            got_lo_hz: wanted.lo_hz,
+            got_hi_hz: wanted.hi_hz,
+            lo_hz: excited.lo_hz,
+            hi_hz: excited.hi_hz,
+        })?;
     if wanted.hi_hz > band.hi_hz {
         findings.push(band_limited_finding(band));
     }

@@ -6,7 +6,6 @@
 use crate::linalg::Vector3;
 
 use super::description::{BeamDescription, End};
-use super::nearest_name::nearest_name;
 use super::rigid::unit_direction;
 use super::{Coordinate, Motion, TheoryError, hermite};
 
@@ -209,15 +208,10 @@ pub(super) fn find_line<'a>(
     used_by: &str,
     name: &str,
 ) -> Result<&'a BeamLine, TheoryError> {
-    lines
-        .iter()
-        .find(|line| line.name == name)
-        .ok_or_else(|| TheoryError::UnknownBody {
-            got: name.to_owned(),
-            used_by: used_by.to_owned(),
-            nearest: nearest_name(name, lines.iter().map(|line| line.name.as_str())),
-            known: lines.iter().map(|line| line.name.clone()).collect(),
-        })
+    lines.iter().find(|line| line.name == name).ok_or_else(|| {
+        let known = lines.iter().map(|line| line.name.clone());
+        TheoryError::unknown_body(used_by, name, known.collect())
+    })
 }
 
 pub(super) fn find_point(

@@ -5,7 +5,7 @@ use crate::linalg::LinalgError;
 
 use super::MassError;
 use super::faults::Fault;
-use super::nearest_name::{expected_bounds, expected_name, expected_nearest};
+use super::nearest_name::{expected_bounds, expected_name, expected_nearest, nearest_name};
 
 /// Reason why a model cannot be built, assembled, observed or solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -476,6 +476,18 @@ impl Fault for TheoryError {
     }
 }
 
+impl TheoryError {
+    /// The error of a body that is none of the known ones.
+    pub(crate) fn unknown_body(used_by: &str, got: &str, known: Vec<String>) -> Self {
+        TheoryError::UnknownBody {
+            got: got.to_owned(),
+            used_by: used_by.to_owned(),
+            nearest: nearest_name(got, known.iter().map(String::as_str)),
+            known,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -508,7 +520,7 @@ mod tests {
         };
         assert_eq!(
             error.to_string(),
-            "parameter `k`: got 5 N/m, expected a finite value from 1 to 2.5 N/m"
+            "parameter `k`: got 5 N/m, expected a finite value from 1 to 2.5 N/m (its bounds `lower` and `upper`)"
         );
     }
 }

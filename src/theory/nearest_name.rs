@@ -37,8 +37,10 @@ pub(super) fn expected_name(nearest: Option<&str>, known: &[String]) -> String {
 pub(super) fn expected_bounds(lower: Option<f64>, upper: Option<f64>, unit: &str) -> String {
     match (lower, upper) {
         (None, None) => String::new(),
-        (Some(lower), None) => format!(" from {lower} {unit}"),
-        (None, Some(upper)) => format!(" up to {upper} {unit}"),
-        (Some(lower), Some(upper)) => format!(" from {lower} to {upper} {unit}"),
+        (Some(lower), None) => format!(" from {lower} {unit} (its bound `lower`)"),
+        (None, Some(upper)) => format!(" up to {upper} {unit} (its bound `upper`)"),
+        (Some(lower), Some(upper)) => {
+            format!(" from {lower} to {upper} {unit} (its bounds `lower` and `upper`)")
+        }
     }
 }

@@ -196,12 +196,7 @@ impl RigidBodies {
         if self.names.iter().any(|name| name == body) {
             return Ok(());
         }
-        Err(TheoryError::UnknownBody {
-            got: body.to_owned(),
-            used_by: used_by.to_owned(),
-            nearest: nearest_name(body, self.names.iter().map(String::as_str)),
-            known: self.names.clone(),
-        })
+        Err(TheoryError::unknown_body(used_by, body, self.names.clone()))
     }
 }
 

@@ -682,3 +682,21 @@ fn limits_that_cannot_be_meant_are_refused() {
         assert!(error.contains(option) && error.contains(value), "{error}");
     }
 }
+
+#[test]
+fn the_folder_of_results_is_answered_with_a_command_that_checks_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").to_str().unwrap().to_owned();
+    succeed(["run", "measurements/free-free-beam", "-o", &out]);
+    let error = fail(["check", &out]);
+    let command = error
+        .split_once("`modalign ")
+        .and_then(|(_, rest)| rest.split_once('`'))
+        .map(|(command, _)| command)
+        .unwrap_or_else(|| panic!("{error}"));
+    assert!(
+        command.ends_with("--against measurements/free-free-beam"),
+        "{error}"
+    );
+    succeed(command.split(' '));
+}

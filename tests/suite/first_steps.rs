@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::command::{modalign_in, write};
+use crate::command::{modalign_in, root, write};
 
 /// Standard output and error of the program in a folder, and its exit code.
 pub fn said(folder: &Path, line: &str) -> (String, String, Option<i32>) {
@@ -435,9 +435,9 @@ fn faults_of_a_table_are_named_with_those_of_its_scene() {
     let (_, error, _) = said(folder, "run scene.toml");
     let parts = [
         "scene.toml:1:10: schema: got \"modalign-scene/2\"",
-        "scene.toml:6:20: [[test]] sampling_rate_hz: got -5",
-        "scene.toml:10:8: [[test.channel]] \"F\" unit",
-        "scene.toml:15:8: [[test.channel]] \"a\" unit",
+        "scene.toml:6:20: [[test]] \"a\" sampling_rate_hz: got -5",
+        "scene.toml:10:8: [[test.channel]] \"F\" of \"a\", unit",
+        "scene.toml:15:8: [[test.channel]] \"a\" of \"a\", unit",
         "scene.toml:17:1: got unknown key `estimatr`",
         "scene.toml:18:14: [frf] excitation: got \"kick\"",
     ];
@@ -453,6 +453,177 @@ fn faults_of_a_table_are_named_with_those_of_its_scene() {
         &error,
         2,
         &["scene.toml:16:7: ", "expected a column \"force\""],
+    );
+}
+
+#[test]
+fn a_missing_key_of_a_channel_is_named_with_its_test_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let row = |k: i32| {
+        let seconds = f64::from(k - 20) / 1000.0;
+        let force = if (20..23).contains(&k) { 10.0 } else { 0.0 };
+        let decay = (-6.0 * seconds).exp() * (314.0 * seconds).sin();
+        format!("{force},{}\n", if k > 20 { decay } else { 0.0 })
+    };
+    let rows: String = (0..2048).map(row).collect();
+    let table = |force: &str, response: &str| {
+        format!(
+            "[[test.channel]]\ncolumn = 1\nrole = \"force\"\n{force}\n\
+             [[test.channel]]\ncolumn = 2\nrole = \"response\"\n{response}\n"
+        )
+    };
+    let test = |name: &str, key: &str, channels: &str| {
+        format!("[[test]]\nname = \"{name}\"\nfiles = [\"hit.csv\"]\n{key}\n{channels}")
+    };
+    let (force, response) = (
+        "unit = \"N\"\ndof = \"1:+Z\"",
+        "unit = \"g\"\ndof = \"2:+Z\"",
+    );
+    let (rate, whole) = ("sampling_rate_hz = 1000", table(force, response));
+    let head = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n";
+    write(folder, &[("hit.csv", &format!("F,a\n{rows}"))]);
+    let said_of = |tests: &str| {
+        write(folder, &[("scene.toml", &format!("{head}{tests}"))]);
+        said(folder, "run scene.toml").1
+    };
+    for (key, channels, line, wanted) in [
+        ("", whole.clone(), 3, "sampling_rate_hz in [[test]]"),
+        (
+            rate,
+            table("unit = \"N\"", response),
+            7,
+            "`dof` of the force in [[test.channel]]",
+        ),
+        (
+            rate,
+            table(force, "unit = \"g\""),
+            12,
+            "`dof` in [[test.channel]]",
+        ),
+    ] {
+        let error = said_of(&test("a", key, &channels));
+        let place = format!("scene.toml:{line}:1: test \"a\": ");
+        assert!(error.contains(&place) && error.contains(wanted), "{error}");
+        for wrong in ["drafts one", "--reference"] {
+            assert!(!error.contains(wrong), "the scene exists: {error}");
+        }
+    }
+    // Of several tests each, in one run.
+    let tests = [
+        test("a", rate, &whole),
+        test("b", rate, &table("dof = \"1:+Z\"", response)),
+        test(
+            "c",
+            rate,
+            &table(force, "unit = \"furlong\"\ndof = \"2:+Z\""),
+        ),
+    ];
+    let parts = [
+        "scene.toml:21:1: [[test.channel]] 1 of \"b\", unit: got nothing",
+        "scene.toml:42:8: [[test.channel]] 2 of \"c\", unit: got \"furlong\"",
+    ];
+    assert_faults(&said_of(&tests.concat()), 2, &parts);
+}
+
+#[test]
+fn faults_of_one_cause_are_one_line_with_their_number_and_first_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let head = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n";
+    let sensor = |point: usize| {
+        format!("[[sensor]]\ndof = \"{point}:+Y\"\nbody = \"Beam\"\nat_m = [0, 0, 0.{point}]\n")
+    };
+    let sensors: String = (1..=9).map(sensor).collect();
+    let model = read(&root().join("measurements/free-free-beam"), "model.toml");
+    let scene = format!("{head}{sensors}");
+    write(folder, &[("scene.toml", &scene), ("model.toml", &model)]);
+    let error = said(folder, "run scene.toml").1;
+    assert!(error.contains("9 faults"), "{error}");
+    assert_eq!(error.matches("got body `Beam`").count(), 1, "{error}");
+    assert!(error.contains("(and 8 more like it: lines "), "{error}");
+    // Also while the model has a fault.
+    let faulty = model
+        + "\n[[point_mass]]\nname = \"lump\"\nbeam = \"bar\"\nat_m = [0.0, 0.0, 0.0]\nmass_kg = -1.0\n";
+    write(folder, &[("model.toml", &faulty)]);
+    let error = said(folder, "run scene.toml").1;
+    for wanted in [
+        "10 faults",
+        "lump",
+        "got body `Beam`",
+        "(and 8 more like it: lines ",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+    // Files of a misspelt folder, with the folder that exists.
+    std::fs::create_dir(folder.join("raw")).unwrap();
+    let files: Vec<String> = (1..=5).map(|k| format!("\"rwa/{k}.uff\"")).collect();
+    let files = files.join(", ");
+    let scene = format!(
+        "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[[test]]\nname = \"a\"\nfiles = [{files}]\n"
+    );
+    write(folder, &[("scene.toml", &scene)]);
+    let error = said(folder, "run scene.toml").1;
+    assert_eq!(error.matches("there is no such file").count(), 1, "{error}");
+    for wanted in [
+        "5 faults",
+        "(and 4 more like it)",
+        "did you mean `raw/1.uff`",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+}
+
+#[test]
+fn a_band_without_excitation_is_named_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let beam = root().join("measurements/free-free-beam");
+    let scene = read(&beam, "scene.toml").replace("[60.0, 3200.0]", "[40000.0, 50000.0]");
+    let (model, synth) = (read(&beam, "model.toml"), read(&beam, "synth.toml"));
+    let files = [
+        ("scene.toml", scene.as_str()),
+        ("model.toml", &model),
+        ("synth.toml", &synth),
+    ];
+    write(folder, &files);
+    let error = said(folder, "run scene.toml").1;
+    for wanted in [
+        "roving hammer",
+        "`band_hz`",
+        "40000 to 50000 Hz",
+        "expected one with lines",
+    ] {
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
+}
+
+#[test]
+fn inspect_counts_records_and_says_what_takes_modes_and_channels_further() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, &[("modes.csv", &beam_modes("Y"))]);
+    let (screen, ..) = said(folder, "inspect modes.csv");
+    assert!(
+        screen.contains("Next: modalign correlate --test FILE"),
+        "{screen}"
+    );
+    assert!(!screen.contains("\n\n\n"), "{screen}");
+    let beam = root().join("measurements/free-free-beam");
+    let synth = read(&beam, "synth.toml").replace("samples = 32768", "samples = 4096");
+    write(
+        folder,
+        &[
+            ("synth.toml", &synth),
+            ("model.toml", &read(&beam, "model.toml")),
+        ],
+    );
+    said(folder, "synth synth.toml -o hits.uff");
+    let (screen, ..) = said(folder, "inspect hits.uff");
+    let head = screen.lines().find(|line| line.contains(" responses "));
+    assert!(
+        head.is_some_and(|head| head.trim_start().starts_with("count")),
+        "{screen}"
     );
 }
 

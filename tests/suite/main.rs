@@ -35,6 +35,7 @@ mod mutated_texts;
 #[path = "../population/mutation.rs"]
 mod mutation;
 mod new_command;
+mod new_options;
 mod next_steps;
 #[path = "../population/packing.rs"]
 mod packing;

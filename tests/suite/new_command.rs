@@ -7,7 +7,7 @@ use crate::command::{fail, json, modalign, root, succeed, write};
 use crate::matrix_models::matrix_market;
 
 /// A folder with the beam's model and a short recording of it.
-fn recorded() -> tempfile::TempDir {
+pub fn recorded() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let beam = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
@@ -25,12 +25,12 @@ fn recorded() -> tempfile::TempDir {
     folder
 }
 
-fn at(folder: &Path, name: &str) -> String {
+pub fn at(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
 /// Writes `frfs.h5` and `modes.json` of the recording.
-fn estimate_and_identify(folder: &Path) {
+pub fn estimate_and_identify(folder: &Path) {
     let path = |name: &str| at(folder, name);
     succeed(["frf", &path("hits.uff"), "-o", &path("frfs.h5")]);
     succeed([
@@ -95,6 +95,7 @@ fn a_scene_with_a_model_lists_lines_to_fill_in_and_then_compares() {
         printed.contains("11 lines to be filled in"),
         "a place for each point: {printed}"
     );
+    assert_eq!(printed.matches(": at_m: [x, y, z] in metres").count(), 1);
     let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
     let line = 1 + scene
         .lines()
@@ -179,7 +180,7 @@ fn unknown_meanings_of_columns_are_requested_line_by_line() {
 }
 
 /// Writes a table of 64 rows of numbers under the headings.
-fn write_columns(folder: &Path, file: &str, headings: &str) {
+pub fn write_columns(folder: &Path, file: &str, headings: &str) {
     let row = |i: usize| {
         let values = headings.split(',').enumerate();
         let values: Vec<String> = values
@@ -384,7 +385,7 @@ fn options_fill_in_what_the_files_do_not_state() {
         );
         assert!(asked.contains(&format!("--{key} DOF")), "{asked}");
     }
-    assert!(asked.contains("in a row (--points FILE)."), "{asked}");
+    assert!(asked.contains("in a row (--points FILE with"), "{asked}");
     let (said, model, points) = (path("said"), path("model.toml"), path("points.csv"));
     let stated = [
         "--response",
@@ -689,9 +690,19 @@ fn a_model_to_complete_is_written_beside_the_scene() {
         assert!(roots.contains("frequency_hz"), "{roots}");
         let text = std::fs::read_to_string(path(&format!("{kind}/scene.toml"))).unwrap();
         assert!(text.contains("file = \"model.toml\""), "{text}");
-        // What is there is never written over.
+        // What is there is never written over; the suggested command removes all of it.
         std::fs::remove_file(path(&format!("{kind}/scene.toml"))).unwrap();
         let error = fail(["new", &scene, &path("hits.uff"), "--model", kind]);
-        assert!(error.contains("which exists"), "{error}");
+        let names = ["SOURCE.md", "expected.toml", "model.toml"];
+        let files = names.map(|name| path(&format!("{kind}/{name}")));
+        let command = format!("(rm {})", files.join(" "));
+        assert!(
+            error.contains("which exists") && error.contains(&command),
+            "{error}"
+        );
+        files
+            .iter()
+            .for_each(|file| std::fs::remove_file(file).unwrap());
+        succeed(["new", &scene, &path("hits.uff"), "--model", kind]);
     }
 }

@@ -203,17 +203,21 @@ const CASES: &[Case] = &[
     (
         Scene,
         &[("role = \"force\"", "role = \"forse\"")],
-        &["[[test.channel]] \"force\" role: got \"forse\", expected time, frequency, force"],
+        &[
+            "[[test.channel]] \"force\" of \"table\", role: got \"forse\", expected time, frequency, force",
+        ],
     ),
     (
         Scene,
         &[("unit = \"N\"", "unit = \"furlong\"")],
-        &["[[test.channel]] \"force\" unit: got \"furlong\", expected a unit of force (N"],
+        &[
+            "[[test.channel]] \"force\" of \"table\", unit: got \"furlong\", expected a unit of force (N",
+        ],
     ),
     (
         Scene,
         &[("unit = \"m/s2\"\n", "")],
-        &["\"acceleration\" unit: got nothing, expected a unit of acceleration"],
+        &["\"acceleration\" of \"table\", unit: got nothing, expected a unit of acceleration"],
     ),
     (
         Scene,
@@ -223,7 +227,7 @@ const CASES: &[Case] = &[
     (
         Scene,
         &[("sampling_rate_hz = 1000", "sampling_rate_hz = -5")],
-        &["[[test]] sampling_rate_hz: got -5, expected a positive number"],
+        &["[[test]] \"table\" sampling_rate_hz: got -5, expected a positive number"],
     ),
     (
         Scene,

@@ -386,15 +386,17 @@ fn read_frf(file: &mut HitFile, index: usize, beside: FrfNoise) -> Result<ReadFr
             path: place,
             what: "reading FRFs",
             got: format!("function {} in {:?}", index + 1, entry.unit_label),
-            expected: "displacement, velocity or acceleration over force; state `unit`, such as \
-                       Pa/N, in [[test.channel]] to use it"
-                .to_owned(),
+            expected:
+                "displacement, velocity or acceleration over force; to use it, state `unit`, \
+                       such as Pa/N, with the `dof` of its response in [[test.channel]]"
+                    .to_owned(),
         });
     }
     let response = response.ok_or_else(|| {
         not_stated(
             "the response point",
-            "a response node in the header or `response` in [[test.file]]",
+            "a response node in the header, `dof` of the column in [[test.channel]] or `response` in \
+             [[test.file]]",
         )
     })?;
     let reference = entry.reference_point(file.reference.as_ref());

@@ -315,7 +315,7 @@ fn excitation_point(
     let found = common.or_else(|| file.reference.clone()).ok_or_else(|| IoError::NotStated {
         path: catalog.path.clone(),
         what: format!("the hit point of the hit that starts with record {}", group[0] + 1),
-        expected: "a response node in the force record, a common reference of the responses, or `reference` in [[test.file]] (--reference)".to_owned(),
+        expected: "a response node in the force record, a common reference of the responses, `dof` of the force in [[test.channel]], or `reference` in [[test.file]]".to_owned(),
     })?;
     let location = Location::File {
         path: catalog.path.clone(),

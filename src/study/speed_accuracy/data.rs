@@ -86,10 +86,14 @@ fn estimate_variants(
     let first = evaluate_hammer_test(recording, &base)?;
     let excited = first.estimated.set.excited_band.unwrap_or(first.usable);
     let wanted = test.band.unwrap_or(first.usable);
-    let band = wanted.intersection(&excited).ok_or(FrfError::BandEmpty {
-        lo_hz: excited.lo_hz,
-        hi_hz: excited.hi_hz,
-    })?;
+    let band = wanted
+        .intersection(&excited)
+        .ok_or(FrfError::BandNotExcited {
+            got_lo_hz: wanted.lo_hz,
+            got_hi_hz: wanted.hi_hz,
+            lo_hz: excited.lo_hz,
+            hi_hz: excited.hi_hz,
+        })?;
     let stated_estimator = base.estimate.estimator;
     let mut sets = vec![Variant {
         estimator: Some(stated_estimator.name()),

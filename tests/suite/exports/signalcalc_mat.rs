@@ -137,6 +137,10 @@ fn a_file_is_inspected_drafted_and_run_without_a_written_line() {
         (&"I2:+S".into(), &"I1:+S".into())
     );
     finds_the_mode(&file.path(), &[]);
+    // A channel is no open line of the draft below.
+    let screen = on_file("inspect", &file.path(), &[]).out;
+    assert!(!screen.contains("Not stated"), "{screen}");
+    assert!(screen.contains("no point: the reference I1:+S"), "{screen}");
     let folder = file.folder().join("scene");
     let drafted = new(&folder, &[&file.path()], &[]);
     assert!(
