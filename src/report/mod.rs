@@ -39,6 +39,7 @@ mod texts;
 mod translation;
 mod update;
 mod verdict;
+mod verdict_texts;
 
 pub use before_you_leave::{
     before_you_leave_blocks, before_you_leave_line, before_you_leave_screen,

@@ -353,7 +353,7 @@ mod tests {
                 rows: vec![root(11.0), root(21.0)],
                 stiffness_factor: None,
                 error_range: None,
-                updatable: false,
+                one_sided: None,
             }),
             tests: vec![TestFigures {
                 name: "a f".to_owned(),

@@ -24,20 +24,26 @@ const NAME_WIDTH: usize = 10;
 /// Counts and errors of every test; the modes with their errors, MAC and verdicts; and why a mode
 /// is unmatched or ambiguous.
 pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
-    let mut blocks = comparison_tables(table, width);
+    let mut blocks = comparison_tables(table, width, MAX_ROWS);
+    blocks.extend(empty_band_block(table));
     let reasons = reasons(table);
     blocks.extend((!reasons.is_empty()).then(|| Block::Text(reasons.join("\n"))));
     blocks
 }
 
-/// Counts and errors of every test, and the modes.
-pub(super) fn comparison_tables(table: &ComparisonTable, width: usize) -> Vec<Block> {
+/// Counts and errors of every test, and the modes, at most so many.
+pub(super) fn comparison_tables(table: &ComparisonTable, width: usize, most: usize) -> Vec<Block> {
     let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
     let mut blocks = vec![Block::Table(counts_table(table, width))];
     blocks.extend(no_pair_block(table));
-    blocks.extend(empty_band_block(table));
     let form = Form::Screen;
-    let tables = ModeTables { table, width, form }.of(&tests);
+    let tables = ModeTables {
+        table,
+        width,
+        form,
+        most,
+    };
+    let tables = tables.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
     blocks
 }
@@ -160,6 +166,8 @@ pub(super) struct ModeTables<'a> {
     pub(super) table: &'a ComparisonTable,
     pub(super) width: usize,
     pub(super) form: Form,
+    /// Maximum number of modes.
+    pub(super) most: usize,
 }
 
 impl ModeTables<'_> {
@@ -315,10 +323,7 @@ impl ModeTables<'_> {
         let mut all: Vec<(f64, &Row)> = all
             .filter_map(|row| Some((cells(row).into_iter().reduce(f64::max)?, row)))
             .collect();
-        let most = match self.form {
-            Form::Screen => MAX_ROWS,
-            Form::Page => all.len(),
-        };
+        let most = self.most;
         let omitted = all.len().saturating_sub(most);
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|&a, &b| all[b].0.total_cmp(&all[a].0));
@@ -397,7 +402,7 @@ struct Mark {
 const MARKS: &[Mark] = &[
     Mark {
         text: "~",
-        meaning: "paired by frequency alone",
+        meaning: "paired by frequency alone, a MAC is no evidence",
         applies: |cell| cell.basis == Some(Basis::Frequency),
     },
     Mark {

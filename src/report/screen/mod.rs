@@ -7,7 +7,9 @@
 //! screen of a fixed width.
 
 mod abridged;
+mod agreement;
 mod comparison;
+mod frequency_ratio;
 mod hits;
 mod modes;
 mod next_step;

@@ -9,7 +9,7 @@ use crate::report::{Block, Cell, TableGroup, parameters_block};
 use crate::scene::Theory;
 
 use super::comparison::{Form, ModeTables, counts_table};
-use super::modes::listed_modes;
+use super::modes::{ModesRoom, listed_modes};
 
 /// Characters in a line of a page: a table of this width has no smaller type than footnotes, or
 /// little smaller. With more, tables have columns that do not fit; with fewer, pages lack columns
@@ -30,6 +30,7 @@ pub fn comparison_page(
             table,
             width: PAGE_WIDTH,
             form: Form::Page,
+            most: usize::MAX,
         };
         for mut modes in tables.of(&tests) {
             modes.caption = group.caption.to_owned();
@@ -61,7 +62,12 @@ pub fn comparison_page_of_all_tests(table: &ComparisonTable, theory: &Theory) ->
 
 /// Identified modes of a test with the essential columns.
 pub fn modes_page(test: &str, model: &ModalModel) -> Vec<Block> {
-    let mut blocks = listed_modes(test, model, "", PAGE_WIDTH, usize::MAX);
+    let room = ModesRoom {
+        width: PAGE_WIDTH,
+        rows: usize::MAX,
+        remark_lines: usize::MAX,
+    };
+    let mut blocks = listed_modes(test, model, "", room);
     for block in &mut blocks {
         if let Block::Table(table) = block {
             table.footnotes.extend(synthetic_note(model));
