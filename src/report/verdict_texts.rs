@@ -319,4 +319,18 @@ pub(super) static VERDICT_TEXTS: &Group = &[
             chinese: "场景中没有试验，因此没有比较。",
         },
     ),
+    (
+        "mac_of_an_update",
+        Text {
+            english: "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A comparison uses the complex shapes, all components with equal weight.",
+            chinese: "修正所用的 MAC：只取实部 (与无阻尼模型一致)，各分量除以其标准差。对比表用复振型，各分量等权。",
+        },
+    ),
+    (
+        "next_sensors_of_a_model",
+        Text {
+            english: "Next, as {} states no sensors and pairs are by frequency alone: --theory FOLDER of the scene with its [[sensor]], or [[sensor]] in the model file.",
+            chinese: "下一步 ({} 没有测点，仅按频率配对)：--theory 使用带 [[sensor]] 的场景文件夹，或在模型文件中加入 [[sensor]]。",
+        },
+    ),
 ];

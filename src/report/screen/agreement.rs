@@ -52,7 +52,8 @@ pub(super) fn agreement(table: &ComparisonTable) -> Vec<String> {
         if pairs.is_empty() {
             continue;
         }
-        let modes = summary.paired + summary.ambiguous + summary.missed;
+        // Whether the test could show the others is unknown.
+        let modes = summary.paired + summary.ambiguous + summary.missed - summary.not_judged;
         let agreeing = cells().filter(|(_, cell)| agrees(cell)).count();
         let by_shape = |(_, cell): &(&Row, &TestCell)| cell.basis == Some(Basis::Shape);
         let answer = match (pairs.iter().any(by_shape), agreeing == modes) {

@@ -5,7 +5,7 @@ use crate::correlate::{ComparisonTable, Footnote};
 use crate::modal::ModalModel;
 use crate::report::comparison::{all_tests, headlines};
 use crate::report::modes::synthetic_note;
-use crate::report::{Block, Cell, TableGroup, parameters_block};
+use crate::report::{Block, Cell, Table, TableGroup, parameters_block};
 use crate::scene::Theory;
 
 use super::comparison::{Form, ModeTables, counts_table};
@@ -33,6 +33,7 @@ pub fn comparison_page(
             most: usize::MAX,
         };
         for mut modes in tables.of(&tests) {
+            remove_notes_on_the_screen(&mut modes);
             modes.caption = group.caption.to_owned();
             let synthetic = table.footnotes.iter().filter(
                 |note| matches!(note, Footnote::Synthetic(test) if group.tests.contains(test)),
@@ -44,6 +45,7 @@ pub fn comparison_page(
     }
     blocks.extend(headlines(table));
     let mut counts = counts_table(table, PAGE_WIDTH);
+    remove_notes_on_the_screen(&mut counts);
     counts.caption = "Summary".to_owned();
     // LaTeX wraps names itself.
     for (row, summary) in counts.rows.iter_mut().zip(&table.summary) {
@@ -70,8 +72,14 @@ pub fn modes_page(test: &str, model: &ModalModel) -> Vec<Block> {
     let mut blocks = listed_modes(test, model, "", room);
     for block in &mut blocks {
         if let Block::Table(table) = block {
+            remove_notes_on_the_screen(table);
             table.footnotes.extend(synthetic_note(model));
         }
     }
     blocks
+}
+
+/// Removes the notes that name an option of the command line.
+fn remove_notes_on_the_screen(table: &mut Table) {
+    table.footnotes.retain(|note| !note.ends_with("--full."));
 }
