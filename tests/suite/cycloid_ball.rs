@@ -241,7 +241,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
         "!: doubtful mode, see",
         "Not reproduced: 14 single roots, counted in Table 2: printed 14, here 13; 11 more (--full).",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
-        "~: paired by frequency alone, a MAC is no evidence. ?: ambiguous.",
+        "~: paired by frequency alone. ?: ambiguous.",
         "f9, centre disc face: from housing.3:+S to output.3:+Y its peak would stand 76.8 dB",
         "Next, before an update: one support (test suspended, model fixed): support in [test.state] of",
         "Published statements: 32 reproduced, 12 not reproduced, 0 not checkable.",

@@ -88,7 +88,7 @@ fn blocks_in(scene: &Scene, result: &SceneResult, width: usize, room: Room) -> V
     let mut blocks = vec![Block::Heading(scene.title.clone())];
     blocks.push(Block::Text(verdict(result).join("\n")));
     match &result.table {
-        Some(table) => blocks.extend(comparison_tables(table, width, room.rows)),
+        Some(table) => blocks.extend(comparison_tables(table, width, room.rows, room.tests)),
         None if result.tests.is_empty() => {
             let sentence = "The scene has no test, so that nothing is compared.";
             blocks.push(Block::Text(sentence.to_owned()));

@@ -117,6 +117,8 @@ pub(super) fn limit(check: &LimitCheck) -> String {
 
 /// Maximum number of assumed parameters that a sentence names.
 const MAX_NAMED_PARAMETERS: usize = 4;
+/// Maximum number of tests whose peaks a sentence names.
+const MAX_NAMED_TESTS: usize = 2;
 /// Maximum number of unmatched modes that a sentence names.
 const MAX_NAMED_MODES: usize = 4;
 
@@ -282,7 +284,10 @@ pub(super) fn peaks_without_mode(tests: &[TestResult]) -> Option<String> {
             _ => format!("{}: {peaks}", test.name),
         })
     };
-    let all: Vec<String> = tests.iter().filter_map(of_test).collect();
+    let mut all: Vec<String> = tests.iter().filter_map(of_test).collect();
+    let further = all.len().saturating_sub(MAX_NAMED_TESTS);
+    all.truncate(MAX_NAMED_TESTS);
+    all.extend((further > 0).then(|| format!("in {} (--full)", counted(further, "further test"))));
     (!all.is_empty()).then(|| peaks_sentence(&all.join("; ")))
 }
 
