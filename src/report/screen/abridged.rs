@@ -21,8 +21,8 @@ const TEXT_CELL_WIDTHS: [usize; 3] = [30, 20, 14];
 /// Omitted tables that a text names.
 const MAX_NAMED_TABLES: usize = 4;
 
-/// A table without its columns of percentages that are 100 in every row, as of a single body; a text
-/// where no other column of percentages is left.
+/// A table without its columns of percentages that are 100 in every row, as of a single body; a
+/// text where no other column of percentages remains.
 pub fn without_whole_shares(block: Block) -> Block {
     let Block::Table(mut table) = block else {
         return block;
