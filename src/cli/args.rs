@@ -503,8 +503,8 @@ pub struct SynthArgs {
 pub struct CheckArgs {
     /// comparison.json, modes.json or update.json.
     pub result: PathBuf,
-    /// A TOML file with [limits] (a scene or its folder will do), or an earlier result of the same
-    /// kind; required.
+    /// A TOML file with [limits] (a scene or its folder will do), for comparison.json and
+    /// modes.json; or an earlier result of the same kind, which update.json needs; required.
     #[arg(long, value_name = "BASELINE")]
     pub against: Option<PathBuf>,
     /// Largest change of every frequency against a baseline result; by default from the

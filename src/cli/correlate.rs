@@ -19,7 +19,7 @@ use crate::modal::ModalModel;
 use crate::report::{
     abridged, alignment_block, auto_mac_blocks, comparison_of_all_tests,
     comparison_page_of_all_tests, comparison_screen, json, measures_blocks, orthogonality_blocks,
-    reversed_sensors_block,
+    reversed_sensors_block, tables_with_values,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
@@ -104,12 +104,14 @@ fn compare_with_theory(
         alignment,
     } = match_dofs(args, &mut tests, theory)?;
     let states_no_sensors = model.as_ref().is_some_and(|model| model.sensors.is_empty());
+    let mut without_sensors = false;
     let mut reversed = Vec::new();
     for (name, test) in &mut tests {
         if states_no_sensors && has_no_common_dof(&test.modes, &theory.modes) {
             let code = Code::ModelWithoutSensors;
             let finding = Finding::new(Severity::Warning, code, Location::Whole);
             test.modes.findings.push(finding);
+            without_sensors = true;
             reversed.push((name.clone(), Vec::new()));
             continue;
         }
@@ -168,12 +170,15 @@ fn compare_with_theory(
         }
         // The requested measures have the room of the modes.
         table.truncate(1);
-        table.extend(further.clone());
+        table.extend(tables_with_values(further.clone()));
         abridged(table, width)
     };
     let mut page = comparison_page_of_all_tests(&comparison.table, &theory);
     page.extend(further.clone());
-    let printed = CorrelationOutput::of_blocks(blocks, json).with_page(page);
+    let next = without_sensors.then(|| next_with_sensors(args));
+    let printed = CorrelationOutput::of_blocks(blocks, json)
+        .with_page(page)
+        .with_next(next);
     print(args, printed, Some(&screen), output);
     let named_models = args.test.iter().chain(&args.theory);
     let taken: Vec<Finding> = named_models
@@ -198,6 +203,15 @@ fn compare_with_theory(
     Ok(Outcome::missed_if(
         partly_bad || comparison.table.is_empty(),
     ))
+}
+
+/// The step after a comparison with a model without sensors.
+fn next_with_sensors(args: &CorrelateArgs) -> String {
+    let model = args.theory.as_ref();
+    let model = model.map_or(String::new(), |path| path.display().to_string());
+    format!(
+        "Next, as {model} states no sensors and pairs are by frequency alone: --theory FOLDER of the scene with its [[sensor]], or [[sensor]] in the model file."
+    )
 }
 
 /// The reversed sensors of a test, corrected where that is requested; else the pairing reports

@@ -16,6 +16,8 @@ pub(super) struct CorrelationOutput {
     /// Indices of the blocks that become a CSV file each.
     tables: Vec<usize>,
     json: String,
+    /// What to do next.
+    next: Option<String>,
 }
 
 impl CorrelationOutput {
@@ -27,7 +29,14 @@ impl CorrelationOutput {
             page: None,
             tables,
             json,
+            next: None,
         }
+    }
+
+    /// With the next step.
+    pub(super) fn with_next(mut self, next: Option<String>) -> Self {
+        self.next = next;
+        self
     }
 
     /// With other blocks for a LaTeX file.
@@ -48,6 +57,7 @@ impl CorrelationOutput {
             page: None,
             tables,
             json,
+            next: None,
         }
     }
 
@@ -99,10 +109,12 @@ pub(super) fn print(
     let (blocks, format) = (printed.blocks, |blocks| format_blocks(args, blocks));
     let first_of_all = |width: usize| abridged(blocks.clone(), width);
     output.add_formatted_result(screen.unwrap_or(&first_of_all), || blocks.clone(), format);
-    output.add_rest_note(match args.output {
+    let rest = match args.output {
         Some(_) => "All columns and notes: --full.",
         None => "All columns and notes: --full; tables to a file: -o FILE.",
-    });
+    };
+    let lines: Vec<&str> = printed.next.as_deref().into_iter().chain([rest]).collect();
+    output.add_rest_note(&lines.join("\n"));
     output.add_json(|| printed.json);
 }
 

@@ -91,7 +91,7 @@ fn end_program(shared: &'static Shared) {
     } else {
         ""
     };
-    let word = "error: interrupted; every file that is there is whole";
+    let word = "error: interrupted; the result is not written, and files that were written before are whole";
     let _ = writeln!(&stderr, "{clear}{word}");
     remove_unfinished();
     std::process::exit(2);

@@ -19,6 +19,13 @@ const TEMPLATES: [&str; 3] = [
     "{prefix}  [{pos}/{len}] {percent} %  {msg}  {elapsed}, {eta} left",
 ];
 
+/// Minimum number of steps whose mean time tells that of the others. Larger, at 50: a study of many
+/// draws shows no time left. Smaller, at 3: a run of one test, whose last steps take no time, shows
+/// a time that does not come. Test `time_left_is_shown_only_for_many_steps`.
+const MIN_STEPS_OF_AN_ESTIMATE: usize = 10;
+/// Finished steps from which the time left is shown.
+const MIN_FINISHED_STEPS: usize = 3;
+
 /// Shows steps on standard error while it lives; nothing where that is no terminal, or one that
 /// cannot draw in place.
 pub struct Progress {
@@ -49,8 +56,9 @@ impl Observer for Progress {
             bar.set_length(count as u64);
             bar.reset_eta();
         }
-        // The time left follows from finished steps.
-        bar.set_style(style(TEMPLATES[if number > 1 { 2 } else { 1 }]));
+        bar.set_style(style(
+            TEMPLATES[usize::from(shows_time_left(number, count)) + 1],
+        ));
         bar.set_message(printable_line(what).into_owned());
     }
 }
@@ -63,6 +71,12 @@ impl Drop for Progress {
     }
 }
 
+/// Whether the finished steps tell the time left: steps of different work, as test and comparison
+/// of a scene, tell none; of many alike the first ones do.
+fn shows_time_left(number: usize, count: usize) -> bool {
+    count >= MIN_STEPS_OF_AN_ESTIMATE && number > MIN_FINISHED_STEPS
+}
+
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner())
 }
@@ -70,6 +84,14 @@ fn style(template: &str) -> ProgressStyle {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn time_left_is_shown_only_for_many_steps() {
+        assert!(!shows_time_left(2, 3));
+        assert!(!shows_time_left(7, 7));
+        assert!(!shows_time_left(2, 40));
+        assert!(shows_time_left(5, 40));
+    }
 
     #[test]
     fn templates_are_valid() {

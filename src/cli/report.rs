@@ -150,6 +150,7 @@ fn files_in_figure_folder(figures: Vec<(String, String)>, png: bool) -> Vec<(Str
 pub(super) fn report_files(
     scene: &Scene,
     result: &SceneResult,
+    next: Option<&str>,
     folder: &Path,
     language: Language,
     png: bool,
@@ -170,6 +171,7 @@ pub(super) fn report_files(
             .iter()
             .map(|check| (check.what.clone(), check.is_met()))
             .collect(),
+        next: next.map(str::to_owned),
         figures,
         provenance,
     };

@@ -34,16 +34,19 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         output.open_results(folder, Some(RUN_VERB))?;
     }
     let result = run_scene(&scene, output.observer())?;
+    let next = next_step(&args.scene.display().to_string(), &scene, &result);
     let blocks = blocks(&scene, &result, Columns::All);
     let (mut earlier, mut left_out) = (None, None);
     if let Some(folder) = &args.output {
         let translated = |blocks| output.language().translated(blocks);
         let page = translated(self::blocks(&scene, &result, Columns::Page));
         let all = translated(blocks.clone());
-        let mut files = files(&result, &TableBlocks { all, page }, output.language())?;
+        let tables = TableBlocks { all, page };
+        let mut files = files(&result, next.as_deref(), &tables, output.language())?;
         files.extend(report_files(
             &scene,
             &result,
+            next.as_deref(),
             folder,
             output.language(),
             args.png,
@@ -61,12 +64,11 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE."
         }
     };
-    let next = next_step(&args.scene.display().to_string(), &result);
-    let lines = [earlier, left_out, next, Some(rest.to_owned())];
+    let lines = [earlier, left_out, next.clone(), Some(rest.to_owned())];
     let lines: Vec<String> = lines.into_iter().flatten().collect();
     output.add_rest_note(&lines.join("\n"));
     match &result.table {
-        Some(table) => output.add_json(|| comparison_json(table, &result)),
+        Some(table) => output.add_json(|| comparison_json(table, &result, next.as_deref())),
         None if result.tests.is_empty() => {
             output.add_json(|| modes_to_json(&result.theory.modes, None));
         }
@@ -119,11 +121,12 @@ pub(super) fn add_folder_files(
 }
 
 /// `comparison.json` with the placements and limits of the scene.
-fn comparison_json(table: &ComparisonTable, result: &SceneResult) -> String {
+fn comparison_json(table: &ComparisonTable, result: &SceneResult, next: Option<&str>) -> String {
     let more = json::ExtraResults {
         placements: &result.placements,
         limits: &result.limits,
         states: Some(result),
+        next,
         ..json::ExtraResults::default()
     };
     json::comparison_with(table, &more)
@@ -220,6 +223,7 @@ fn findings_blocks(result: &SceneResult, language: Language) -> Vec<Block> {
 /// The files of the folder other than the report.
 fn files(
     result: &SceneResult,
+    next: Option<&str>,
     blocks: &TableBlocks,
     language: Language,
 ) -> Result<Vec<(String, Vec<u8>)>, Error> {
@@ -260,7 +264,7 @@ fn files(
     if let Some(table) = &result.table {
         files.push((
             "comparison.json".to_owned(),
-            comparison_json(table, result).into_bytes(),
+            comparison_json(table, result, next).into_bytes(),
         ));
         // A program that reads CSV expects one table, with its heads as they always are.
         let comparison = comparison_of_all_tests(table, &result.theory);

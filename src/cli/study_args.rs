@@ -9,7 +9,7 @@ use crate::study::breakdown::Part;
 /// `study`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  modalign study speed-accuracy measurements/free-free-beam -o speed\n  modalign study breakdown measurements/free-free-beam -o fails\n  modalign study order measurements/free-free-beam -o needs"
+    after_help = "Time: order takes seconds to minutes, speed-accuracy minutes (fewer with --draws), breakdown minutes to hours (fewer with --draws, or in parts with --cells).\nExamples:\n  modalign study speed-accuracy measurements/free-free-beam -o speed\n  modalign study breakdown measurements/free-free-beam -o fails\n  modalign study order measurements/free-free-beam -o needs"
 )]
 pub struct StudyArgs {
     /// The study.
@@ -48,7 +48,7 @@ impl Study {
 /// `study speed-accuracy`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  modalign study speed-accuracy measurements/free-free-beam -o speed"
+    after_help = "Time: minutes on an idle machine; fewer with --draws 1.\nExample:\n  modalign study speed-accuracy measurements/free-free-beam -o speed"
 )]
 pub struct SpeedAccuracyArgs {
     /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
@@ -68,6 +68,9 @@ pub struct SpeedAccuracyArgs {
 
 /// `study breakdown`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Time: minutes to hours, nearly in proportion to --draws; with -o every finished slice is kept, and the same command continues with the others.\nExample:\n  modalign study breakdown measurements/free-free-beam -o fails --draws 4"
+)]
 pub struct BreakdownArgs {
     /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The
     /// maps show the modes of the scene.
@@ -100,7 +103,9 @@ fn part(text: &str) -> Result<Part, String> {
 
 /// `study order`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  modalign study order measurements/free-free-beam -o needs")]
+#[command(
+    after_help = "Time: seconds to minutes.\nExample:\n  modalign study order measurements/free-free-beam -o needs"
+)]
 pub struct OrderArgs {
     /// A scene's folder, whose study.toml says what counts as enough if there is one, or a
     /// study.toml.

@@ -11,7 +11,7 @@ use crate::report::json::{
 use crate::report::{
     Block, abridged, details_blocks, energies_block, parameters_block, quantities_block,
     response_blocks, roots_block, roots_screen, sensitivities_block, simplest_details_block,
-    sweep_blocks, theory_block,
+    sweep_blocks, theory_block, without_whole_shares,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding,
@@ -84,7 +84,10 @@ pub fn theory(
     let requested = blocks[basic_count..].to_vec();
     output.add_result(
         |width| match (requested.is_empty(), result.roots.is_empty(), args.damped) {
-            (false, ..) => abridged(requested, width),
+            (false, ..) => {
+                let requested = requested.into_iter().map(without_whole_shares);
+                abridged(requested.collect(), width)
+            }
             (true, false, false) => {
                 let caption = format!("Roots of {name}");
                 roots_screen(

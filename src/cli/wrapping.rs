@@ -5,9 +5,18 @@ pub const DEFAULT_WIDTH: usize = 100;
 /// Width of the narrowest terminal that is used as it is.
 const MIN_WIDTH: usize = 60;
 
-/// Characters in a line of the terminal behind standard output; `None` where it is none.
+/// Characters in a line of standard output: those of COLUMNS where it is set, else of the terminal
+/// behind it; `None` where it is none.
 pub fn output_width() -> Option<usize> {
-    usable(terminal_size::terminal_size_of(std::io::stdout()))
+    let stated = std::env::var("COLUMNS").ok();
+    stated_width(stated.as_deref())
+        .or_else(|| usable(terminal_size::terminal_size_of(std::io::stdout())))
+}
+
+/// The width that COLUMNS states; `None` where it states no positive number.
+fn stated_width(columns: Option<&str>) -> Option<usize> {
+    let columns: usize = columns?.trim().parse().ok()?;
+    (columns > 0).then(|| columns.max(MIN_WIDTH))
 }
 
 /// Characters in a line of the terminal behind standard error; `None` where it is none.
@@ -32,6 +41,15 @@ pub fn wrapped(text: &str, width: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_state_the_width_where_they_are_a_number() {
+        assert_eq!(stated_width(Some("80")), Some(80));
+        assert_eq!(stated_width(Some("20")), Some(MIN_WIDTH));
+        for none in [None, Some(""), Some("0"), Some("wide")] {
+            assert_eq!(stated_width(none), None);
+        }
+    }
 
     #[test]
     fn lines_keep_their_indent_and_long_names_stay_whole() {

@@ -16,7 +16,7 @@ use super::partner::{
 };
 use super::shape_match::{ShapeMatch, shape_matches};
 use super::shapes::Shapes;
-use super::{CorrelateError, PairOptions, assign};
+use super::{CorrelateError, DofMap, PairOptions, assign};
 
 /// Cost of an unpaired test mode, and of a pair at both gates: a pair inside its gates costs no
 /// more.
@@ -110,6 +110,7 @@ impl CandidateTable {
         test: &ModalModel,
         theory: &ModalModel,
         shapes: &Shapes,
+        map: &DofMap,
         options: &PairOptions,
     ) -> Self {
         let (modes, roots) = (elastic_modes(test), elastic_roots(theory));
@@ -135,6 +136,8 @@ impl CandidateTable {
             let mac = shapes.mac(i, &root.modes);
             let dofs = shapes.common_dofs(&[i], &root.modes);
             let evidence = match shapes.distinct_count(dofs) {
+                // Nothing that the test measures can be a mode of the theory.
+                _ if map.is_still_in_theory() => ShapeEvidence::Known(None, None),
                 MIN_DOFS_OF_SHAPE.. => ShapeEvidence::Known(mac, contributions[r].get(&i).copied()),
                 _ => ShapeEvidence::Unknown,
             };

@@ -132,6 +132,11 @@ impl DofMap {
         self.pairs.is_empty()
     }
 
+    /// Whether the theory is 0 in every mode at all of them, though the test moves there.
+    pub fn is_still_in_theory(&self) -> bool {
+        !self.pairs.is_empty() && self.zero_in_theory.len() == self.pairs.len()
+    }
+
     /// Factor of each common degree of freedom in a MAC: 1, or the stated length for a rotation
     /// among translations.
     pub(super) fn weights(&self, options: &PairOptions) -> Result<Vec<f64>, CorrelateError> {

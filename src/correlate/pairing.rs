@@ -54,7 +54,8 @@ pub struct Pairing {
 /// the weight of the frequency is small because `a` includes the frequencies. With fewer than three
 /// degrees of freedom in common a pair costs `u`: the MAC over one component is 1 for any two
 /// shapes, and over two components independent shapes reach 0.9 in a fifth of all cases. Degrees of
-/// freedom that move alike in every mode of the theory, as of sensors at one position, are one. An
+/// freedom that move alike in every mode of the theory, as of sensors at one position, are one.
+/// Where the theory moves at none of them in any mode, no pair is allowed, by frequency neither. An
 /// unpaired test mode costs 1, so that a pair inside its gates is always preferred, and an unpaired
 /// mode changes another pair only where that costs less. The assignment minimises the sum over all
 /// pairs.
@@ -99,6 +100,7 @@ pub fn pair(
         test,
         theory,
         &shapes.reversed(&signs(&map, &reversed)),
+        &map,
         options,
     );
     let root_of = table.assign();

@@ -452,3 +452,17 @@ fn rounding_errors_at_nodes_are_no_shape() {
     assert_eq!(numbers(&found), [(1, 1)]);
     assert_eq!(found.pairs[0].partners[0].verdict, PairVerdict::Paired);
 }
+
+#[test]
+fn modes_of_a_model_that_moves_at_no_sensor_have_no_partner_by_frequency() {
+    let shapes: Vec<Vec<f64>> = (1..=4).map(shape).collect();
+    let numbered = || [100.0, 200.0, 300.0, 400.0].into_iter().zip(&shapes);
+    let test = model(numbered().map(|(hz, shape)| mode(hz, shape)).collect());
+    let still = model(numbered().map(|(hz, _)| mode(hz, &[0.0; 6])).collect());
+    let pairing = paired(&test, &still);
+    assert_eq!(pairing.pairs, []);
+    assert!(pairing.map.is_still_in_theory());
+    // Without any shape of the model frequencies are all that there is.
+    let bare = model(numbered().map(|(hz, _)| mode(hz, &[])).collect());
+    assert_eq!(paired(&test, &bare).pairs.len(), 4);
+}

@@ -223,6 +223,10 @@ impl<'a> TestColumn<'a> {
 
     /// Status of an unmatched root inside the band, with its reason.
     fn missed_status(&self, r: usize) -> (Status, String) {
+        if self.test.pairing.map.is_still_in_theory() {
+            let why = "the model does not move at any sensor of the test, in any mode";
+            return (Status::NotObservable, why.to_owned());
+        }
         let Some(observability) = &self.observability[r] else {
             let why = "not judged: the test has no pairs of response and hit at which the model has shapes";
             return (Status::MissedUnexpected, why.to_owned());

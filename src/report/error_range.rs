@@ -1,6 +1,6 @@
 //! The sentence on a model whose errors lie on one side and no single factor removes.
 
-use crate::scene::{ErrorRange, ErrorTrend};
+use crate::scene::{ErrorRange, ErrorTrend, OneSidedModes};
 
 use super::Cell;
 
@@ -31,6 +31,25 @@ pub(super) fn error_range(range: &ErrorRange) -> String {
         range.first,
         percent(range.last_percent),
         range.last,
+    )
+}
+
+/// How the model is off whose modes lie on one side for the most part.
+pub(super) fn one_sided_modes(modes: &OneSidedModes) -> String {
+    let OneSidedModes {
+        test_is_lower,
+        count,
+        modes,
+        mean_percent,
+    } = *modes;
+    let relation = match test_is_lower {
+        true => "below",
+        false => "above",
+    };
+    format!(
+        "The model is too {}: {count} of {modes} modes of the test lie {relation} those of the model, on average by {} %.",
+        lean(test_is_lower),
+        Cell::signed(Some(mean_percent), 2).display()
     )
 }
 

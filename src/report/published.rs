@@ -256,17 +256,11 @@ fn largest_errors_note(test: &TestErrors) -> Option<String> {
 /// The claims of a publication and whether they are reproduced; `None` without any.
 pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
     let row = |claim: &ClaimVerdict| {
-        // Two digits more than printed show how close a rounding is; a count has none to show.
-        let counted = claim.unit.is_empty() && claim.digits == Digits::Decimals(0);
-        let finer = claim.digits.finer(if counted { 0 } else { 2 });
-        let found = claim.recomputed.as_ref();
-        let relation = claim.relation;
+        let [printed, recomputed] = claim_values(claim);
         vec![
             Cell::text(&claim.text),
-            stated_cell(&claim.printed, relation, claim.digits, claim.unit),
-            found.map_or(Cell::Missing, |found| {
-                stated_cell(found, "", finer, claim.unit)
-            }),
+            printed,
+            recomputed,
             Cell::text(claim_verdict(claim.confirmed).text()),
             claim.remark.clone().map_or(Cell::Missing, Cell::Text),
         ]
@@ -289,6 +283,20 @@ pub fn claims_block(expected: &ExpectedResult) -> Option<Block> {
             ],
         })
     })
+}
+
+/// The value of a claim as printed and as recomputed.
+pub(super) fn claim_values(claim: &ClaimVerdict) -> [Cell; 2] {
+    // Two digits more than printed show how close a rounding is; a count has none to show.
+    let counted = claim.unit.is_empty() && claim.digits == Digits::Decimals(0);
+    let finer = claim.digits.finer(if counted { 0 } else { 2 });
+    let found = claim.recomputed.as_ref();
+    [
+        stated_cell(&claim.printed, claim.relation, claim.digits, claim.unit),
+        found.map_or(Cell::Missing, |found| {
+            stated_cell(found, "", finer, claim.unit)
+        }),
+    ]
 }
 
 fn claim_verdict(confirmed: Option<bool>) -> Verdict {

@@ -44,6 +44,7 @@ pub(super) fn labels_of(head: &str) -> &'static Group {
 mod tests {
     use std::collections::BTreeSet;
 
+    use super::super::verdict_texts::VERDICT_TEXTS;
     use super::*;
 
     /// Headings and labels that the code composes of several literals.
@@ -68,7 +69,7 @@ mod tests {
     /// The texts of every group.
     fn all_groups() -> Vec<Vec<&'static Text>> {
         let mut groups = groups_in_code();
-        groups.extend([TEXTS.paragraphs, TEXTS.script]);
+        groups.extend([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS]);
         let texts = |group: &'static Group| group.iter().map(|(_, text)| text).collect();
         let page = TEXTS.page.texts();
         groups.into_iter().map(texts).chain([page]).collect()
@@ -93,7 +94,7 @@ mod tests {
     fn keys_are_unique_and_labels_belong_to_a_head() {
         let keys = |group: &Group| group.iter().map(|(key, _)| *key).collect::<BTreeSet<_>>();
         let groups = groups_in_code().into_iter();
-        for group in groups.chain([TEXTS.paragraphs, TEXTS.script]) {
+        for group in groups.chain([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS]) {
             assert_eq!(keys(group).len(), group.len());
         }
         let heads = keys(TEXTS.headings);

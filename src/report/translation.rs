@@ -4,6 +4,7 @@
 use crate::finding::{Code, Severity};
 
 use super::texts::{Group, TEXTS, labels_of, translate};
+use super::verdict_texts::VERDICT_TEXTS;
 use super::{Block, Cell, Language, Table};
 
 impl Language {
@@ -13,7 +14,8 @@ impl Language {
             Language::English => text,
             Language::Chinese => {
                 let lines = text.lines().map(|line| {
-                    warning(line).unwrap_or_else(|| best_match(TEXTS.paragraphs, line))
+                    warning(line)
+                        .unwrap_or_else(|| best_match(&[TEXTS.paragraphs, VERDICT_TEXTS], line))
                 });
                 lines.collect::<Vec<_>>().join("\n")
             }
@@ -83,14 +85,14 @@ fn label(head: &str, text: &str) -> String {
 }
 
 fn heading(text: &str) -> String {
-    best_match(TEXTS.headings, text)
+    best_match(&[TEXTS.headings], text)
 }
 
-/// The translation of a text. Of several matching texts of the group, the one with the most letters
-/// outside `{}` applies.
-fn best_match(group: &Group, text: &str) -> String {
+/// The translation of a text. Of several matching texts of the groups, the one with the most
+/// letters outside `{}` applies.
+fn best_match(groups: &[&Group], text: &str) -> String {
     let letter_count = |text: &str| text.replace("{}", "").chars().count();
-    let matches = group.iter().filter_map(|(_, found)| {
+    let matches = groups.iter().copied().flatten().filter_map(|(_, found)| {
         let names = names(found.english, text)?;
         Some((letter_count(found.english), found, names))
     });

@@ -2,6 +2,7 @@
 //! fit before and after, and the changes of one or two parameters.
 
 use crate::correlate::ComparisonTable;
+use crate::finding::{Code, Finding};
 use crate::printable::counted;
 use crate::scene::{SceneUpdate, Theory};
 use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
@@ -14,6 +15,9 @@ use super::{Block, Cell, Column, Table};
 
 /// Maximum number of printed changes; `update.json` has all.
 const MAX_PRINTED_CHANGES: usize = 10;
+
+/// Why the MAC of an update differs from that of a comparison.
+pub(super) const MAC_OF_AN_UPDATE: &str = "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A comparison uses the complex shapes, all components with equal weight.";
 
 /// All tables of an update.
 pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
@@ -224,11 +228,7 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
     columns.extend(heads.map(Column::number));
     let all = before.rows.iter().chain(&after.rows);
     let shapes = all.into_iter().any(|row| row.mac.is_some());
-    let macs = shapes.then(|| {
-        "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A \
-         comparison uses the complex shapes, all components with equal weight."
-            .to_owned()
-    });
+    let macs = shapes.then(|| MAC_OF_AN_UPDATE.to_owned());
     Block::Table(Table {
         caption: "Modes used in the update".to_owned(),
         columns,
@@ -238,6 +238,20 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
             .chain(macs)
             .collect(),
     })
+}
+
+/// As [`fit_summary`], with the number of doubtful modes that the update leaves out.
+pub(super) fn fit_with_left_out(name: &str, fit: &Fit, findings: &[Finding]) -> String {
+    let findings = findings.iter();
+    let left_out = findings.filter(|finding| finding.code == Code::DoubtfulLeftOut);
+    let summary = fit_summary(name, fit);
+    match left_out.count() {
+        0 => summary,
+        count => {
+            let modes = counted(count, "doubtful test mode");
+            format!("{} {modes} left out.", summary)
+        }
+    }
 }
 
 /// Pairs, errors and chi-square of a fit.

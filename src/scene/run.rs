@@ -1,12 +1,14 @@
 //! Files or a synthetic recording become hits, FRFs and modes; the model becomes modes; both become
 //! the comparison table.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::axis::Band;
 use crate::correlate::{
-    ComparisonTable, CorrelateError, PairOptions, PairedTest, Pairing, compare, pair,
+    ComparisonTable, CorrelateError, DofMap, PairOptions, PairedTest, Pairing, compare, pair,
 };
+use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::{FrfError, FrfSet, evaluate_test};
 use crate::identify::{
@@ -654,11 +656,43 @@ pub fn compare_tests(
     let table = compare(theory, &paired, options)?;
     let findings = tests.iter().zip(&pairings);
     let findings = findings
-        .map(|(test, pairing)| (test.name.to_owned(), pairing.findings.clone()))
+        .map(|(test, pairing)| {
+            let without = functions_without_partner(theory, test.frfs, &pairing.map);
+            let all = pairing.findings.iter().cloned().chain(without);
+            (test.name.to_owned(), all.collect())
+        })
         .collect();
     Ok(Comparison {
         table,
         findings,
         pairings,
     })
+}
+
+/// A finding for each response and reference of the FRFs of a test that the theory lacks, though it
+/// has shapes, and that the map of the shapes does not name: without it the observability is
+/// unknown.
+fn functions_without_partner(theory: &ModalModel, frfs: &[FrfSet], map: &DofMap) -> Vec<Finding> {
+    let of_theory = theory.modes.iter().flat_map(|mode| mode.shape.iter());
+    let of_theory: BTreeSet<Dof> = of_theory.map(|(dof, _)| dof.positive()).collect();
+    let named: BTreeSet<Dof> = map.test_alone.iter().map(Dof::positive).collect();
+    let is_missing =
+        |dof: &Dof| !of_theory.contains(&dof.positive()) && !named.contains(&dof.positive());
+    let functions = || frfs.iter().flat_map(FrfSet::functions);
+    let responses: BTreeSet<&Dof> = functions().map(|function| &function.response).collect();
+    let references: BTreeSet<&Dof> = functions().map(|function| &function.reference).collect();
+    let responses = responses.into_iter().map(|dof| (Some(dof.clone()), None));
+    let references = references.into_iter().map(|dof| (None, Some(dof.clone())));
+    let finding = |(response, reference): (Option<Dof>, Option<Dof>)| {
+        let location = Location::Function {
+            response,
+            reference,
+        };
+        Finding::new(Severity::Warning, Code::DofWithoutPartner, location)
+    };
+    let all = responses.chain(references).filter(|(response, reference)| {
+        let dof = response.as_ref().or(reference.as_ref());
+        !of_theory.is_empty() && dof.is_some_and(is_missing)
+    });
+    all.map(finding).collect()
 }

@@ -19,6 +19,7 @@ pub fn modalign_in<S: AsRef<std::ffi::OsStr>>(
     let mut command = Command::cargo_bin("modalign").unwrap();
     command
         .current_dir(folder)
+        .env_remove("COLUMNS")
         .args(arguments)
         .output()
         .unwrap()

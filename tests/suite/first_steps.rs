@@ -133,7 +133,7 @@ fn sensors_that_the_model_cannot_move_are_said_before_an_update() {
     assert!(screen.contains("Pairs: 0 of 3"), "{screen}");
     assert!(!screen.contains("modalign update"), "{screen}");
     assert!(
-        screen.contains("Next, as no mode is paired: the positions and directions"),
+        screen.contains("Next, as no mode is paired: the model does not move at"),
         "{screen}"
     );
     assert!(findings.contains("[sensor-unmoved]"), "{findings}");
@@ -322,7 +322,7 @@ fn limits_are_named_by_kind_and_asked_for_where_there_are_none() {
     );
     let (screen, _, _) = said(folder, "run bar");
     assert!(
-        screen.contains("Limits of the scene: all met (1, on extra modes)."),
+        screen.contains("Limits of the scene: all met (1, on extra modes; none on errors or MAC)."),
         "{screen}"
     );
     let (screen, _, code) = said(folder, "check out/comparison.json --against bar");

@@ -240,3 +240,75 @@ fn theory_and_correlate_say_that_the_stated_support_contradicts_the_model() {
     let (_, findings, _) = said(folder, "theory bar");
     assert!(findings.contains(contradicted), "{findings}");
 }
+
+#[test]
+fn a_wrong_unit_of_the_model_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    let (density, area) = (
+        "density_kg_per_m3 = 7850.0",
+        ["area_m2 = 3.0e-4", "second_moment_m4 = 2.5e-9"],
+    );
+    let in_mm = model
+        .replace(area[0], "area_m2 = 1000.0")
+        .replace(area[1], "second_moment_m4 = 90000.0");
+    for (wrong, said_of_it) in [
+        (in_mm, "The model has no mode in the band of a test"),
+        (
+            model.replace(density, "density_kg_per_m3 = 7.85"),
+            "The model is far from the test",
+        ),
+    ] {
+        assert_ne!(wrong, model);
+        write(folder, &[("bar/model.toml", &wrong)]);
+        let (screen, findings, code) = said(folder, "run bar");
+        assert_eq!(code, Some(1), "{findings}");
+        let text = unwrapped(&screen);
+        for part in [
+            said_of_it,
+            "times that of the test: a unit of the model may be wrong.",
+        ] {
+            assert!(text.contains(part), "{part}: {screen}");
+        }
+        let next = screen.lines().filter(|line| line.starts_with("Next"));
+        assert_eq!(next.count(), 1, "{screen}");
+    }
+}
+
+#[test]
+fn a_model_without_sensors_names_the_scene_as_theory() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    let line = "correlate --test modes.csv --theory bar/model.toml";
+    let (screen, findings, _) = said(folder, line);
+    assert!(findings.contains("[model-without-sensors]"), "{findings}");
+    let next =
+        "Next, as bar/model.toml states no sensors and pairs are by frequency alone: --theory";
+    assert!(unwrapped(&screen).contains(next), "{screen}");
+}
+
+#[test]
+fn the_next_step_is_the_same_on_screen_in_report_and_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, findings, code) = said(folder, "run bar -o out");
+    assert_eq!(code, Some(0), "{findings}");
+    let next = "Next, the parameters that bring the model to the test: modalign update bar.";
+    assert!(screen.contains(next), "{screen}");
+    for file in ["out/comparison.json", "out/report.json", "out/report.html"] {
+        assert!(read(folder, file).contains(next), "{file}");
+    }
+    let scene = read(folder, "bar/scene.toml");
+    let model = scene.find("[model]").unwrap();
+    write(folder, &[("bar/scene.toml", &scene[..model])]);
+    let (screen, findings, code) = said(folder, "run bar");
+    assert_eq!(code, Some(0), "{findings}");
+    let next = "Next, a model to compare with: [model] in bar/scene.toml";
+    assert!(screen.contains(next), "{screen}");
+}

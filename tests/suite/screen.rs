@@ -160,6 +160,23 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
 }
 
 #[test]
+fn columns_state_the_width_of_a_piped_screen_and_omitted_columns_are_named() {
+    let output = assert_cmd::Command::cargo_bin("modalign")
+        .unwrap()
+        .current_dir(crate::command::root())
+        .env("COLUMNS", "72")
+        .args(["run", BEAM])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_fits(&text, 60, 72, "run");
+    assert!(
+        text.contains("further columns (") && text.contains("damping (%)"),
+        "{text}"
+    );
+}
+
+#[test]
 fn many_assumed_parameters_are_counted() {
     let screen = succeed(["run", "measurements/helical-planetary"]);
     assert!(

@@ -283,7 +283,7 @@ impl FindingContext<'_> {
         reported.into_iter().map(|(_, finding)| finding).collect()
     }
 
-    /// Detected peaks without a mode.
+    /// Detected peaks without a mode, those whose pole was rejected among them.
     fn peak_findings(&self) -> Vec<Finding> {
         let found = self.found;
         let line = |line: usize| self.data.frfs.omega[line];
@@ -292,9 +292,6 @@ impl FindingContext<'_> {
                 let reach = (PEAK_BANDWIDTHS * width).max(PEAK_LINES * self.data.frfs.step);
                 (lambda.im - omega).abs() < reach
             };
-            let is_rejected =
-                |dropped: &&Dropped| matches!(dropped.reason, DropReason::Rejected(_));
-            let mut rejected = self.dropped.iter().filter(is_rejected);
             let inside = self.band.lo_hz * TAU <= omega && omega <= self.band.hi_hz * TAU;
             inside
                 && !self
@@ -303,7 +300,6 @@ impl FindingContext<'_> {
                     .map(|(pole, _)| pole)
                     .chain(self.hum)
                     .any(|pole| at(pole.width(), pole.lambda))
-                && !rejected.any(|dropped| at(-2.0 * dropped.lambda.re, dropped.lambda))
         };
         let mut findings: Vec<Finding> = found
             .dropped

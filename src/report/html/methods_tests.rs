@@ -28,6 +28,7 @@ fn run() -> RunReport {
         sections: Vec::new(),
         findings: Vec::new(),
         limits: Vec::new(),
+        next: None,
         figures: Figures {
             tests: vec![TestFigures {
                 name: "hammer".to_owned(),

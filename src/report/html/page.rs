@@ -258,6 +258,7 @@ mod tests {
             }],
             findings: Vec::new(),
             limits: Vec::new(),
+            next: None,
             figures: Figures {
                 tests: vec![TestFigures {
                     name: "</SCRIPT>".to_owned(),

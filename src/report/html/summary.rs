@@ -13,7 +13,7 @@ use crate::scene::Overview;
 
 use super::super::Language;
 use super::super::comparison::headline;
-use super::super::error_range::error_range;
+use super::super::error_range::{error_range, one_sided_modes};
 use super::super::json::RunReport;
 use super::super::texts::{TEXTS, Text};
 use super::super::verdict::Verdict;
@@ -28,9 +28,15 @@ const MAX_LISTED_ITEMS: usize = 8;
 
 /// Verdict on the stated limits, a card for each test, unmatched modes, and recommended changes.
 pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Language) -> String {
+    let next = report.next.as_deref();
+    let next = next.filter(|_| updated.is_none());
+    let next = next.map(|next| language.translated_text(next.to_owned()));
     let Some(overview) = &report.figures.overview else {
+        let next = next.map_or_else(String::new, |next| {
+            format!("<p>{}</p>\n", text_with_code(&next))
+        });
         return format!(
-            "<p class=\"lead\">{}</p>\n{}",
+            "<p class=\"lead\">{}</p>\n{}{next}",
             escape(TEXTS.page.test_only.in_language(language)),
             limits(report, language)
         );
@@ -67,6 +73,7 @@ pub(super) fn summary(report: &RunReport, updated: Option<&Value>, language: Lan
         let text = &texts.number_of_warnings;
         advice.push(text.filled(language, &[warnings.to_string()]));
     }
+    advice.extend(next);
     text += &format!(
         "<div><h3>{}</h3>\n{}</div>\n</div>\n</div>\n<div class=\"drawn\" data-draw=\"errors\"></div>\n",
         advice_head(updated).in_language(language),
@@ -202,23 +209,19 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
             return sentences;
         }
     }
-    let further = overview.updatable.then(|| {
-        let text = &TEXTS.page.update_estimates_parameters;
-        text.in_language(language).to_owned()
-    });
     if let Some(factor) = overview.stiffness_factor {
         let text = match factor < 1.0 {
             true => &TEXTS.page.model_too_stiff,
             false => &TEXTS.page.model_too_soft,
         };
         let bias = text.filled(language, &[format!("{factor:.3}")]);
-        return [bias].into_iter().chain(further).collect();
+        return vec![bias];
     }
     if let Some(range) = &overview.error_range {
-        return [language.translated_text(error_range(range))]
-            .into_iter()
-            .chain(further)
-            .collect();
+        return vec![language.translated_text(error_range(range))];
+    }
+    if let Some(modes) = &overview.one_sided {
+        return vec![language.translated_text(one_sided_modes(modes))];
     }
     let errors = overview.rows.iter().flat_map(|row| {
         let cells = row.cells.iter();
@@ -230,8 +233,7 @@ fn advice(overview: &Overview, updated: Option<&Value>, language: Language) -> V
         let mode = format!("{} ({})", row.label, cell.test);
         text.filled(language, &[format!("{error:+.2} %"), mode])
     });
-    let further = further.filter(|_| largest_error.is_some());
-    largest_error.into_iter().chain(further).collect()
+    largest_error.into_iter().collect()
 }
 
 /// The identified parameters; of many, those with the largest changes in standard deviations, with
@@ -413,15 +415,10 @@ mod tests {
             rows: Vec::new(),
             stiffness_factor: Some(0.96),
             error_range: None,
-            updatable: true,
+            one_sided: None,
         };
-        let fixed = Overview {
-            updatable: false,
-            ..overview.clone()
-        };
-        assert_eq!(advice(&fixed, None, Language::English).len(), 1);
         let sentences = advice(&overview, None, Language::English);
-        assert!(sentences[1].contains("`modalign update`"), "{sentences:?}");
+        assert_eq!(sentences.len(), 1);
         assert!(
             sentences[0].contains("too stiff") && sentences[0].contains("0.960"),
             "{sentences:?}"

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::super::texts::{TEXTS, Text, labels_of, translate};
+use super::super::update::MAC_OF_AN_UPDATE;
 use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
 use super::numbers::{four_digits, two_digits};
@@ -258,6 +259,8 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
             Cell::number(value(after, "mac"), 3),
         ]
     };
+    let has_mac = after.iter().any(|row| row["mac"].is_number());
+    let macs = has_mac.then(|| language.translated_text(MAC_OF_AN_UPDATE.to_owned()));
     let mut of_fits = columns(&[&texts.mode], &[&texts.test_hz]);
     for when in [&texts.before, &texts.after] {
         let head = format!("{}\n{}", w(&texts.model_hz), w(when));
@@ -287,7 +290,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
                 caption: w(&texts.frequencies_before_and_after).to_owned(),
                 columns: of_fits,
                 rows: before.iter().zip(&after).map(fit).collect(),
-                footnotes: Vec::new(),
+                footnotes: macs.into_iter().collect(),
             }),
         ],
         language,
@@ -353,7 +356,7 @@ mod tests {
                 rows: vec![root(11.0), root(21.0)],
                 stiffness_factor: None,
                 error_range: None,
-                updatable: false,
+                one_sided: None,
             }),
             tests: vec![TestFigures {
                 name: "a f".to_owned(),

@@ -95,6 +95,9 @@ pub struct ComparisonFile {
     /// is stated, and the `support` of the `model`, `stated` and `derived` from its matrices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub states: Option<Value>,
+    /// What to do next after the run of a scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next: Option<String>,
 }
 
 /// One row.
@@ -192,6 +195,8 @@ pub struct ExtraResults<'a> {
     pub limits: &'a [LimitCheck],
     /// The result of the scene, for the states of its tests and the support of its model.
     pub states: Option<&'a SceneResult>,
+    /// What to do next.
+    pub next: Option<&'a str>,
 }
 
 /// The text of `comparison.json` with further results beside the rows; each kind of result has a
@@ -211,6 +216,7 @@ pub fn comparison_with(table: &ComparisonTable, extra: &ExtraResults<'_>) -> Str
         placements: placements_value(extra.placements),
         limits: limits_value(extra.limits),
         states: extra.states.and_then(states_value),
+        next: extra.next.map(str::to_owned),
     };
     json_text(&file)
 }

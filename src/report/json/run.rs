@@ -32,6 +32,9 @@ pub struct RunReport {
     pub findings: Vec<(String, Vec<Finding>)>,
     /// Stated limits and whether they are met.
     pub limits: Vec<(String, bool)>,
+    /// What to do next, as the screen of the run says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next: Option<String>,
     /// Figures.
     pub figures: Figures,
     /// Inputs and program version.
@@ -135,6 +138,7 @@ mod tests {
             sections: vec![Section::new("modes", vec![Block::Table(table)])],
             findings: Vec::new(),
             limits: vec![("min MAC".to_owned(), false)],
+            next: Some("Next, a test.".to_owned()),
             figures: Figures::default(),
             provenance: Provenance::default(),
         };

@@ -18,16 +18,76 @@ const MAX_NAMED_COLUMNS: usize = 4;
 /// column of numbers is left to omit.
 const TEXT_CELL_WIDTHS: [usize; 3] = [30, 20, 14];
 
+/// Omitted tables that a text names.
+const MAX_NAMED_TABLES: usize = 4;
+
+/// A table without its columns of percentages that are 100 in every row, as of a single body; a
+/// text where no other column of percentages remains.
+pub fn without_whole_shares(block: Block) -> Block {
+    let Block::Table(mut table) = block else {
+        return block;
+    };
+    let is_whole = |cell: &Cell| match cell {
+        Cell::Number { value, .. } => (value - 100.0).abs() < 0.5e-3,
+        _ => false,
+    };
+    let mut names = Vec::new();
+    for index in (1..table.columns.len()).rev() {
+        let share = table.columns[index].head.strip_suffix(" (%)");
+        let share = share.map(str::to_owned);
+        let all_whole =
+            !table.rows.is_empty() && table.rows.iter().all(|row| is_whole(&row[index]));
+        if let Some(name) = share.filter(|_| all_whole) {
+            omit_column(&mut table, index);
+            names.insert(0, name);
+        }
+    }
+    if names.is_empty() {
+        return Block::Table(table);
+    }
+    let sentence = format!("100 % in every mode: {}.", names.join(", "));
+    let mut columns = table.columns.iter().skip(1);
+    if columns.any(|column| column.head.ends_with("(%)")) {
+        table.footnotes.push(sentence);
+        return Block::Table(table);
+    }
+    Block::Text(format!("{}: {sentence}", table.caption))
+}
+
+/// The blocks without tables of which no row has a value beside its label; a text counts them.
+pub fn tables_with_values(blocks: Vec<Block>) -> Vec<Block> {
+    let is_empty = |cell: &Cell| matches!(cell.display().trim(), "" | "—");
+    let has_value = |block: &Block| match block {
+        Block::Table(table) => {
+            let mut cells = table.rows.iter().flat_map(|row| row.iter().skip(1));
+            cells.any(|cell| !is_empty(cell))
+        }
+        _ => true,
+    };
+    let all = blocks.len();
+    let mut kept: Vec<Block> = blocks.into_iter().filter(has_value).collect();
+    let omitted = all - kept.len();
+    if omitted > 0 {
+        let tables = counted(omitted, "table");
+        kept.push(Block::Text(format!("Without a value: {tables} (--full).")));
+    }
+    kept
+}
+
 /// The blocks as far as a screen of this width has room for them, in their order.
 pub fn abridged(blocks: Vec<Block>, width: usize) -> Vec<Block> {
     let mut shown: Vec<Block> = Vec::new();
     let mut omitted: Vec<String> = Vec::new();
     let mut lines = 0;
+    let is_table = |block: &Block| matches!(block, Block::Table(_));
+    let mut tables = blocks.iter().filter(|block| is_table(block)).count();
     for block in blocks {
         let block = match block {
             Block::Table(table) => {
                 let caption = table.caption.clone();
-                let room = MAX_LINES.saturating_sub(lines);
+                // Half of the room remains for the tables that follow.
+                let room = MAX_LINES.saturating_sub(lines) / tables.clamp(1, 2);
+                tables -= 1;
                 match abridged_table(table, width, room, shown.is_empty()) {
                     Some(table) => Block::Table(table),
                     None => {
@@ -42,6 +102,9 @@ pub fn abridged(blocks: Vec<Block>, width: usize) -> Vec<Block> {
         shown.push(block);
     }
     if !omitted.is_empty() {
+        let further = omitted.len().saturating_sub(MAX_NAMED_TABLES);
+        omitted.truncate(MAX_NAMED_TABLES);
+        omitted.extend((further > 0).then(|| format!("{further} more")));
         shown.push(Block::Text(format!(
             "Further tables (--full): {}.",
             omitted.join("; ")
@@ -133,7 +196,8 @@ pub(in crate::report) fn omitted_columns(all: &[Column], kept: &[Column]) -> Opt
     let mut kept = kept.iter().peekable();
     let is_omitted = |column: &&Column| kept.next_if(|kept| *kept == *column).is_none();
     let omitted = all.iter().filter(is_omitted);
-    let mut omitted: Vec<String> = omitted.map(|c| c.head.replace('\n', " ")).collect();
+    let name = |column: &Column| column.head.replace("-\n", "").replace('\n', " ");
+    let mut omitted: Vec<String> = omitted.map(name).collect();
     let further = counted(omitted.len(), "further column");
     let more = match omitted.len() > MAX_NAMED_COLUMNS {
         true => ", ...",
@@ -215,6 +279,41 @@ mod tests {
         ] {
             assert!(text.contains(said), "{said}: {text}");
         }
+    }
+
+    #[test]
+    fn shares_of_a_single_body_are_a_sentence() {
+        let mut shares = table(2, 2);
+        shares.rows = vec![vec![Cell::text("f1"), Cell::number(Some(100.0), 3)]];
+        let text = without_whole_shares(Block::Table(shares.clone()));
+        let expected = "2 by 2: 100 % in every mode: column 1.";
+        assert_eq!(text, Block::Text(expected.to_owned()));
+        shares.rows[0][1] = Cell::number(Some(99.0), 3);
+        let block = Block::Table(shares);
+        assert_eq!(without_whole_shares(block.clone()), block);
+    }
+
+    #[test]
+    fn every_requested_table_has_room() {
+        let tables = [table(60, 3), table(60, 3)].map(Block::Table);
+        let shown = abridged(tables.to_vec(), 100);
+        let is_table = |block: &&Block| matches!(block, Block::Table(_));
+        assert_eq!(shown.iter().filter(is_table).count(), 2, "{shown:?}");
+    }
+
+    #[test]
+    fn tables_without_a_value_are_counted() {
+        let empty = Table {
+            rows: vec![vec![Cell::text("1"), Cell::Missing]],
+            ..table(1, 2)
+        };
+        let no_rows = table(0, 2);
+        let tables = [empty, table(2, 2), no_rows];
+        let shown = tables_with_values(tables.into_iter().map(Block::Table).collect());
+        assert_eq!(shown.len(), 2);
+        assert_eq!(shown[0], Block::Table(table(2, 2)));
+        let text = "Without a value: 2 tables (--full).";
+        assert_eq!(shown[1], Block::Text(text.to_owned()));
     }
 
     #[test]

@@ -24,21 +24,39 @@ const NAME_WIDTH: usize = 10;
 /// Counts and errors of every test; the modes with their errors, MAC and verdicts; and why a mode
 /// is unmatched or ambiguous.
 pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
-    let mut blocks = comparison_tables(table, width);
+    let mut blocks = comparison_tables(table, width, MAX_ROWS, usize::MAX);
+    blocks.extend(empty_band_block(table));
     let reasons = reasons(table);
     blocks.extend((!reasons.is_empty()).then(|| Block::Text(reasons.join("\n"))));
     blocks
 }
 
-/// Counts and errors of every test, and the modes.
-pub(super) fn comparison_tables(table: &ComparisonTable, width: usize) -> Vec<Block> {
-    let tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
+/// Counts and errors of every test, and the modes, at most so many and of so many tests.
+pub(super) fn comparison_tables(
+    table: &ComparisonTable,
+    width: usize,
+    most: usize,
+    most_tests: usize,
+) -> Vec<Block> {
+    let mut tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
+    let omitted = tests.len().saturating_sub(most_tests);
+    tests.truncate(most_tests);
     let mut blocks = vec![Block::Table(counts_table(table, width))];
     blocks.extend(no_pair_block(table));
-    blocks.extend(empty_band_block(table));
     let form = Form::Screen;
-    let tables = ModeTables { table, width, form }.of(&tests);
+    let tables = ModeTables {
+        table,
+        width,
+        form,
+        most,
+    };
+    let tables = tables.of(&tests);
     blocks.extend(tables.into_iter().map(Block::Table));
+    let omitted = (omitted > 0).then(|| {
+        let tests = counted(omitted, "further test");
+        Block::Text(format!("Modes of {tests}: --full."))
+    });
+    blocks.extend(omitted);
     blocks
 }
 
@@ -160,6 +178,8 @@ pub(super) struct ModeTables<'a> {
     pub(super) table: &'a ComparisonTable,
     pub(super) width: usize,
     pub(super) form: Form,
+    /// Maximum number of modes.
+    pub(super) most: usize,
 }
 
 impl ModeTables<'_> {
@@ -290,12 +310,16 @@ impl ModeTables<'_> {
         let meanings: Vec<String> = marks
             .map(|mark| format!(" {}: {}.", mark.text.trim(), mark.meaning))
             .collect();
+        let is_weak = |cell: &&TestCell| cell.basis == Some(Basis::Frequency) && cell.mac.is_some();
+        let weak = match cells.iter().copied().any(|cell| is_weak(&cell)) {
+            true => " A MAC beside ~ is of too few DOFs to be evidence.",
+            false => "",
+        };
+        let definitions = format!("{}{}{weak}", self.error_definition(), meanings.concat());
         Table {
             columns,
             rows,
-            footnotes: std::iter::once(format!("{}{}", self.error_definition(), meanings.concat()))
-                .chain(omitted)
-                .collect(),
+            footnotes: std::iter::once(definitions).chain(omitted).collect(),
             ..Table::default()
         }
     }
@@ -315,10 +339,7 @@ impl ModeTables<'_> {
         let mut all: Vec<(f64, &Row)> = all
             .filter_map(|row| Some((cells(row).into_iter().reduce(f64::max)?, row)))
             .collect();
-        let most = match self.form {
-            Form::Screen => MAX_ROWS,
-            Form::Page => all.len(),
-        };
+        let most = self.most;
         let omitted = all.len().saturating_sub(most);
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|&a, &b| all[b].0.total_cmp(&all[a].0));

@@ -7,7 +7,9 @@
 //! screen of a fixed width.
 
 mod abridged;
+mod agreement;
 mod comparison;
+mod frequency_ratio;
 mod hits;
 mod modes;
 mod next_step;
@@ -22,7 +24,7 @@ use super::terminal::table_width;
 use super::{Cell, Table};
 use crate::printable::counted;
 
-pub use abridged::abridged;
+pub use abridged::{abridged, tables_with_values, without_whole_shares};
 pub(super) use abridged::{omissible_column, omitted_columns};
 pub use comparison::comparison_screen;
 pub use hits::hits_screen;
@@ -40,8 +42,9 @@ const MAC_DECIMALS: usize = 3;
 const MAX_ROWS: usize = 30;
 
 /// The table without the columns of these heads, omitted one after the other until it has the
-/// width.
+/// width; a note names them.
 fn fitted(mut table: Table, omissible: &[&str], width: usize) -> Table {
+    let all = table.columns.clone();
     for head in omissible {
         if table_width(&table) <= width {
             break;
@@ -51,6 +54,9 @@ fn fitted(mut table: Table, omissible: &[&str], width: usize) -> Table {
             omit_column(&mut table, index);
         }
     }
+    let omitted = omitted_columns(&all, &table.columns);
+    let note = omitted.map(|omitted| format!("{omitted}: --full."));
+    table.footnotes.extend(note);
     table
 }
 
@@ -109,6 +115,7 @@ mod tests {
         ] {
             let fitted = fitted(table(), &["std (Hz)", "MAC"], width);
             assert_eq!(heads(&fitted), expected);
+            assert_eq!(fitted.footnotes.is_empty(), expected.len() == 3);
             assert!(fitted.rows.iter().all(|row| row.len() == expected.len()));
         }
     }

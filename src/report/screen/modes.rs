@@ -23,18 +23,33 @@ const UNCERTAIN_WIDTH: usize = 9;
 /// Identified modes of a test: frequency, damping, their standard deviations, MPC and remarks, of
 /// at most so many modes. Without modes the advice says what to try.
 pub fn modes_screen(test: &str, model: &ModalModel, advice: &str, width: usize) -> Vec<Block> {
-    modes_and_advice(test, model, advice, width, MAX_ROWS)
+    let room = ModesRoom {
+        width,
+        rows: MAX_ROWS,
+        remark_lines: usize::MAX,
+    };
+    modes_and_advice(test, model, advice, room)
 }
 
-/// As [`modes_screen`], with this number of modes.
+/// The room of a table of modes.
+#[derive(Clone, Copy)]
+pub(super) struct ModesRoom {
+    /// Characters in a line.
+    pub width: usize,
+    /// Maximum number of modes.
+    pub rows: usize,
+    /// Maximum number of lines of the remarks on a mode; the others are counted.
+    pub remark_lines: usize,
+}
+
+/// As [`modes_screen`], in this room.
 pub(super) fn modes_and_advice(
     test: &str,
     model: &ModalModel,
     advice: &str,
-    width: usize,
-    most: usize,
+    room: ModesRoom,
 ) -> Vec<Block> {
-    let mut blocks = listed_modes(test, model, advice, width, most);
+    let mut blocks = listed_modes(test, model, advice, room);
     let on_band = advice_on_band(model);
     blocks.extend((!on_band.is_empty()).then(|| Block::Text(on_band.join("\n"))));
     blocks
@@ -42,45 +57,75 @@ pub(super) fn modes_and_advice(
 
 /// What to try where a mode depends on the band.
 fn advice_on_band(model: &ModalModel) -> Vec<String> {
-    let frequencies = |code: Code| {
-        let findings = model.findings.iter();
-        let of_code = findings.filter(|finding| finding.code == code);
-        let mut hz: Vec<String> = of_code
-            .filter_map(|finding| match finding.location {
-                Location::Mode(hz) => Some(format!("{hz:.2} Hz")),
-                _ => None,
-            })
-            .collect();
-        let further = hz.len().saturating_sub(MAX_NAMED_FREQUENCIES);
-        hz.truncate(MAX_NAMED_FREQUENCIES);
-        hz.extend((further > 0).then(|| format!("{further} more")));
-        (!hz.is_empty()).then(|| hz.join(", "))
-    };
-    let edge = frequencies(Code::NearBandEdge).map(|hz| {
+    let edge = frequencies(model, Code::NearBandEdge).map(|hz| {
         format!(
             "Near the edge of the band: {hz}. Widen the band: --band LO:HI, or band_hz of the scene."
         )
     });
-    let peaks = frequencies(Code::PeakWithoutMode).map(|hz| {
-        format!("Peaks without a mode: {hz}. Try a narrow band around each, or another method.")
-    });
+    let peaks = peak_frequencies(model).map(|hz| peaks_sentence(&hz));
     edge.into_iter().chain(peaks).collect()
 }
 
-/// The table of [`modes_screen`], with this number of modes.
+/// The frequencies of the peaks without a mode, the first of many.
+pub(super) fn peak_frequencies(model: &ModalModel) -> Option<String> {
+    frequencies(model, Code::PeakWithoutMode)
+}
+
+pub(super) fn peaks_sentence(peaks: &str) -> String {
+    format!("Peaks without a mode: {peaks}. Try a narrow band around each, or another method.")
+}
+
+/// The frequencies of the findings of a code, the first of many.
+fn frequencies(model: &ModalModel, code: Code) -> Option<String> {
+    let findings = model.findings.iter();
+    let of_code = findings.filter(|finding| finding.code == code);
+    let mut hz: Vec<String> = of_code
+        .filter_map(|finding| match finding.location {
+            Location::Mode(hz) => Some(format!("{hz:.2} Hz")),
+            _ => None,
+        })
+        .collect();
+    let further = hz.len().saturating_sub(MAX_NAMED_FREQUENCIES);
+    hz.truncate(MAX_NAMED_FREQUENCIES);
+    hz.extend((further > 0).then(|| format!("{further} more")));
+    (!hz.is_empty()).then(|| hz.join(", "))
+}
+
+/// Remarks on a mode in lines of this width, the first ones and the number of the others.
+fn remark_text(model: &ModalModel, mode: &Mode, width: usize, lines: usize) -> String {
+    let all = remarks(model, mode);
+    let parts: Vec<&str> = all.split(", ").collect();
+    let text = |count: usize| {
+        let further = parts.len() - count;
+        let further = (further > 0).then(|| format!("{further} more"));
+        let shown = parts[..count].iter().map(ToString::to_string);
+        let shown: Vec<String> = shown.chain(further).collect();
+        textwrap::fill(&shown.join(", "), width)
+    };
+    let fits = |count: &usize| text(*count).lines().count() <= lines;
+    let count = (1..=parts.len()).rev().find(fits);
+    text(count.unwrap_or(parts.len().min(1)))
+}
+
+/// The table of [`modes_screen`], in this room.
 pub(super) fn listed_modes(
     test: &str,
     model: &ModalModel,
     advice: &str,
-    width: usize,
-    most: usize,
+    room: ModesRoom,
 ) -> Vec<Block> {
+    let ModesRoom {
+        width,
+        rows: most,
+        remark_lines,
+    } = room;
     if model.modes.is_empty() {
         let band = model.band.map_or(String::new(), |band| {
             format!(" between {} and {} Hz", band.lo_hz, band.hi_hz)
         });
         let sentence = format!("{test}: no modes were found{band}.");
-        return vec![Block::Text(format!("{sentence}\n{advice}"))];
+        let text = format!("{sentence}\n{advice}");
+        return vec![Block::Text(text.trim_end().to_owned())];
     }
     let percent = |ratio: Option<f64>| ratio.map(|ratio| 100.0 * ratio);
     let is_uncertain = |mode: &Mode| !uncertain_values(mode).is_empty();
@@ -104,7 +149,7 @@ pub(super) fn listed_modes(
                 })
             }),
             Cell::text(textwrap::fill(uncertain_values(mode), UNCERTAIN_WIDTH)),
-            Cell::text(textwrap::fill(&remarks(model, mode), remark_width)),
+            Cell::text(remark_text(model, mode, remark_width, remark_lines)),
         ]
     };
     let numbers = [

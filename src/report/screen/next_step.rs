@@ -4,42 +4,35 @@
 use crate::correlate::{Row, mean_ratio};
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::report::table::significant;
-use crate::scene::{SceneResult, SceneUpdate};
+use crate::scene::{Scene, SceneResult, SceneUpdate};
 use crate::update::{ParameterVerdict, UpdatedParameter};
+
+use super::frequency_ratio::frequency_ratio;
 
 /// Maximum number of modes that agree by shape alone that a step names.
 const MAX_NAMED_MATCHES: usize = 4;
 
-/// The next steps for the scene of this path; `None` where no test is compared with a model whose
-/// values are those of the structure, or the model has no parameter to update.
-pub fn next_step(scene: &str, result: &SceneResult) -> Option<String> {
+/// The next step for the scene of this path; `None` where the model has no parameter to update.
+pub fn next_step(path: &str, scene: &Scene, result: &SceneResult) -> Option<String> {
+    let file = &scene.path;
     let of_model = &result.theory.modes.findings;
     let is_example = of_model
         .iter()
         .any(|finding| finding.code == Code::ExampleValues);
-    let matches = shape_matches_step(result);
     if is_example {
-        let steps = [Some(example_step()), matches];
-        return Some(steps.into_iter().flatten().collect::<Vec<_>>().join("\n"));
+        return Some(example_step());
     }
-    let table = result.table.as_ref()?;
+    let Some(table) = &result.table else {
+        return Some(step_without_comparison(scene, result));
+    };
     let findings = result.findings_by_test();
     let warnings = || {
         let all = findings.iter().flat_map(|(_, findings)| findings);
         all.filter(|finding| finding.severity > Severity::Info)
     };
-    let has = |code: Code| warnings().any(|finding| finding.code == code);
-    let wrong_sensor = warnings().find(|finding| finding.code == Code::SensorNotRigid);
+    let first = |code: Code| warnings().find(|finding| finding.code == code);
     if table.summary.iter().all(|test| test.paired == 0) {
-        let text = match has(Code::SensorUnmoved) {
-            true => {
-                "Next, as no mode is paired: the positions and directions of [[sensor]] in the model."
-            }
-            false => {
-                "Next, as no mode is paired: model, its support, and points and directions of [[sensor]]."
-            }
-        };
-        return Some(matches.unwrap_or_else(|| text.to_owned()));
+        return Some(step_without_pairs(file, result, first(Code::SensorUnmoved)));
     }
     // Two sensors of two tests may well stand at one point.
     let dofs = table.summary.iter().map(|test| test.dofs_used).max();
@@ -53,29 +46,73 @@ pub fn next_step(scene: &str, result: &SceneResult) -> Option<String> {
     if warnings().any(are_one) {
         let explained = explained(Code::SensorsAtOnePosition);
         return Some(format!(
-            "Next, before an update: the positions of [[sensor]], of which several are one ({explained})."
+            "Next, before an update: at_m of [[sensor]] in {file}, of which several are one ({explained})."
         ));
     }
-    if let Some(finding) = wrong_sensor {
+    if let Some(finding) = first(Code::SensorNotRigid) {
         let (sensor, explained) = (sensor_name(finding), explained(finding.code));
         return Some(format!(
-            "Next, before an update: check {sensor} ({explained})."
+            "Next, before an update: check {sensor} in {file} ({explained})."
         ));
     }
     let of_support = [Code::SupportDiffers, Code::ModelSupportContradicted];
-    if let Some(code) = of_support.into_iter().find(|code| has(*code)) {
-        let explained = explained(code);
+    if let Some(finding) = of_support.into_iter().find_map(first) {
+        let explained = explained(finding.code);
+        let supports = finding.detail.as_deref().unwrap_or_default();
+        let supports = supports.split(';').next().unwrap_or_default();
         return Some(format!(
-            "Next, before an update: one support for test and model ({explained})."
+            "Next, before an update: one support ({supports}): support in [test.state] of {file}, or the springs to ground of the model ({explained})."
         ));
     }
     if table.summary.iter().all(|test| test.paired_by_shape == 0) {
-        return Some(by_frequency_step(scene, result));
+        return Some(by_frequency_step(path, result));
     }
     let can_update = !result.theory.parameters.is_empty();
     can_update.then(|| {
-        format!("Next, the parameters that bring the model to the test: modalign update {scene}.")
+        format!("Next, the parameters that bring the model to the test: modalign update {path}.")
     })
+}
+
+/// The step of a scene without a test, without a model, or without modes.
+fn step_without_comparison(scene: &Scene, result: &SceneResult) -> String {
+    let file = &scene.path;
+    if result.tests.is_empty() {
+        let table = scene.model.as_ref();
+        let named = table.and_then(|model| model.name.clone());
+        let model = named.unwrap_or_else(|| match table.and_then(|model| model.file.as_ref()) {
+            Some(model) => scene.folder.join(model).display().to_string(),
+            None => "MODEL".to_owned(),
+        });
+        return format!("Next, a test: modalign new DIR FILE... --model {model}.");
+    }
+    if result.tests.iter().all(|test| test.modes.modes.is_empty()) {
+        return format!(
+            "Next, as no modes were found: band_hz of [[test]], then method and order of [identify] in {file}; check units and coherence."
+        );
+    }
+    format!(
+        "Next, a model to compare with: [model] in {file}, or modalign new DIR FILE... --model beam (or lumped)."
+    )
+}
+
+/// The step where no mode of a test has a partner.
+fn step_without_pairs(file: &str, result: &SceneResult, unmoved: Option<&Finding>) -> String {
+    if let Some(matches) = shape_matches_step(result) {
+        return matches;
+    }
+    if let Some(finding) = unmoved {
+        let (sensor, explained) = (sensor_name(finding), explained(finding.code));
+        return format!(
+            "Next, as no mode is paired: the model does not move at {sensor}: [[sensor]] in {file}, or free directions of the model ({explained})."
+        );
+    }
+    if frequency_ratio(result).is_some_and(|ratio| ratio.is_of_a_unit()) {
+        return "Next, as no mode is paired: the units of the values in the model (m, kg, N, Pa; density in kg/m3)."
+            .to_owned();
+    }
+    format!(
+        "Next, as no mode is paired: model, its support, and points and directions of [[sensor]] in {file}."
+    )
 }
 
 /// The next step after an update that does not fit or determines no parameter; `None` after others.
@@ -91,7 +128,7 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
     }
     if !result.fits() {
         let trials = match update.explanation {
-            Some(_) => "the single changes above",
+            Some(_) => "the single changes: --full",
             None => "single changes of it (explain = true in [update])",
         };
         return Some(format!(
@@ -119,22 +156,19 @@ fn example_step() -> String {
 }
 
 /// The step where every pair is by frequency alone.
-fn by_frequency_step(scene: &str, result: &SceneResult) -> String {
-    let update = match result.theory.parameters.is_empty() {
-        true => String::new(),
-        false => format!(" An update of frequencies alone: modalign update {scene}."),
-    };
-    format!(
-        "Next, as all pairs are by frequency alone: mode shapes at more points, which confirm the pairs by MAC.{update}"
-    )
+fn by_frequency_step(path: &str, result: &SceneResult) -> String {
+    match result.theory.parameters.is_empty() {
+        true => "Next, as all pairs are by frequency alone: mode shapes at more points, which confirm the pairs by MAC."
+            .to_owned(),
+        false => format!(
+            "Next, as all pairs are by frequency alone: mode shapes at more points, which confirm the pairs by MAC. An update of frequencies alone: modalign update {path}."
+        ),
+    }
 }
 
 /// The modes whose shapes agree though no mode is paired, with the ratio of their frequencies.
 fn shape_matches_step(result: &SceneResult) -> Option<String> {
     let table = result.table.as_ref()?;
-    if table.summary.iter().any(|test| test.paired > 0) {
-        return None;
-    }
     let mut pairings = result.pairings.iter();
     let matches = pairings
         .find_map(|pairing| Some(&pairing.by_shape_alone).filter(|matches| !matches.is_empty()))?;
@@ -171,5 +205,25 @@ fn sensor_name(finding: &Finding) -> String {
             ..
         } => format!("hit {dof}"),
         location => location.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::report::Language;
+
+    #[test]
+    fn every_next_step_is_said_in_chinese() {
+        let source = include_str!("next_step.rs");
+        let code = source.split("#[cfg(test)]").next().unwrap();
+        let steps: Vec<&str> = code
+            .split('"')
+            .filter(|text| text.starts_with("Next, "))
+            .collect();
+        assert!(steps.len() >= 12, "{steps:?}");
+        for step in steps {
+            let chinese = Language::Chinese.translated_text(step.to_owned());
+            assert!(chinese.starts_with("下一步"), "{step}: {chinese}");
+        }
     }
 }

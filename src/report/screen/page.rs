@@ -5,11 +5,11 @@ use crate::correlate::{ComparisonTable, Footnote};
 use crate::modal::ModalModel;
 use crate::report::comparison::{all_tests, headlines};
 use crate::report::modes::synthetic_note;
-use crate::report::{Block, Cell, TableGroup, parameters_block};
+use crate::report::{Block, Cell, Table, TableGroup, parameters_block};
 use crate::scene::Theory;
 
 use super::comparison::{Form, ModeTables, counts_table};
-use super::modes::listed_modes;
+use super::modes::{ModesRoom, listed_modes};
 
 /// Characters in a line of a page: a table of this width has no smaller type than footnotes, or
 /// little smaller. With more, tables have columns that do not fit; with fewer, pages lack columns
@@ -30,8 +30,10 @@ pub fn comparison_page(
             table,
             width: PAGE_WIDTH,
             form: Form::Page,
+            most: usize::MAX,
         };
         for mut modes in tables.of(&tests) {
+            remove_notes_on_the_screen(&mut modes);
             modes.caption = group.caption.to_owned();
             let synthetic = table.footnotes.iter().filter(
                 |note| matches!(note, Footnote::Synthetic(test) if group.tests.contains(test)),
@@ -43,6 +45,7 @@ pub fn comparison_page(
     }
     blocks.extend(headlines(table));
     let mut counts = counts_table(table, PAGE_WIDTH);
+    remove_notes_on_the_screen(&mut counts);
     counts.caption = "Summary".to_owned();
     // LaTeX wraps names itself.
     for (row, summary) in counts.rows.iter_mut().zip(&table.summary) {
@@ -61,11 +64,22 @@ pub fn comparison_page_of_all_tests(table: &ComparisonTable, theory: &Theory) ->
 
 /// Identified modes of a test with the essential columns.
 pub fn modes_page(test: &str, model: &ModalModel) -> Vec<Block> {
-    let mut blocks = listed_modes(test, model, "", PAGE_WIDTH, usize::MAX);
+    let room = ModesRoom {
+        width: PAGE_WIDTH,
+        rows: usize::MAX,
+        remark_lines: usize::MAX,
+    };
+    let mut blocks = listed_modes(test, model, "", room);
     for block in &mut blocks {
         if let Block::Table(table) = block {
+            remove_notes_on_the_screen(table);
             table.footnotes.extend(synthetic_note(model));
         }
     }
     blocks
+}
+
+/// Removes the notes that name an option of the command line.
+fn remove_notes_on_the_screen(table: &mut Table) {
+    table.footnotes.retain(|note| !note.ends_with("--full."));
 }

@@ -4,11 +4,12 @@
 use std::collections::BTreeSet;
 
 use crate::correlate::published::ClaimVerdict;
-use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell, TestSummary};
-use crate::finding::{Code, Finding, Severity};
+use crate::correlate::{ComparisonTable, Row, Status, TestCell, TestSummary};
+use crate::finding::{Code, Finding, Location, Severity};
 use crate::report::Cell;
-use crate::report::error_range::{error_range, lean};
+use crate::report::error_range::{error_range, lean, one_sided_modes};
 use crate::report::placement::label;
+use crate::report::published::claim_values;
 use crate::report::table::significant;
 use crate::scene::{
     CommonError, ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory,
@@ -17,6 +18,7 @@ use crate::scene::{
 use crate::theory::ParameterStatus;
 
 use super::counted;
+use super::modes::{peak_frequencies, peaks_sentence};
 
 /// Maximum number of missed limits that a sentence names.
 const MAX_NAMED_LIMITS: usize = 4;
@@ -36,6 +38,13 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
         let which = match kinds.as_slice() {
             few if few.len() <= MAX_NAMED_KINDS => format!("{all}, on {}", few.join(", ")),
             _ => all.to_string(),
+        };
+        let judges_errors = kinds
+            .iter()
+            .any(|kind| kind.contains("error") || kind.contains("MAC"));
+        let which = match judges_errors {
+            true => which,
+            false => format!("{which}; none on errors or MAC"),
         };
         return match nearest_limit(checks) {
             Some(nearest) => {
@@ -106,46 +115,20 @@ pub(super) fn limit(check: &LimitCheck) -> String {
     format!("{} {value} ({relation} {limit})", check.what)
 }
 
-/// Maximum number of published statements that a sentence names, and of characters of one.
-const MAX_NAMED_STATEMENTS: usize = 2;
-const MAX_STATEMENT_CHARS: usize = 32;
 /// Maximum number of assumed parameters that a sentence names.
 const MAX_NAMED_PARAMETERS: usize = 4;
+/// Maximum number of tests whose peaks a sentence names.
+const MAX_NAMED_TESTS: usize = 2;
 /// Maximum number of unmatched modes that a sentence names.
 const MAX_NAMED_MODES: usize = 4;
 
-/// Pairs in numbers, the largest errors by shape and by frequency alone, and the modes that a test
-/// should have shown.
+/// Pairs in numbers, and the modes that a test should have shown.
 pub(super) fn pairs(table: &ComparisonTable) -> String {
     let sum = |count: fn(&TestSummary) -> usize| table.summary.iter().map(count).sum::<usize>();
     let in_band = sum(|s| s.paired + s.ambiguous + s.missed + s.not_observable);
     let paired = sum(|s| s.paired);
     let (by_shape, by_frequency) = (sum(|s| s.paired_by_shape), sum(|s| s.paired_by_frequency));
     let several = table.summary.len() > 1;
-    let at = |row: &Row, cell: &TestCell| match several {
-        true => format!("{} ({})", row.label, cell.test),
-        false => row.label.clone(),
-    };
-    let cells = || {
-        let rows = table.rows.iter();
-        rows.flat_map(|row| row.tests.iter().map(move |cell| (row, cell)))
-    };
-    let largest = |basis: Basis| {
-        let of_basis = cells().filter(|(_, cell)| cell.basis == Some(basis));
-        let errors = of_basis.filter_map(|(row, cell)| Some((at(row, cell), cell.error_percent?)));
-        let (mode, error) = errors
-            .filter(|(_, error)| error.is_finite())
-            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
-        let error = Cell::signed(Some(error), 3).display();
-        Some(format!("{error} % at {mode}"))
-    };
-    let largest = match (largest(Basis::Shape), largest(Basis::Frequency)) {
-        (None, None) => String::new(),
-        (Some(only), None) | (None, Some(only)) => format!("; largest error {only}"),
-        (Some(shape), Some(frequency)) => {
-            format!("; largest error by shape {shape}, by frequency {frequency}")
-        }
-    };
     let is_missed =
         |cell: &&TestCell| cell.status == Status::MissedUnexpected && cell.is_status_certain();
     let missed_row = |row: &Row| {
@@ -170,8 +153,8 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         false => format!("; unmatched: {}", missed.join(", ")),
     };
     let extra = match sum(|s| s.extra) {
-        0 => "none".to_owned(),
-        count => count.to_string(),
+        0 => String::new(),
+        count => format!("; test modes without partner: {count}"),
     };
     let of_model = match several {
         true => {
@@ -196,7 +179,7 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
         .map(|(count, what)| format!(", {count} {what}"))
         .collect();
     format!(
-        "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{largest}{missed}; test modes without partner: {extra}."
+        "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{missed}{extra}."
     )
 }
 
@@ -249,7 +232,37 @@ pub(super) fn verdict_warnings(findings: &[(String, Vec<Finding>)]) -> Vec<Strin
     Code::ON_THE_VERDICT.iter().filter_map(of_code).collect()
 }
 
-/// How the model is off where all pairs are off to one side: the factor on all stiffnesses that
+/// A line on the sensors and hits at which the model does not move.
+pub(super) fn unmoved_sensors(theory: &Theory) -> Option<String> {
+    let findings = theory.modes.findings.iter();
+    let unmoved = findings.filter(|finding| finding.code == Code::SensorUnmoved);
+    let mut names: Vec<String> = unmoved
+        .map(|finding| match &finding.location {
+            Location::Function {
+                response: Some(dof),
+                ..
+            }
+            | Location::Function {
+                reference: Some(dof),
+                ..
+            } => dof.to_string(),
+            location => location.to_string(),
+        })
+        .collect();
+    let count = names.len();
+    let further = count.saturating_sub(MAX_NAMED_MODES);
+    names.truncate(MAX_NAMED_MODES);
+    names.extend((further > 0).then(|| format!("{further} more")));
+    (count > 0).then(|| {
+        format!(
+            "Warning: The model does not move at {}: {}.",
+            counted(count, "sensor or hit").replace("sensor or hits", "sensors or hits"),
+            names.join(", ")
+        )
+    })
+}
+
+/// How the model is off where its pairs are off to one side: the factor on all stiffnesses that
 /// removes the mean error, or how the errors differ; `None` where they have no common sign.
 pub(super) fn common_error(table: &ComparisonTable) -> Option<String> {
     match scene_error(table)? {
@@ -258,7 +271,24 @@ pub(super) fn common_error(table: &ComparisonTable) -> Option<String> {
             lean(factor < 1.0)
         )),
         CommonError::Range(range) => Some(error_range(&range)),
+        CommonError::OneSided(modes) => Some(one_sided_modes(&modes)),
     }
+}
+
+/// The peaks of the tests' FRFs at which no mode was accepted.
+pub(super) fn peaks_without_mode(tests: &[TestResult]) -> Option<String> {
+    let of_test = |test: &TestResult| {
+        let peaks = peak_frequencies(&test.modes)?;
+        Some(match tests.len() {
+            1 => peaks,
+            _ => format!("{}: {peaks}", test.name),
+        })
+    };
+    let mut all: Vec<String> = tests.iter().filter_map(of_test).collect();
+    let further = all.len().saturating_sub(MAX_NAMED_TESTS);
+    all.truncate(MAX_NAMED_TESTS);
+    all.extend((further > 0).then(|| format!("in {} (--full)", counted(further, "further test"))));
+    (!all.is_empty()).then(|| peaks_sentence(&all.join("; ")))
 }
 
 /// What the model assumes beyond printed or measured values; `None` where it assumes nothing.
@@ -279,16 +309,6 @@ pub(super) fn assumptions(theory: &Theory) -> Option<String> {
         parts.push(format!("{parameters} ({})", named.join(", ")));
     }
     (!parts.is_empty()).then(|| format!("Assumed in the model: {}.", parts.join(" and ")))
-}
-
-/// A text cut between words.
-fn shortened(text: &str) -> String {
-    if text.chars().count() <= MAX_STATEMENT_CHARS {
-        return text.to_owned();
-    }
-    let kept: String = text.chars().take(MAX_STATEMENT_CHARS).collect();
-    let end = kept.rfind(' ').unwrap_or(kept.len());
-    format!("{} …", kept[..end].trim_end_matches([',', ':', ';']))
 }
 
 /// Published results against the model and one another.
@@ -320,26 +340,69 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
             count(None)
         )
     });
-    let not_reproduced = expected
-        .verdicts
-        .iter()
-        .filter(|claim| claim.confirmed == Some(false));
-    let further = not_reproduced.clone().count();
-    let further = further.saturating_sub(MAX_NAMED_STATEMENTS);
-    let further = (further > 0).then(|| format!("{further} more (--full)"));
-    let named = not_reproduced.map(|claim| shortened(&claim.text));
-    let named = named.take(MAX_NAMED_STATEMENTS).chain(further);
-    let named: Vec<String> = named.collect();
-    let named = (!named.is_empty()).then(|| format!("Not reproduced: {}.", named.join("; ")));
-    roots.into_iter().chain(claims).chain(named).collect()
+    roots.into_iter().chain(claims).collect()
 }
 
-/// The points to measure next, or why they are unknown; `None` where none makes a further mode
-/// observable.
+/// The published statements that were not reproduced, a line of this width for each, with the value
+/// as printed and as recomputed; of more than `most` the first, and the number of the others. A
+/// single one is in a line with that number.
+pub(super) fn not_reproduced(expected: &ExpectedResult, width: usize, most: usize) -> Vec<String> {
+    let claims = expected.verdicts.iter();
+    let failed: Vec<&ClaimVerdict> = claims
+        .filter(|claim| claim.confirmed == Some(false))
+        .collect();
+    let text = |claim: &ClaimVerdict, around: usize| {
+        let [printed, recomputed] = claim_values(claim).map(|cell| cell.display());
+        let values = format!(": printed {printed}, here {recomputed}");
+        let room = width.saturating_sub(values.chars().count() + around);
+        format!("{}{values}", shortened(&claim.text, room))
+    };
+    if let (1, [first, others @ ..]) = (most, failed.as_slice()) {
+        let head = "Not reproduced: ";
+        let further = match others.len() {
+            0 => ".".to_owned(),
+            further => format!("; {further} more (--full)."),
+        };
+        let around = head.chars().count() + further.chars().count();
+        return vec![format!("{head}{}{further}", text(first, around))];
+    }
+    let shown = match failed.len() > most {
+        true => most.saturating_sub(1),
+        false => failed.len(),
+    };
+    let line = |claim: &&ClaimVerdict| format!("- {}", text(claim, "- ".len()));
+    let further = failed.len() - shown;
+    let lines = failed.iter().take(shown).map(line);
+    let further = (further > 0).then(|| {
+        let further = counted(further, "further statement");
+        format!("- {further}: --full")
+    });
+    let lines: Vec<String> = lines.chain(further).collect();
+    let head = (!lines.is_empty()).then(|| "Not reproduced:".to_owned());
+    head.into_iter().chain(lines).collect()
+}
+
+/// A text cut between words.
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    let kept: String = text.chars().take(most.saturating_sub(2)).collect();
+    let end = kept.rfind(' ').unwrap_or(kept.len());
+    format!("{} …", kept[..end].trim_end_matches([',', ':', ';', ' ']))
+}
+
+/// The points that a test may have in addition, or why they are unknown; `None` where none makes a
+/// further mode observable.
 pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Option<String> {
     let placement = match &placed.placement {
         Ok(placement) => placement,
-        Err(why) => return Some(format!("Measure next in {}: unknown, {why}.", placed.test)),
+        Err(why) => {
+            return Some(format!(
+                "Further points of {}: unknown, {why}.",
+                placed.test
+            ));
+        }
     };
     let steps = placement.steps.iter().take(MAX_NAMED_STEPS).map(|step| {
         let hit = step
@@ -354,5 +417,5 @@ pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) 
         format!("{} (shows {})", points.join(" with "), modes.join(", "))
     });
     let steps: Vec<String> = steps.collect();
-    (!steps.is_empty()).then(|| format!("Measure next in {}: {}.", placed.test, steps.join("; ")))
+    (!steps.is_empty()).then(|| format!("Further points of {}: {}.", placed.test, steps.join("; ")))
 }

@@ -1,7 +1,9 @@
 //! The screen of `update`: parameters, misfit before and after, and whether it converged.
 
 use crate::report::table::significant;
-use crate::report::update::{convergence_text, fit_summary, misfit_footnote, parameter_verdict};
+use crate::report::update::{
+    convergence_text, fit_summary, fit_with_left_out, misfit_footnote, parameter_verdict,
+};
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
 
@@ -34,7 +36,7 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         ..Table::default()
     };
     let fits = [
-        fit_summary("Before", &result.before),
+        fit_with_left_out("Before", &result.before, &scene_update.findings),
         fit_summary("After", &result.after),
         convergence_text(result),
     ];

@@ -32,7 +32,8 @@ pub use bodies::{BodyNode, TheoryMotion};
 pub use circles::CircleFigure;
 pub use curves::{Curve, FrfFigure};
 pub use overview::{
-    CommonError, ErrorRange, ErrorTrend, Overview, OverviewCell, OverviewRow, common_error,
+    CommonError, ErrorRange, ErrorTrend, OneSidedModes, Overview, OverviewCell, OverviewRow,
+    common_error,
 };
 pub use poles::{CmifCurve, StabilizationFigure};
 pub use provenance::{Provenance, SourceFile};
@@ -129,9 +130,6 @@ pub fn figures(
         Some(model) => model.sensors_with(&scene.sensors),
         None => scene.sensors.clone(),
     };
-    let updatable = model
-        .as_ref()
-        .is_some_and(|model| !model.model.parameters().is_empty());
     let band = super::run::theory_band(scene, &result.tests);
     let motion = match &model {
         Some(model) => bodies::theory_motion(model, band)?,
@@ -160,7 +158,7 @@ pub fn figures(
         });
     }
     let figures = Figures {
-        overview: (result.table.as_ref()).map(|table| overview::overview(table, updatable)),
+        overview: (result.table.as_ref()).map(|table| overview::overview(table)),
         tests,
         theory: motion,
         energies: energies(result, band),

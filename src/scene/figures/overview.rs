@@ -22,6 +22,11 @@ const MAX_SPREAD_OVER_MEAN_ERROR: f64 = 1.0 / 3.0;
 /// for a trend. Test `errors_that_grow_with_frequency_have_no_common_factor`.
 const MIN_RANK_CORRELATION: f64 = 0.7;
 
+/// Maximum probability, of both sides, of signs that count as one-sided. Larger, at 0.2: two modes
+/// of ten on the other side lean. Smaller, at 0.01: one of ten hides the lean of nine. Test
+/// `most_modes_on_one_side_are_a_lean_by_the_sign_test`.
+const MAX_PROBABILITY_OF_SIGNS: f64 = 0.05;
+
 /// Contents of the first screen of a report.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Overview {
@@ -39,9 +44,9 @@ pub struct Overview {
     /// The errors of a model that is off to one side where no single factor removes them.
     #[serde(default)]
     pub error_range: Option<ErrorRange>,
-    /// Whether the theory has parameters that an update could change.
+    /// The modes of a model of which most, but not all, are off to one side.
     #[serde(default)]
-    pub updatable: bool,
+    pub one_sided: Option<OneSidedModes>,
 }
 
 /// A root of the theory, or a test mode without a partner.
@@ -79,7 +84,7 @@ pub struct OverviewCell {
     pub not_judged: bool,
 }
 
-pub(super) fn overview(table: &ComparisonTable, updatable: bool) -> Overview {
+pub(super) fn overview(table: &ComparisonTable) -> Overview {
     let rows = table.rows.iter().map(row).collect();
     let common = common_error(table);
     Overview {
@@ -90,11 +95,14 @@ pub(super) fn overview(table: &ComparisonTable, updatable: bool) -> Overview {
             Some(CommonError::Factor(factor)) => Some(*factor),
             _ => None,
         },
-        error_range: match common {
-            Some(CommonError::Range(range)) => Some(range),
+        error_range: match &common {
+            Some(CommonError::Range(range)) => Some(range.clone()),
             _ => None,
         },
-        updatable,
+        one_sided: match common {
+            Some(CommonError::OneSided(modes)) => Some(modes),
+            _ => None,
+        },
     }
 }
 
@@ -139,6 +147,21 @@ pub enum CommonError {
     Factor(f64),
     /// The errors differ too much for one factor.
     Range(ErrorRange),
+    /// Most modes, but not all, are off to one side.
+    OneSided(OneSidedModes),
+}
+
+/// Modes of which most are off to one side.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OneSidedModes {
+    /// Whether the frequencies of the test lie below those of the theory.
+    pub test_is_lower: bool,
+    /// Modes on that side.
+    pub count: usize,
+    /// All modes with a pair.
+    pub modes: usize,
+    /// Mean error of the modes, percent of the theory's frequency.
+    pub mean_percent: f64,
 }
 
 /// Frequency errors between two modes: of the lowest and the highest frequency where the errors
@@ -180,8 +203,9 @@ struct PairedFrequency<'t> {
     std: f64,
 }
 
-/// How the model is off where all pairs, three or more, lie on one side and the mean ratio of test
-/// to theory is off by more than twice its standard deviation from those of the tests' frequencies.
+/// How the model is off where the mean ratio of test to theory is off by more than twice its
+/// standard deviation from those of the tests' frequencies, and all pairs, three or more, lie on
+/// one side, or so many modes that the sign test rejects signs by chance.
 pub fn common_error(table: &ComparisonTable) -> Option<CommonError> {
     let mut pairs: Vec<PairedFrequency> = Vec::new();
     for row in &table.rows {
@@ -207,14 +231,55 @@ pub fn common_error(table: &ComparisonTable) -> Option<CommonError> {
     let squares: f64 = pairs.iter().map(|pair| (pair.ratio - mean).powi(2)).sum();
     let variance: f64 = pairs.iter().map(|pair| pair.std.powi(2)).sum();
     let std = variance.sqrt() / count;
-    if !one_side || (mean - 1.0).abs() <= 2.0 * std {
+    if (mean - 1.0).abs() <= 2.0 * std {
         return None;
+    }
+    if !one_side {
+        return one_sided_modes(table).map(CommonError::OneSided);
     }
     let spread = (squares / (count - 1.0)).sqrt();
     if spread <= MAX_SPREAD_OVER_MEAN_ERROR * (mean - 1.0).abs() {
         return Some(CommonError::Factor(rounded(mean * mean, 4)));
     }
     error_range(&pairs).map(CommonError::Range)
+}
+
+/// The modes of a model where the sign test rejects that their signs are by chance. A mode that
+/// several tests have counts once, by the mean of its ratios.
+fn one_sided_modes(table: &ComparisonTable) -> Option<OneSidedModes> {
+    let ratio = |row: &Row| {
+        let theory = row.theory.as_ref()?;
+        let pairs = row.tests.iter().filter(|cell| cell.error_percent.is_some());
+        let ratios: Vec<f64> = pairs
+            .filter_map(|cell| Some(cell.hz? / theory.hz))
+            .collect();
+        (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64)
+    };
+    let ratios: Vec<f64> = table.rows.iter().filter_map(ratio).collect();
+    let modes = ratios.len();
+    let mean = ratios.iter().sum::<f64>() / modes.max(1) as f64 - 1.0;
+    let test_is_lower = mean < 0.0;
+    let on_side = |ratio: &&f64| (**ratio < 1.0) == test_is_lower;
+    let count = ratios.iter().filter(on_side).count();
+    (2.0 * probability_of_at_least(count, modes) <= MAX_PROBABILITY_OF_SIGNS).then(|| {
+        OneSidedModes {
+            test_is_lower,
+            count,
+            modes,
+            mean_percent: rounded(100.0 * mean, 4),
+        }
+    })
+}
+
+/// Probability that at least so many of all signs are one of both, each as likely as the other.
+fn probability_of_at_least(count: usize, all: usize) -> f64 {
+    let mut term = 0.5_f64.powi(i32::try_from(all).unwrap_or(i32::MAX));
+    let mut sum = if count == 0 { term } else { 0.0 };
+    for k in 1..=all {
+        term *= (all - k + 1) as f64 / k as f64;
+        sum += if k >= count { term } else { 0.0 };
+    }
+    sum
 }
 
 fn error_range(pairs: &[PairedFrequency]) -> Option<ErrorRange> {
@@ -315,10 +380,7 @@ mod tests {
 
     #[test]
     fn a_common_frequency_factor_is_given_only_for_a_biased_model() {
-        let leaning = overview(
-            &table(&[(100.0, 97.5), (200.0, 196.0), (400.0, 394.0)]),
-            true,
-        );
+        let leaning = overview(&table(&[(100.0, 97.5), (200.0, 196.0), (400.0, 394.0)]));
         let factor = ((0.975f64 + 0.98 + 0.985) / 3.0).powi(2);
         assert!((leaning.stiffness_factor.unwrap() - factor).abs() < 1e-4);
         let cell = &leaning.rows[1].cells[0];
@@ -332,8 +394,31 @@ mod tests {
             // Off by 0.06 % in the mean, of which 0.19 % are the deviation.
             &[(100.0, 99.9), (200.0, 199.9), (400.0, 399.9)],
         ] {
-            assert_eq!(overview(&table(pairs), true).stiffness_factor, None);
+            assert_eq!(overview(&table(pairs)).stiffness_factor, None);
         }
+    }
+
+    #[test]
+    fn most_modes_on_one_side_are_a_lean_by_the_sign_test() {
+        let lean = |below: usize, all: usize| {
+            let pairs: Vec<(f64, f64)> = (0..all)
+                .map(|number| {
+                    let theory = 100.0 * (number + 1) as f64;
+                    let ratio = if number < below { 0.97 } else { 1.01 };
+                    (theory, ratio * theory)
+                })
+                .collect();
+            overview(&table(&pairs)).one_sided
+        };
+        let found = lean(9, 10).unwrap();
+        assert!(found.test_is_lower);
+        assert_eq!((found.count, found.modes), (9, 10));
+        assert!((found.mean_percent + 2.6).abs() < 1e-9, "{found:?}");
+        assert_eq!(lean(8, 10), None);
+        assert_eq!(lean(6, 7), None);
+        // All on one side have a factor or a range.
+        assert_eq!(lean(10, 10), None);
+        assert!((probability_of_at_least(9, 10) - 11.0 / 1024.0).abs() < 1e-12);
     }
 
     #[test]
@@ -345,7 +430,7 @@ mod tests {
                     (100.0 * f64::from(number), 100.0 * f64::from(number) * ratio)
                 })
                 .collect();
-            let overview = overview(&table(&pairs), true);
+            let overview = overview(&table(&pairs));
             (overview.stiffness_factor, overview.error_range)
         };
         let (factor, found) = range(&[0.99, 0.97, 0.93, 0.94, 0.88]);

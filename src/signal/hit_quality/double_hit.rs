@@ -107,7 +107,11 @@ pub(super) fn double_hit(
     let found = separate.into_iter().filter(clear).chain(near);
     let found = found.max_by(|a, b| a.ratio.total_cmp(&b.ratio));
     let check = |outcome, value: f64| {
-        Check::new(Rule::DoubleHit, outcome).value(value, limits.double_hit_ratio, "")
+        let limit = match outcome {
+            Outcome::Noted => limits.double_hit_noted,
+            _ => limits.double_hit_ratio,
+        };
+        Check::new(Rule::DoubleHit, outcome).value(value, limit, "")
     };
     match found {
         Some(contact) => Check {

@@ -102,7 +102,11 @@ pub(super) fn response_pre_trigger(
     } else {
         Outcome::Passed
     };
-    Check::new(Rule::PreTrigger, outcome).value(value, limits.ringing_rejected, "")
+    let limit = match outcome {
+        Outcome::Noted => limits.ringing_noted,
+        _ => limits.ringing_rejected,
+    };
+    Check::new(Rule::PreTrigger, outcome).value(value, limit, "")
 }
 
 struct Ringing {
