@@ -49,11 +49,11 @@ pub(in crate::identify) const MIN_CONTRIBUTION_LINEARITY: f64 = 3e-4;
 /// imperfect data).
 const MIN_CONTRIBUTION_REPEATED: f64 = 1e-2;
 const MIN_CONTRIBUTION_REPEATED_SHIFTED: f64 = 5e-2;
-/// Where a mode shifts between runs: minimum modal contribution of a pole beside a stronger one, and
-/// separation from it, in sums of half-power bandwidths. The error of the estimated shifts of a mode
-/// is such a pole. Smaller: 8 false modes in 12 draws of small shifts (2 with these limits;
-/// `shift between runs, small` of the families of imperfect data). Larger: at 0.5 and 0.7 one of two
-/// close modes is lost (`two_close_modes_that_drift_together_are_two_modes`).
+/// Where a mode shifts between runs: minimum modal contribution of a pole beside a stronger one,
+/// and separation from it, in sums of half-power bandwidths. The error of the estimated shifts of a
+/// mode is such a pole. Smaller: 8 false modes in 12 draws of small shifts (2 with these limits;
+/// `shift between runs, small` of the families of imperfect data). Larger: at 0.5 and 0.7 one of
+/// two close modes is lost (`two_close_modes_that_drift_together_are_two_modes`).
 const MIN_CONTRIBUTION_BESIDE_STRONGER: f64 = 6e-2;
 const MAX_SEPARATION_BESIDE_STRONGER: f64 = 0.15;
 /// Contribution of a ghost over that of the mode whose shape it repeats within its resonance:

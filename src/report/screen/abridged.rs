@@ -14,9 +14,9 @@ const MIN_ROWS: usize = 4;
 const MAX_NOTES: usize = 2;
 /// Omitted columns that a note names.
 const MAX_NAMED_COLUMNS: usize = 4;
-/// Characters to which texts in cells are wrapped where a table is too wide, the latter where no
+/// Characters to which texts in cells are wrapped where a table is too wide, the others where no
 /// column of numbers is left to omit.
-const TEXT_CELL_WIDTHS: [usize; 3] = [30, 20, 14];
+const TEXT_CELL_WIDTHS: [usize; 4] = [30, 20, 14, 12];
 
 /// Omitted tables that a text names.
 const MAX_NAMED_TABLES: usize = 4;
