@@ -188,6 +188,7 @@ fn half() -> u64 {
 fn imperfect_data_keep_their_limits() {
     let only = std::env::var("IMPERFECT_FAMILY").unwrap_or_default();
     let mut all = Counts::default();
+    let mut beyond = Vec::new();
     for family in FAMILIES.iter().filter(|family| family.name.contains(&only)) {
         let numbers: Vec<u64> = (0..draws(DRAWS / 2)).map(|n| 2 * n + half()).collect();
         let counts = numbers
@@ -205,12 +206,13 @@ fn imperfect_data_keep_their_limits() {
                 family.max_false * counts.modes as f64,
             ),
         ];
-        for (count, limit) in limits {
-            // One more than the share: a sample has few modes.
-            assert!(count <= limit + 1.0, "{}: {counts:?}", family.name);
+        // One more than the share: a sample has few modes.
+        if limits.iter().any(|(count, limit)| *count > limit + 1.0) {
+            beyond.push(family.name);
         }
         all = all.add(counts);
     }
     println!("{}", all.line("all"));
+    assert!(beyond.is_empty(), "beyond their limits: {beyond:?}");
     assert!(all.draws > 0, "no family has {only:?} in its name");
 }
