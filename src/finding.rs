@@ -387,7 +387,7 @@ codes! {
         "The file of `--selection` names poles by frequency and, where stated, damping ratio and model order. The value is the distance of the nearest pole of the method (of that order), the limit the tolerance: `tolerance_hz` of the file, else 1 % of the frequency. Without a value, the fit removed the selected pole. Poles outside the band cannot be selected. One mode is selected at a second order only where the file names that order. Look at the poles of all orders with `--stabilization FILE`.";
     /// No mode in the band.
     NoModeFound: "No mode was found in the band.",
-        "No peak exceeds the noise in the band that was searched. Check the coherence, the band, and whether the hammer excites it.";
+        "No peak exceeds the noise in the band that was searched, or no pole at its peaks stands for a mode (listed as peaks without a mode). Check the coherence, the band, and whether the hammer excites it; try another method.";
     /// Low coherence.
     LowCoherence [AtLeast]: "The coherence is low over the band: noise biases H.",
         "The value is the median coherence of the worst FRF over its valid band. Noise on the force makes H1 too small by about that factor, noise on the response H2 too large. Use a force window, hit harder, average more, or use hv.";

@@ -1,10 +1,12 @@
 //! `modalign update`: the model of a scene brought to its test.
 
+use std::path::PathBuf;
+
 use crate::error::Error;
 use crate::report::{
-    RENDERERS, json, step_after_update, update_blocks, update_page, update_screen,
+    RENDERERS, json, step_after_update, step_to_check, update_blocks, update_page, update_screen,
 };
-use crate::scene::{TestResult, update_scene};
+use crate::scene::{Limits, TestResult, update_scene};
 
 use super::args::UpdateArgs;
 use super::outcome::Outcome;
@@ -69,7 +71,13 @@ pub fn update(
         Some(_) => "All tables, columns and notes: --full, or update.txt in the folder.",
         None => "All tables and columns: --full; updated model and tables: -o DIR.",
     };
-    let next = step_after_update(&outcome);
+    let checked = args.output.as_ref();
+    let checked = checked.filter(|_| scene.limits != Limits::default());
+    let to_check = |folder: &PathBuf| {
+        let scene = args.scene.display().to_string();
+        step_to_check(&folder.display().to_string(), &scene)
+    };
+    let next = step_after_update(&outcome).or_else(|| checked.map(to_check));
     let lines: Vec<&str> = next.as_deref().into_iter().chain([rest]).collect();
     output.add_rest_note(&lines.join("\n"));
     output.add_json(|| json::update_to_json(&outcome));

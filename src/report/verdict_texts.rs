@@ -89,6 +89,13 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "next_check",
+        Text {
+            english: "Next, whether the updated model meets the limits: modalign check {}/comparison-after.json --against {}.",
+            chinese: "下一步，检查修正后的模型是否满足限值：modalign check {}/comparison-after.json --against {}。",
+        },
+    ),
+    (
         "next_undetermined",
         Text {
             english: "Next, as the test determines no parameter: more modes or points, parameters that its modes depend on, or prior_std in [[update.parameter]].",

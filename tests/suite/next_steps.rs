@@ -206,6 +206,18 @@ fn an_update_that_does_not_fit_says_what_to_check() {
     write(folder, &[("modes.csv", &good)]);
     let (screen, findings, _) = said(folder, "update bar");
     assert!(!screen.contains("Next"), "{screen}{findings}");
+    // With limits the next step is the command that judges the updated model by them.
+    let limited = read(folder, "bar/scene.toml") + "\n[limits]\nmin_mac = 0.9\n";
+    write(folder, &[("bar/scene.toml", &limited)]);
+    let (screen, findings, _) = said(folder, "update bar -o out");
+    let text = unwrapped(&screen);
+    let (_, check) = text
+        .split_once("meets the limits: modalign ")
+        .unwrap_or_else(|| panic!("{screen}{findings}"));
+    let check = check.split(". ").next().unwrap();
+    assert_eq!(check, "check out/comparison-after.json --against bar");
+    let (screen, findings, code) = said(folder, check);
+    assert_eq!(code, Some(0), "{screen}{findings}");
 }
 
 #[test]

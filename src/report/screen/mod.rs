@@ -29,7 +29,7 @@ pub(super) use abridged::{omissible_column, omitted_columns};
 pub use comparison::comparison_screen;
 pub use hits::hits_screen;
 pub use modes::{modes_screen, roots_screen};
-pub use next_step::{next_step, step_after_update};
+pub use next_step::{next_step, step_after_update, step_to_check};
 pub use page::{comparison_page, comparison_page_of_all_tests, modes_page};
 pub use regression_check::regression_check_screen;
 pub use run::run_screen;

@@ -115,6 +115,13 @@ fn step_without_pairs(file: &str, result: &SceneResult, unmoved: Option<&Finding
     )
 }
 
+/// The step after an update that fits, for a scene with limits.
+pub fn step_to_check(folder: &str, scene: &str) -> String {
+    format!(
+        "Next, whether the updated model meets the limits: modalign check {folder}/comparison-after.json --against {scene}."
+    )
+}
+
 /// The next step after an update that does not fit or determines no parameter; `None` after others.
 pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
     let has = |code: Code| update.findings.iter().any(|finding| finding.code == code);
