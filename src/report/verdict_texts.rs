@@ -56,8 +56,8 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "next_compared",
         Text {
-            english: "Next, a model to compare with: [model] in {}, or modalign new DIR FILE... --model beam (or lumped).",
-            chinese: "下一步，加入用于比较的模型：{} 中的 [model]，或 modalign new DIR FILE... --model beam (或 lumped)。",
+            english: "Next, a model to compare with: [model] in {}, or modalign new NEW-DIR FILE... --model beam (or lumped) --points FILE.",
+            chinese: "下一步，加入用于比较的模型：{} 中的 [model]，或 modalign new NEW-DIR FILE... --model beam (或 lumped) --points FILE。",
         },
     ),
     (

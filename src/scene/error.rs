@@ -65,7 +65,7 @@ pub enum SceneError {
         /// Name of the test.
         test: String,
         /// The file and the property.
-        source: IoError,
+        source: Box<IoError>,
     },
     /// Faults of a scene and of the files that it names.
     #[error("{}", several_lines(faults))]

@@ -118,7 +118,7 @@ impl IngestOptions<'_> {
                 place: key_place(&text, &lacking_key(test, &source), "").map(Box::new),
                 scene: self.scene.to_owned(),
                 test: test.name.clone(),
-                source,
+                source: Box::new(source),
             },
             other => located(other, self.scene, &text),
         }

@@ -91,7 +91,7 @@ fn step_without_comparison(scene: &Scene, result: &SceneResult) -> String {
         );
     }
     format!(
-        "Next, a model to compare with: [model] in {file}, or modalign new DIR FILE... --model beam (or lumped)."
+        "Next, a model to compare with: [model] in {file}, or modalign new NEW-DIR FILE... --model beam (or lumped) --points FILE."
     )
 }
 

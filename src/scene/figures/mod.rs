@@ -158,7 +158,7 @@ pub fn figures(
         });
     }
     let figures = Figures {
-        overview: (result.table.as_ref()).map(|table| overview::overview(table)),
+        overview: (result.table.as_ref()).map(overview::overview),
         tests,
         theory: motion,
         energies: energies(result, band),
