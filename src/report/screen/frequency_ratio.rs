@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::modal::{Grade, Mode};
 use crate::report::table::significant;
 use crate::scene::SceneResult;
 
@@ -11,7 +12,7 @@ use crate::scene::SceneResult;
 /// length passes for one of a wrong unit. Test `a_wrong_unit_of_the_model_is_named`.
 const MIN_FACTOR_OF_A_UNIT: f64 = 10.0;
 
-/// The elastic modes of a model and the modes of its tests, none of which is paired.
+/// The elastic modes of a model and the good modes of its tests, none of which is paired.
 pub(super) struct FrequencyRatio {
     model_hz: (f64, f64),
     test_hz: (f64, f64),
@@ -19,8 +20,8 @@ pub(super) struct FrequencyRatio {
     is_band_empty: bool,
 }
 
-/// The frequencies of model and tests; `None` where a mode is paired, and where the model or the
-/// tests have no mode.
+/// The frequencies of model and tests; `None` where a mode is paired, and where the model has no
+/// mode or the tests no good one.
 pub(super) fn frequency_ratio(result: &SceneResult) -> Option<FrequencyRatio> {
     let table = result.table.as_ref().filter(|table| table.is_empty())?;
     let of_roots = result.theory.roots.iter();
@@ -31,7 +32,13 @@ pub(super) fn frequency_ratio(result: &SceneResult) -> Option<FrequencyRatio> {
     let mut tests = table.summary.iter();
     let is_band_empty =
         tests.all(|test| in_band(test.missed + test.not_observable + test.paired + test.ambiguous));
+    // Doubtful modes are often those of the suspension.
+    let is_good = |mode: &&Mode| {
+        let quality = mode.quality.as_ref();
+        quality.is_none_or(|quality| quality.verdict == Grade::Good)
+    };
     let of_tests = result.tests.iter().flat_map(|test| &test.modes.modes);
+    let of_tests = of_tests.filter(is_good);
     Some(FrequencyRatio {
         model_hz: range(of_roots.chain(of_modes))?,
         test_hz: range(of_tests.map(|mode| mode.frequency_hz))?,
