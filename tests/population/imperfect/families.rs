@@ -63,7 +63,7 @@ pub const FAMILIES: &[Family] = &[
     Family::new("shift between runs, small", [0.03, 0.04], |random| {
         shift_between_runs(random, (0.005, 0.05), 1)
     }),
-    Family::new("shift between hits", [0.02, 0.02], |random| {
+    Family::new("shift between hits", [0.04, 0.02], |random| {
         shift_between_runs(random, (0.05, 0.6), 5)
     }),
     Family::new("faulty channel", [0.01, 0.01], faulty_channel),
