@@ -88,4 +88,5 @@ pub use selection::Selection;
 pub use set::{Estimator, FrfSet, Function, FunctionData, SetError};
 pub use synthesis::{Residues, modal_terms, synthesise};
 pub use truncation::{TRUNCATION_LIMIT, Truncation};
+pub use usable_band::excited_part;
 pub use window::Window;

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::axis::{Band, TimeAxis};
 
-use super::FrfError;
+use super::{FrfError, FrfSet};
 
 /// Anti-alias filters are flat up to about this fraction of the sampling rate (1/2.56 = 0.39 in
 /// most analysers).
@@ -126,4 +126,19 @@ impl ForcePower {
         let (lo_hz, hi_hz) = (axis.hz(1), axis.hz(excited));
         Band::new(lo_hz, hi_hz).map_err(|_| FrfError::BandEmpty { lo_hz, hi_hz })
     }
+}
+
+/// The part of a band that the force excites; `usable` stands where that is unknown.
+///
+/// # Errors
+/// [`FrfError::BandNotExcited`] where the force excites none of it.
+pub fn excited_part(set: &FrfSet, wanted: Band, usable: Band) -> Result<Band, FrfError> {
+    let excited = set.excited_band.unwrap_or(usable);
+    let part = wanted.intersection(&excited);
+    part.ok_or(FrfError::BandNotExcited {
+        got_lo_hz: wanted.lo_hz,
+        got_hi_hz: wanted.hi_hz,
+        lo_hz: excited.lo_hz,
+        hi_hz: excited.hi_hz,
+    })
 }

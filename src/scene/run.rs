@@ -10,7 +10,7 @@ use crate::correlate::{
 };
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::frf::{FrfError, FrfSet, evaluate_test};
+use crate::frf::{FrfError, FrfSet, evaluate_test, excited_part};
 use crate::identify::{
     Identification, IdentifyOptions, Indicators, PoleAtOrder, PoleStatus, assess, identification,
     indicators,
@@ -447,15 +447,7 @@ fn search_band(
         findings.push(band_limited_finding(usable));
         return Ok(usable);
     };
-    let excited = set.excited_band.unwrap_or(usable);
-    let band = wanted
-        .intersection(&excited)
-        .ok_or(FrfError::BandNotExcited {
-            got_lo_hz: wanted.lo_hz,
-            got_hi_hz: wanted.hi_hz,
-            lo_hz: excited.lo_hz,
-            hi_hz: excited.hi_hz,
-        })?;
+    let band = excited_part(set, wanted, usable)?;
     if wanted.hi_hz > band.hi_hz {
         findings.push(band_limited_finding(band));
     }

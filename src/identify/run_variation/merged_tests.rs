@@ -62,6 +62,18 @@ fn a_mode_is_stated_at_its_mean_over_the_runs() {
     let ratio = merged.pole.damping_ratio();
     let expected = 1e-4f64.hypot(ratio * 0.04 / 50.0);
     assert!((merged.damping_std.unwrap() - expected).abs() < 1e-8);
+    // A fit without deviation leaves that of the mean frequency alone.
+    let exact = Candidate {
+        damping_std: Some(0.0),
+        ..candidate.clone()
+    };
+    let still = RunMean {
+        decay_std: 0.0,
+        ..mean
+    };
+    let by_frequency = moved.merged(exact, Some(still), 0.0).damping_std.unwrap();
+    let expected = ratio * 0.04 / 50.0f64.hypot(0.5);
+    assert!((by_frequency / expected - 1.0).abs() < 1e-9);
     let mean = RunMean {
         decay_std: TAU * 50.0 * 3e-4,
         ..mean

@@ -2,7 +2,7 @@
 
 use crate::axis::{Band, TimeAxis};
 use crate::finding::Finding;
-use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, evaluate_hammer_test};
+use crate::frf::{Estimator, FrfError, FrfSet, HammerOptions, evaluate_hammer_test, excited_part};
 use crate::modal::{InputFile, ModalModel};
 use crate::record::{ChannelSegment, HitInfo, ReadError, Recording, Samples};
 use crate::scene::{Scene, SceneError, TestPlan, test_data};
@@ -84,16 +84,8 @@ fn estimate_variants(
 ) -> Result<TestSets, StudyError> {
     let base = test.hammer_options(&scene.hammer);
     let first = evaluate_hammer_test(recording, &base)?;
-    let excited = first.estimated.set.excited_band.unwrap_or(first.usable);
     let wanted = test.band.unwrap_or(first.usable);
-    let band = wanted
-        .intersection(&excited)
-        .ok_or(FrfError::BandNotExcited {
-            got_lo_hz: wanted.lo_hz,
-            got_hi_hz: wanted.hi_hz,
-            lo_hz: excited.lo_hz,
-            hi_hz: excited.hi_hz,
-        })?;
+    let band = excited_part(&first.estimated.set, wanted, first.usable)?;
     let stated_estimator = base.estimate.estimator;
     let mut sets = vec![Variant {
         estimator: Some(stated_estimator.name()),
