@@ -454,6 +454,18 @@ codes! {
     /// A factor on all stiffnesses that would pair most modes.
     CommonFactor [StandardDeviation]: "Few modes pair, but most would if all stiffnesses were scaled by this factor; nothing was changed.",
         "Most test modes correlate with one model mode alone, and their frequencies are off by about the same ratio. The value is the factor on all stiffnesses (the square of that on frequencies), with its standard deviation from mode to mode. Where that is small, one modulus, unit or scale may be wrong; one over the factor on all masses has the same effect. This is a suggestion. Check units and thicknesses first, or free the parameter that scales all stiffnesses in [update].";
+    /// Two test modes with each other's frequency.
+    FrequenciesExchanged: "This test mode has the shape of a model mode near another test mode's frequency, and that one the reverse: the two frequencies may be exchanged.",
+        "Each of the two has the shape of one model mode alone, and the frequency of the mode that the other has the shape of. The value is the frequency of the other. A list that was sorted by hand or a wrong label of a shape causes this. Correct the list; as they are, the two do not pair, or bias the parameters.";
+    /// Points that are numbered from the other end.
+    PointsReversed [AtMost]: "The shapes agree with the model once the points of each direction are numbered in reverse order.",
+        "The value is the mean over the test modes of the largest MAC with a model mode in reverse order of the points, the limit that as numbered. Check from which end the points of test and model are numbered, and correct the names.";
+    /// A mode that the others do not predict.
+    ModeNotPredicted [AtMost]: "The model, updated to the other modes, does not predict this mode. Its value may be wrong, or the model cannot represent both.",
+        "The value is the left-out residual over its standard deviation as the other modes show it. One such mode: check its frequency, its shape and its partner, or leave it out by `band_hz` and update again. Several of them: the model lacks something that the structure has.";
+    /// Another optimum has another value.
+    ParameterAmbiguous: "Another set of parameters fits the test as well, with another value of this one.",
+        "The value is that of the other optimum. The measured modes cannot tell the two apart: frequencies alone of a symmetric model do not show on which side a stiffness changed, and a test of few modes can have several solutions. `update.json` lists all optima and the mode that differs most between them. Measure that mode or its shape, or hold one of the parameters.";
     /// An FRF of the wrong sign, which doubles modes.
     TurnedFunction: "This FRF has the sign opposite to that of the other references at this response. It was reversed for the identification.",
         "The residue matrix of a single mode has rank one over responses and references. One FRF of the wrong sign gives it rank two at every mode, so that each mode would be found twice. Check whether the sensor or the hammer was reversed in that run, and correct the direction or the sign of the sensitivity.";

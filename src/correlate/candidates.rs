@@ -8,6 +8,7 @@ use crate::modal::ModalModel;
 
 use super::chance::{ChanceLevel, ChanceSetting, MIN_DOFS_OF_SHAPE, effective_dof_fraction};
 use super::global_stiffness_factor::{MacTable, global_stiffness_factor};
+use super::mislabelled::exchanged_frequencies;
 use super::modal_contribution::{ModalContribution, modal_contributions};
 use super::model_roots::{Root, elastic_modes, elastic_roots};
 use super::partner::{
@@ -438,19 +439,11 @@ impl CandidateTable {
                 findings.push(warn(Code::LowMac).value(mac, "").limit(options.min_mac));
             }
         }
-        findings.extend(self.stiffness_factor_finding(test, root_of, options));
-        findings
-    }
-
-    /// The stiffness factor that would pair most modes where few are paired.
-    fn stiffness_factor_finding(
-        &self,
-        test: &ModalModel,
-        root_of: &[Option<usize>],
-        options: &PairOptions,
-    ) -> Option<Finding> {
         let table = self.mac_table(test, options);
-        global_stiffness_factor(&table, root_of.iter().flatten().count())
+        let paired = root_of.iter().flatten().count();
+        findings.extend(global_stiffness_factor(&table, paired));
+        findings.extend(exchanged_frequencies(&table));
+        findings
     }
 
     /// The modes whose shapes agree at other frequencies, for a test of which none is paired.

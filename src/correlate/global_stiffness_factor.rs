@@ -65,7 +65,7 @@ fn clear_ratios(table: &MacTable) -> Vec<f64> {
 }
 
 /// The only root that a test mode correlates with.
-fn clear_root(row: &[Option<f64>]) -> Option<usize> {
+pub(super) fn clear_root(row: &[Option<f64>]) -> Option<usize> {
     let known = row.iter().enumerate();
     let known = known.filter_map(|(root, mac)| Some((root, (*mac)?)));
     let (root, best) = known.clone().max_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -17,6 +17,7 @@ mod expansion;
 mod footnote;
 mod global_stiffness_factor;
 pub mod measures;
+mod mislabelled;
 mod modal_contribution;
 mod model_roots;
 mod nearest;

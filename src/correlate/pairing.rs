@@ -7,6 +7,7 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::modal::ModalModel;
 
 use super::candidates::CandidateTable;
+use super::mislabelled::reversed_order;
 use super::model_roots::{check_model, highest_rigid_hz};
 use super::partner::{MIN_DIRECTION_CONTRIBUTION, Pair, UnpairedRoot};
 use super::reversed_sensors::{ReversedSensor, detect, reversed_findings, signs};
@@ -118,6 +119,7 @@ pub fn pair(
     };
     findings.extend(shapes_agree_finding(&by_shape_alone));
     findings.extend(reversed_findings(&reversed, false));
+    findings.extend(reversed_order(&shapes, &map));
     findings.extend(table.findings(test, &root_of, &pairs, options));
     findings.extend(pairs.iter().filter_map(|pair| similar_partners(pair, test)));
     let elastic_count: usize = table.roots.iter().map(|root| root.modes.len()).sum();
