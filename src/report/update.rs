@@ -5,7 +5,10 @@ use crate::correlate::ComparisonTable;
 use crate::finding::{Code, Finding};
 use crate::printable::counted;
 use crate::scene::{SceneUpdate, Theory};
-use crate::update::{Explanation, Fit, FitRow, Residuals, ShapeWeights, SubsetFit, UpdateResult};
+use crate::update::{
+    Alternative, Explanation, Fit, FitRow, ModelError, ParameterVerdict, ResidualKind, Residuals,
+    ShapeWeights, SubsetFit, UpdateResult,
+};
 
 use super::comparison::{comparison_of_all_tests, error_head};
 use super::screen::comparison_page_of_all_tests;
@@ -15,6 +18,8 @@ use super::{Block, Cell, Column, Table};
 
 /// Maximum number of printed changes; `update.json` has all.
 const MAX_PRINTED_CHANGES: usize = 10;
+/// Largest number of other optima that are printed.
+const MAX_ALTERNATIVES: usize = 2;
 
 /// Why the MAC of an update differs from that of a comparison.
 pub(super) const MAC_OF_AN_UPDATE: &str = "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A comparison uses the complex shapes, all components with equal weight.";
@@ -85,6 +90,7 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     footnotes.extend(shape_footnotes(scene_update));
     footnotes.extend(residual_footnote(scene_update));
     footnotes.push(misfit_footnote(&scene_update.result));
+    footnotes.extend(alternatives_text(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
@@ -170,10 +176,55 @@ pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
     if result.fits() {
         return figures + ".";
     }
+    let grown = result
+        .model_errors
+        .iter()
+        .filter(|error| error.growth > 1.0);
+    let of_kind = |error: &ModelError| {
+        format!(
+            "{} {:.1} times the stated ones ({:.1} degrees of freedom)",
+            match error.kind {
+                ResidualKind::Frequency => "of frequencies",
+                ResidualKind::Shape => "of shapes",
+                ResidualKind::Other => "of all residuals",
+            },
+            error.growth,
+            error.degrees_of_freedom
+        )
+    };
+    let kinds: Vec<String> = grown.map(of_kind).collect();
     format!(
-        "{figures}: the model does not fit, and std and verdicts hold only if the model is right; multiply std by {:.2}, the square root of that, to account for the misfit.",
-        ratio.sqrt()
+        "{figures}: noise does not explain the residuals. Their deviations are taken as larger, {}; std and verdicts include this model error.",
+        kinds.join(" and ")
     )
+}
+
+/// The other optima of about the same objective, each with what separates it from the best.
+pub(super) fn alternatives_text(result: &UpdateResult) -> Option<String> {
+    let text = |other: &Alternative| {
+        let parameters = result.parameters.iter().zip(&other.values);
+        let values = parameters
+            .filter(|(parameter, _)| parameter.verdict == ParameterVerdict::Ambiguous)
+            .map(|(parameter, value)| format!("{} = {}", parameter.name, significant(*value, 4)));
+        let values: Vec<String> = values.collect();
+        let separation = other.separation.as_ref().map_or_else(String::new, |mode| {
+            format!(
+                "; model mode {} differs most: {} Hz against {} Hz, MAC {:.2}",
+                mode.mode,
+                significant(mode.hz, 5),
+                significant(mode.other_hz, 5),
+                mode.mac
+            )
+        });
+        format!("Fits as well: {}{separation}.", values.join(", "))
+    };
+    let all: Vec<String> = result
+        .alternatives
+        .iter()
+        .take(MAX_ALTERNATIVES)
+        .map(text)
+        .collect();
+    (!all.is_empty()).then(|| all.join("\n"))
 }
 
 fn combinations_block(result: &UpdateResult) -> Block {

@@ -45,6 +45,8 @@ verdicts! {
     UnmatchedTestMode: "unmatched test mode", "bad";
     /// The data determine the updated parameter.
     Identified: update::ParameterVerdict::Identified.name(), "good";
+    /// The data determine the updated parameter within the error of the model.
+    IdentifiedWithinModelError: update::ParameterVerdict::IdentifiedWithinModelError.name(), "good";
     /// The updated parameter is at one of its bounds.
     AtBound: update::ParameterVerdict::AtBound.name(), "fair";
     /// The data do not determine the updated parameter.
@@ -84,6 +86,10 @@ impl From<update::ParameterVerdict> for Verdict {
     fn from(verdict: update::ParameterVerdict) -> Self {
         match verdict {
             update::ParameterVerdict::Identified => Verdict::Identified,
+            update::ParameterVerdict::IdentifiedWithinModelError => {
+                Verdict::IdentifiedWithinModelError
+            }
+            update::ParameterVerdict::Ambiguous => Verdict::Ambiguous,
             update::ParameterVerdict::AtBound => Verdict::AtBound,
             update::ParameterVerdict::NotSupported => Verdict::NotSupported,
         }

@@ -30,8 +30,15 @@ use super::updated_model::{model_table_text, overrides_note, replace_nominal_val
 /// Name of the published frequencies among the tests.
 const PUBLISHED: &str = "published";
 
-/// Findings on the signs of sensors.
-const REVERSED_CODES: [Code; 2] = [Code::ReversedSensor, Code::ReversedGroup];
+/// Findings of the comparison with the model at the start that bear on the update: the updated
+/// model may have adapted to what they name.
+const CODES_AT_START: [Code; 5] = [
+    Code::ReversedSensor,
+    Code::ReversedGroup,
+    Code::FrequenciesExchanged,
+    Code::PointsReversed,
+    Code::CommonFactor,
+];
 
 /// Result of updating a scene's model.
 #[derive(Clone, Debug)]
@@ -139,13 +146,12 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
             .into_iter()
             .flat_map(|(_, finding_list)| finding_list),
     );
-    // An updated model may have adapted to a reversed sensor: the model at the start shows it.
-    let reversed = before
+    let at_start = before
         .findings
         .iter()
         .flat_map(|(_, finding_list)| finding_list);
-    let reversed = reversed.filter(|finding| REVERSED_CODES.contains(&finding.code));
-    let new: Vec<Finding> = reversed
+    let at_start = at_start.filter(|finding| CODES_AT_START.contains(&finding.code));
+    let new: Vec<Finding> = at_start
         .filter(|finding| {
             !findings
                 .iter()

@@ -3,20 +3,35 @@
 use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 
-use super::{MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict, UpdateResult, UpdatedParameter};
+use super::{
+    Alternative, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict, ResidualKind, UpdateResult,
+    UpdatedParameter,
+};
 
 impl UpdateResult {
     /// Parameters that the data do not determine or that end at a bound, a remaining misfit,
     /// measured roots that changed or lost their partner, an iteration that did not converge.
     pub fn findings(&self) -> Vec<Finding> {
-        let mut findings: Vec<Finding> = self.parameters.iter().filter_map(of_parameter).collect();
+        let parameters = self.parameters.iter().enumerate();
+        let findings = parameters.filter_map(|(j, parameter)| self.of_parameter(j, parameter));
+        let mut findings: Vec<Finding> = findings.collect();
         if !self.fits() {
-            findings.push(
-                warn(Code::MisfitRemains, Location::Whole)
-                    .value(self.reduced_chi_square(), "")
-                    .limit(self.largest_reduced_chi_square()),
-            );
+            let (value, limit) = self.worst_reduced_chi_square();
+            let finding = warn(Code::MisfitRemains, Location::Whole);
+            findings.push(finding.value(value, "").limit(limit));
         }
+        findings.extend(self.unpredicted.iter().map(|mode| {
+            let finding = warn(Code::ModeNotPredicted, Location::Mode(mode.hz));
+            let what = match mode.kind {
+                ResidualKind::Frequency => "frequency",
+                ResidualKind::Shape => "shape",
+                ResidualKind::Other => "residual",
+            };
+            finding
+                .value(mode.deviations, "")
+                .limit(1.0)
+                .detail(what.to_owned())
+        }));
         let rows = self.after.rows.iter();
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Location::Mode(row.test_hz))));
@@ -33,6 +48,35 @@ impl UpdateResult {
         findings
     }
 
+    fn of_parameter(&self, j: usize, parameter: &UpdatedParameter) -> Option<Finding> {
+        let location = Location::Parameter(parameter.name.clone());
+        match parameter.verdict {
+            ParameterVerdict::Identified | ParameterVerdict::IdentifiedWithinModelError => None,
+            ParameterVerdict::Ambiguous => {
+                let distance = |other: &&Alternative| (other.values[j] - parameter.updated).abs();
+                let others = self.alternatives.iter();
+                let other = others.max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+                let finding = warn(Code::ParameterAmbiguous, location);
+                Some(finding.value(other.values[j], &parameter.unit))
+            }
+            // A misfit, a lost mode or one that is not predicted has its finding.
+            ParameterVerdict::NotSupported
+                if parameter.posterior_over_prior <= MAX_POSTERIOR_OVER_PRIOR =>
+            {
+                None
+            }
+            ParameterVerdict::NotSupported => {
+                let finding = warn(Code::ParameterNotSupported, location);
+                let finding = finding.value(parameter.posterior_over_prior, "");
+                Some(finding.limit(MAX_POSTERIOR_OVER_PRIOR))
+            }
+            ParameterVerdict::AtBound => {
+                let finding = warn(Code::ParameterAtBound, location);
+                Some(finding.value(parameter.updated, &parameter.unit))
+            }
+        }
+    }
+
     fn changed_pairings(&self) -> impl Iterator<Item = Finding> {
         self.pairing_changes.iter().map(|change| {
             let mut rows = self.after.rows.iter();
@@ -44,25 +88,6 @@ impl UpdateResult {
                 _ => finding,
             }
         })
-    }
-}
-
-fn of_parameter(parameter: &UpdatedParameter) -> Option<Finding> {
-    let location = Location::Parameter(parameter.name.clone());
-    match parameter.verdict {
-        ParameterVerdict::Identified => None,
-        ParameterVerdict::NotSupported => {
-            let finding = warn(Code::ParameterNotSupported, location);
-            Some(
-                finding
-                    .value(parameter.posterior_over_prior, "")
-                    .limit(MAX_POSTERIOR_OVER_PRIOR),
-            )
-        }
-        ParameterVerdict::AtBound => {
-            let finding = warn(Code::ParameterAtBound, location);
-            Some(finding.value(parameter.updated, &parameter.unit))
-        }
     }
 }
 

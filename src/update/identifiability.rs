@@ -28,7 +28,15 @@ pub enum ParameterVerdict {
     /// Its posterior deviation is at most half of the prior one.
     #[serde(rename = "identified")]
     Identified,
-    /// It is larger. A parameter that the test does not see keeps its value; one that the test sees
+    /// Noise does not explain the residuals, but each mode is predicted by the others within
+    /// deviations that grow with the residuals; with these the deviation is at most half of the
+    /// prior one.
+    #[serde(rename = "identified within model error")]
+    IdentifiedWithinModelError,
+    /// Another optimum of about the same objective has another value.
+    #[serde(rename = "ambiguous")]
+    Ambiguous,
+    /// The deviation is larger, or the modes contradict each other. A parameter that the test does not see keeps its value; one that the test sees
     /// only together with others follows their combination.
     #[serde(rename = "not supported by the data")]
     NotSupported,
@@ -42,6 +50,8 @@ impl ParameterVerdict {
     pub fn name(self) -> &'static str {
         match self {
             ParameterVerdict::Identified => "identified",
+            ParameterVerdict::IdentifiedWithinModelError => "identified within model error",
+            ParameterVerdict::Ambiguous => "ambiguous",
             ParameterVerdict::NotSupported => "not supported by the data",
             ParameterVerdict::AtBound => "at bound",
         }
@@ -116,17 +126,6 @@ impl Identifiability {
     /// Whether the test sees a parameter: with all others known, the data determine it.
     pub fn seen(&self, j: usize) -> bool {
         self.ratio_alone[j] <= MAX_POSTERIOR_OVER_PRIOR
-    }
-
-    /// The verdict on a parameter that is at a bound or between its bounds.
-    pub fn verdict(&self, j: usize, at_bound: bool) -> ParameterVerdict {
-        if at_bound && self.seen(j) {
-            ParameterVerdict::AtBound
-        } else if self.ratio[j] <= MAX_POSTERIOR_OVER_PRIOR {
-            ParameterVerdict::Identified
-        } else {
-            ParameterVerdict::NotSupported
-        }
     }
 }
 

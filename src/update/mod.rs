@@ -6,6 +6,7 @@
 //! over residuals that are divided by their deviations. This module must not read a file, identify
 //! modes or print.
 
+mod alternatives;
 mod bounded;
 mod dynamic;
 mod error;
@@ -15,6 +16,7 @@ mod frfs;
 mod history;
 mod identifiability;
 mod mode_tracking;
+mod model_error;
 mod options;
 mod parameter;
 mod parameter_subsets;
@@ -48,6 +50,7 @@ mod test_models;
 #[cfg(test)]
 mod weights_tests;
 
+pub use alternatives::{Alternative, Separation};
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};
@@ -55,6 +58,7 @@ pub use identifiability::{
     Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,
 };
 pub use mode_tracking::RootPair;
+pub use model_error::{ModelError, ResidualKind, UnpredictedMode};
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use parameter_subsets::{

@@ -53,6 +53,11 @@ impl PairedModes {
         found
     }
 
+    /// Whether any of its modes has a shape.
+    pub fn has_shapes(&self) -> bool {
+        self.modes.modes.iter().any(|mode| !mode.shape.is_empty())
+    }
+
     /// Pairs with the roots of a model: by [`pair`] where there are shapes, else by frequency.
     pub fn root_pairs(
         &self,
@@ -60,8 +65,7 @@ impl PairedModes {
         targets: &[Target],
         options: &PairOptions,
     ) -> Result<Vec<RootPair>, UpdateError> {
-        let shaped = self.modes.modes.iter().any(|mode| !mode.shape.is_empty());
-        let mut root_pairs = if shaped {
+        let mut root_pairs = if self.has_shapes() {
             self.by_shape(theory, options)?
         } else {
             self.by_frequency(theory, targets, options.max_frequency_error)

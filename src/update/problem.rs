@@ -42,6 +42,8 @@ pub struct UpdateProblem<'a> {
     pub targets: Vec<Target>,
     /// Labels and frequencies (Hz) of measured modes without a partner; they take no part.
     pub left_out: Vec<(String, f64)>,
+    /// Targets, by their index, whose partner at the start is outside the frequency gate.
+    pub(super) far: Vec<usize>,
     /// Sensors of each test with the opposite sign of the model at the start; their values take no
     /// part.
     pub reversed: Vec<ReversedSensors>,
@@ -85,6 +87,7 @@ impl<'a> UpdateProblem<'a> {
             free,
             targets,
             left_out: Vec::new(),
+            far: Vec::new(),
             reversed: Vec::new(),
             options,
             tests: Vec::new(),
@@ -169,24 +172,49 @@ impl<'a> UpdateProblem<'a> {
         names.zip(&self.tests).map(of_test).collect()
     }
 
-    /// Leaves out measured roots without a partner at the start.
+    /// Leaves out measured roots without a partner at the start. One outside the frequency gate is
+    /// kept where its partner from half the frequency to twice is a root of the model that no other
+    /// has; without shapes, where all together have partners there.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
-        let root_pairs = self.root_pairs(&self.initial, &self.options.pair)?;
-        let linked = |t: usize| {
-            root_pairs
-                .iter()
-                .any(|root_pair| root_pair.targets.contains(&t))
+        let near = self.root_pairs(&self.initial, &self.options.pair)?;
+        let linked = |root_pairs: &[RootPair], t: usize| {
+            let mut root_pairs = root_pairs.iter();
+            root_pairs.any(|root_pair| root_pair.targets.contains(&t))
         };
-        let kept: Vec<bool> = (0..self.targets.len()).map(linked).collect();
+        let count = self.targets.len();
+        let mut kept: Vec<bool> = (0..count).map(|t| linked(&near, t)).collect();
+        let mut far = vec![false; count];
+        if kept.contains(&false) {
+            let test = |root_pair: &RootPair| self.targets[root_pair.targets[0]].test;
+            for root_pair in self.root_pairs(&self.initial, &self.wide_gate())? {
+                let is_free = !self.tests[test(&root_pair)].has_shapes()
+                    || near.iter().all(|known| {
+                        test(known) != test(&root_pair)
+                            || known
+                                .modes
+                                .iter()
+                                .all(|mode| !root_pair.modes.contains(mode))
+                    });
+                for &t in root_pair.targets.iter().filter(|t| is_free && !kept[**t]) {
+                    far[t] = true;
+                }
+            }
+        }
+        for (kept, far) in kept.iter_mut().zip(&far) {
+            *kept |= far;
+        }
         if !kept.contains(&true) {
             return Err(UpdateError::NothingPaired {
                 modes: self.targets.len(),
             });
         }
         let all = std::mem::take(&mut self.targets);
-        for (target, kept) in all.into_iter().zip(kept) {
+        for ((target, kept), far) in all.into_iter().zip(kept).zip(far) {
             if kept {
+                if far {
+                    self.far.push(self.targets.len());
+                }
                 self.targets.push(target);
             } else {
                 self.left_out.push((target.label, target.hz));
@@ -194,6 +222,30 @@ impl<'a> UpdateProblem<'a> {
         }
         self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
         Ok(())
+    }
+
+    /// The same problem without the targets whose partner at the start is outside the frequency
+    /// gate; `None` where there are none, or no other.
+    pub(super) fn without_far(&self) -> Option<Self> {
+        if self.far.is_empty() || self.far.len() == self.targets.len() {
+            return None;
+        }
+        let mut near = self.clone();
+        for &t in self.far.iter().rev() {
+            let target = &self.targets[t];
+            near.left_out.push((target.label.clone(), target.hz));
+            near = near.without_target(t);
+        }
+        near.far.clear();
+        Some(near)
+    }
+
+    /// Options of a pairing from half the frequency to twice.
+    fn wide_gate(&self) -> PairOptions {
+        PairOptions {
+            max_frequency_error: self.start_gate(),
+            ..self.options.pair.clone()
+        }
     }
 
     fn paired_modes<'b>(&self, models: impl Iterator<Item = &'b ModalModel>) -> Vec<PairedModes> {
@@ -226,6 +278,17 @@ impl<'a> UpdateProblem<'a> {
             }
         }
         weighted
+    }
+
+    /// The same problem with larger deviations of frequencies, of shapes, or of all residuals.
+    pub(super) fn with_grown_deviations(&self, frequency: f64, shape: f64, other: f64) -> Self {
+        let mut grown = self.with_shape_weight(shape.recip());
+        for target in &mut grown.targets {
+            target.relative_std *= frequency;
+        }
+        // A prior of a larger weight is data of a smaller one.
+        grown.prior_weight *= other;
+        grown
     }
 
     /// The same problem without one of its targets.
@@ -309,13 +372,9 @@ impl<'a> UpdateProblem<'a> {
     /// [`UpdateError::Theory`], [`UpdateError::Correlate`].
     pub fn start(&self, z: &[f64]) -> Result<Evaluation, UpdateError> {
         let values = self.values(z);
-        let wide = PairOptions {
-            max_frequency_error: self.start_gate(),
-            ..self.options.pair.clone()
-        };
         let mut root_pairs = self.root_pairs(&values, &self.options.pair)?;
         if self.unpaired(&root_pairs).next().is_some() {
-            root_pairs = self.root_pairs(&values, &wide)?;
+            root_pairs = self.root_pairs(&values, &self.wide_gate())?;
         }
         self.evaluate(z, |_| root_pairs)
     }

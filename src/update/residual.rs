@@ -211,12 +211,16 @@ impl<'a> RootPairResidual<'a> {
         pairs.filter_map(|(target, projection)| target.shapes.as_ref().zip(projection.as_ref()))
     }
 
+    /// Number of residuals of frequencies, which come first.
+    pub fn frequency_count(&self) -> usize {
+        self.contrasts(&vec![0.0; self.targets.len()]).len()
+    }
+
     /// Number of independent residuals: a shape has one less for every mode of the model.
     pub fn independent_count(&self) -> usize {
-        let e = vec![0.0; self.targets.len()];
         let vectors = self.shapes().flat_map(|(shapes, _)| &shapes.vectors);
         let shapes = vectors.map(|v| v.len().saturating_sub(self.members.len()));
-        self.contrasts(&e).len() + shapes.sum::<usize>()
+        self.frequency_count() + shapes.sum::<usize>()
     }
 
     /// Smallest MAC of a target's shapes with the modes of the root pair, weighted by the standard

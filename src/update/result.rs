@@ -4,19 +4,29 @@
 use crate::linalg::{RealMatrix, real_matrix, sort_ascending_by};
 use crate::theory::ParameterStatus;
 
+use super::alternatives::{
+    Alternative, MAX_OBJECTIVE_DIFFERENCE, MIN_DIFFERENCE_STDS, alternatives,
+};
 use super::evaluate::max_chi_square;
 use super::history::{Iteration, PairingChange, StopReason};
-use super::identifiability::{Combination, Identifiability, ParameterVerdict};
+use super::identifiability::{
+    Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,
+};
+use super::model_error::{Grown, ModelError, UnpredictedMode, grow};
 use super::solve::{MAX_OPTIMUM_DIFFERENCE, MultiStart, solve, solve_from_starts};
 use super::trust_region::Solution;
 use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProblem};
 
 /// Largest distance of a parameter at its bound, in prior deviations.
 const MAX_DISTANCE_FROM_BOUND: f64 = 1e-6;
+/// Largest difference of the objective at the end of a start that may lead to an alternative.
+const MAX_END_DIFFERENCE: f64 = 2.0 * MAX_OBJECTIVE_DIFFERENCE;
+/// Fewest degrees of freedom from which a model error supports a verdict.
+const MIN_MODEL_ERROR_FREEDOM: f64 = 3.0;
 /// Number of fits to FRFs, each with the damping at the frequencies of the fit before.
 const FRF_ROUNDS: usize = 2;
 /// Two-sided 95 % of a normal distribution.
-const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
+pub(super) const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 /// A parameter before and after.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,9 +41,9 @@ pub struct UpdatedParameter {
     pub initial: f64,
     /// Value at the end.
     pub updated: f64,
-    /// Its posterior deviation, with all free parameters uncertain. The model is taken as exact but
-    /// for the floors: where it does not fit, the deviation times the root of
-    /// [`UpdateResult::reduced_chi_square`] is the better estimate.
+    /// Its posterior deviation, with all free parameters uncertain. Where noise does not explain the
+    /// residuals, their deviations are taken as grown by [`ModelError::growth`]; an estimate of
+    /// that from few residuals widens it by the ratio of Student's distribution to the normal one.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -163,6 +173,12 @@ pub struct UpdateResult {
     pub reversed: Vec<ReversedSensors>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
+    /// Model error of each kind of residuals.
+    pub model_errors: Vec<ModelError>,
+    /// Modes that the others do not predict.
+    pub unpredicted: Vec<UnpredictedMode>,
+    /// Other optima of about the same objective.
+    pub alternatives: Vec<Alternative>,
 }
 
 impl UpdateResult {
@@ -185,9 +201,25 @@ impl UpdateResult {
         max_chi_square(nu) / nu
     }
 
+    /// `chi^2/nu` of the kind of residuals that exceeds its limit most, else of all, with the limit.
+    pub fn worst_reduced_chi_square(&self) -> (f64, f64) {
+        let over = |(value, limit): &(f64, f64)| value / limit;
+        let kinds = self.model_errors.iter();
+        let kinds = kinds.map(|e| (e.reduced_chi_square, e.largest_reduced_chi_square));
+        let all = (self.reduced_chi_square(), self.largest_reduced_chi_square());
+        kinds.fold(all, |worst, kind| {
+            if over(&kind) > over(&worst) {
+                kind
+            } else {
+                worst
+            }
+        })
+    }
+
     /// Whether the model after fits the test within the stated uncertainties.
     pub fn fits(&self) -> bool {
-        self.reduced_chi_square() <= self.largest_reduced_chi_square()
+        let grown = self.model_errors.iter().any(|error| error.growth > 1.0);
+        !grown && self.reduced_chi_square() <= self.largest_reduced_chi_square()
     }
 }
 
@@ -197,12 +229,38 @@ impl UpdateResult {
 /// # Errors
 /// As [`solve_from_starts`].
 pub fn update(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> {
+    let result = update_to_all(problem)?;
+    if result.fits() {
+        return Ok(result);
+    }
+    // A mode of the mount may be the nearest free one to a mode of the model.
+    let Some(near) = problem.without_far() else {
+        return Ok(result);
+    };
+    let without = update_to_all(&near)?;
+    Ok(if without.fits() { without } else { result })
+}
+
+fn update_to_all(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateError> {
     let found = solve_from_starts(problem)?;
     let starts = starts(problem, &found)?;
+    let ends = near_ends(problem, &found);
     if problem.options.residuals.of_frfs() && !problem.compares_frfs {
-        return update_to_frfs(problem, found.best, starts);
+        return update_to_frfs(problem, found.best, starts, &ends);
     }
-    summarise(problem, found.best, starts)
+    summarise(problem, found.best, starts, &ends)
+}
+
+/// The ends of the starts whose objective, less that of the best, may be that of an alternative with
+/// the deviations that the residuals of the best support.
+fn near_ends(problem: &UpdateProblem<'_>, found: &MultiStart) -> Vec<Vec<f64>> {
+    let best = &found.best.at;
+    let nu = problem.data_count(best).saturating_sub(problem.free.len());
+    let growth = (best.chi_square() / nu.max(1) as f64).max(1.0);
+    let near = |objective: f64| objective - best.objective() <= growth * MAX_END_DIFFERENCE;
+    let ends = found.objectives.iter().zip(&found.ends);
+    let ends = ends.filter(|(objective, _)| objective.is_some_and(near));
+    ends.filter_map(|(_, end)| end.clone()).collect()
 }
 
 /// Continues from the solution for modes with FRFs for residuals: twice, the second time with the
@@ -211,6 +269,7 @@ fn update_to_frfs(
     problem: &UpdateProblem<'_>,
     mut best: Solution,
     starts: Starts,
+    ends: &[Vec<f64>],
 ) -> Result<UpdateResult, UpdateError> {
     let mut with_frfs = problem.with_frfs(&best.at)?;
     for round in 0..FRF_ROUNDS {
@@ -222,20 +281,41 @@ fn update_to_frfs(
         next.pairing_changes.splice(..0, best.pairing_changes);
         best = next;
     }
-    summarise(&with_frfs, best, starts)
+    summarise(&with_frfs, best, starts, ends)
 }
 
 fn summarise(
     problem: &UpdateProblem<'_>,
     best: Solution,
     starts: Starts,
+    ends: &[Vec<f64>],
 ) -> Result<UpdateResult, UpdateError> {
-    let seen = Identifiability::new(&data_jacobian(&best), &problem.free)?;
+    let grown = grow(problem, best)?;
+    let student_factor = grown.student_factor();
+    let freedom = grown.freedom();
+    let Grown {
+        problem: weighted,
+        solution: best,
+        errors,
+        unpredicted,
+        jackknife,
+        ..
+    } = grown;
+    let seen = Identifiability::new(&data_jacobian(&weighted, &best), &problem.free)?;
+    let widened = |known: &Identifiability| -> Vec<f64> {
+        let ratios = known.ratio.iter().zip(&jackknife);
+        ratios
+            .map(|(ratio, jackknife)| student_factor * ratio.max(*jackknife))
+            .collect()
+    };
+    let stds = widened(&seen);
+    let alternatives = alternatives(&weighted, &best, ends, &stds)?;
     let kept: Vec<usize> = (0..problem.free.len()).filter(|&j| seen.seen(j)).collect();
+    let best_z = best.at.z.clone();
     let (at, history, changes, stop_reason) = if kept.is_empty() {
-        unchanged(problem)?
+        unchanged(&weighted)?
     } else if kept.len() < problem.free.len() {
-        solve_with_unseen_held(problem, &kept, best)?
+        solve_with_unseen_held(&weighted, &kept, best)?
     } else {
         (
             best.at,
@@ -244,12 +324,27 @@ fn summarise(
             best.stop_reason,
         )
     };
-    let jacobian = problem.jacobian(&at)?;
-    let data = real_matrix(at.data_rows, jacobian.ncols(), |i, j| jacobian[(i, j)]);
+    let jacobian = weighted.jacobian(&at)?;
+    let data = data_rows(&weighted, &jacobian, at.data_rows);
     let known = Identifiability::new(&data, &problem.free)?;
     let before = problem.start(&vec![0.0; problem.free.len()])?;
+    let at = problem.at_root_pairs(&at.z, at.root_pairs)?;
+    let after = fit(problem, &at, Some(&known))?;
+    let ratio = widened(&known);
+    let is_ambiguous = |j: usize| {
+        let mut others = alternatives.iter();
+        others.any(|(_, z)| (z[j] - best_z[j]).abs() > MIN_DIFFERENCE_STDS * ratio[j])
+    };
+    let judged = Judged {
+        known: &known,
+        kept: &kept,
+        ratio: &ratio,
+        is_supported: unpredicted.is_empty() && after.paired() == after.rows.len(),
+        model_error: freedom,
+        ambiguous: (0..problem.free.len()).map(is_ambiguous).collect(),
+    };
     Ok(UpdateResult {
-        parameters: parameters(problem, &at, &known, &kept),
+        parameters: parameters(problem, &at, &judged),
         correlation: (0..problem.free.len())
             .map(|i| {
                 (0..problem.free.len())
@@ -264,13 +359,16 @@ fn summarise(
         pairing_changes: changes,
         starts,
         before: fit(problem, &before, None)?,
-        after: fit(problem, &at, Some(&known))?,
+        after,
         left_out: problem.left_out.clone(),
         reversed: (problem.reversed.iter())
             .filter(|reversed| !reversed.dofs.is_empty())
             .cloned()
             .collect(),
         frfs: problem.frf_count(),
+        model_errors: errors,
+        unpredicted,
+        alternatives: alternatives.into_iter().map(|(other, _)| other).collect(),
     })
 }
 
@@ -314,17 +412,21 @@ fn solve_with_unseen_held(
     Ok((at, history, changes, solution.stop_reason))
 }
 
-fn data_jacobian(solution: &Solution) -> RealMatrix {
-    let jacobian = &solution.jacobian;
-    real_matrix(solution.at.data_rows, jacobian.ncols(), |i, j| {
-        jacobian[(i, j)]
+/// The derivatives of the data's residuals, with the deviations that belong to a prior of weight 1.
+fn data_jacobian(problem: &UpdateProblem<'_>, solution: &Solution) -> RealMatrix {
+    data_rows(problem, &solution.jacobian, solution.at.data_rows)
+}
+
+fn data_rows(problem: &UpdateProblem<'_>, jacobian: &RealMatrix, rows: usize) -> RealMatrix {
+    real_matrix(rows, jacobian.ncols(), |i, j| {
+        jacobian[(i, j)] / problem.prior_weight
     })
 }
 
 /// The ends of all starts, grouped by optimum: an end belongs to the best optimum when no parameter
 /// differs from it by more than a tenth of its posterior deviation.
 fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, UpdateError> {
-    let known = Identifiability::new(&data_jacobian(&found.best), &problem.free)?;
+    let known = Identifiability::new(&data_jacobian(problem, &found.best), &problem.free)?;
     let near = |a: &[f64], b: &[f64]| {
         let mut pairs = a.iter().zip(b).zip(&known.ratio);
         pairs.all(|((a, b), std)| (a - b).abs() <= MAX_OPTIMUM_DIFFERENCE * std)
@@ -369,11 +471,48 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
     })
 }
 
+/// What the verdicts on the parameters follow from.
+pub(super) struct Judged<'a> {
+    pub known: &'a Identifiability,
+    /// Parameters that the test sees.
+    pub kept: &'a [usize],
+    /// Posterior over prior deviation of each parameter.
+    pub ratio: &'a [f64],
+    /// Whether all modes count and each is predicted by the others.
+    pub is_supported: bool,
+    /// Degrees of freedom of the model error; `None` where noise explains the residuals.
+    pub model_error: Option<f64>,
+    /// Whether an alternative has another value, by parameter.
+    pub ambiguous: Vec<bool>,
+}
+
+impl Judged<'_> {
+    /// The verdict on a parameter that is at a bound or between its bounds.
+    pub fn verdict(&self, j: usize, at_bound: bool) -> ParameterVerdict {
+        if at_bound && self.known.seen(j) {
+            ParameterVerdict::AtBound
+        } else if self.ratio[j] > MAX_POSTERIOR_OVER_PRIOR {
+            ParameterVerdict::NotSupported
+        } else if self.ambiguous[j] {
+            ParameterVerdict::Ambiguous
+        } else if !self.is_supported {
+            ParameterVerdict::NotSupported
+        } else {
+            match self.model_error {
+                None => ParameterVerdict::Identified,
+                Some(nu) if nu >= MIN_MODEL_ERROR_FREEDOM => {
+                    ParameterVerdict::IdentifiedWithinModelError
+                }
+                Some(_) => ParameterVerdict::NotSupported,
+            }
+        }
+    }
+}
+
 fn parameters(
     problem: &UpdateProblem<'_>,
     at: &Evaluation,
-    known: &Identifiability,
-    kept: &[usize],
+    judged: &Judged<'_>,
 ) -> Vec<UpdatedParameter> {
     let finite = |value: f64| value.is_finite().then_some(value);
     let parameters = problem.free.iter().enumerate().map(|(j, parameter)| {
@@ -381,21 +520,22 @@ fn parameters(
         let (lower, upper) = parameter.bounds();
         let at_bound = z - lower < MAX_DISTANCE_FROM_BOUND || upper - z < MAX_DISTANCE_FROM_BOUND;
         let updated = at.values[parameter.index];
-        let reach = TWO_SIDED_95 * known.ratio[j];
-        let held = !kept.contains(&j);
+        let held = !judged.kept.contains(&j);
+        let ratio = judged.ratio[j];
+        let reach = TWO_SIDED_95 * ratio;
         UpdatedParameter {
             name: parameter.name.clone(),
             unit: parameter.unit.clone(),
             status: parameter.status,
             initial: parameter.initial,
             updated,
-            std: parameter.slope(updated) * known.ratio[j],
+            std: parameter.slope(updated) * ratio,
             interval_95: (parameter.value(z - reach), parameter.value(z + reach)),
             prior_std: parameter.prior_std(),
             lower: finite(parameter.lower),
             upper: finite(parameter.upper),
-            posterior_over_prior: known.ratio[j],
-            verdict: known.verdict(j, at_bound && !held),
+            posterior_over_prior: ratio,
+            verdict: judged.verdict(j, at_bound && !held),
             held,
         }
     });

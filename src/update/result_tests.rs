@@ -7,6 +7,7 @@ use crate::dof::Dof;
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::linalg::real_matrix;
 
+use super::result::Judged;
 use super::test_models::{chain, free, measured, sensors};
 use super::*;
 
@@ -127,7 +128,7 @@ fn a_misfit_that_remains_is_a_warning_however_small_the_deviations() {
         found.map(|f| (f.severity, f.value))
     };
     let wrong = result(&[100.0, 130.0, 100.0]);
-    assert_eq!(wrong.parameters[0].verdict, ParameterVerdict::Identified);
+    assert_eq!(wrong.parameters[0].verdict, ParameterVerdict::NotSupported);
     // Three frequencies less the one stiffness that they determine.
     assert!((wrong.degrees_of_freedom() - 2.0).abs() < 1e-3);
     let expected = wrong.after.chi_square / wrong.degrees_of_freedom();
@@ -273,6 +274,34 @@ fn covariance_of_a_known_sensitivity_is_its_closed_form() {
     assert!((known.covariance[(0, 1)] - 0.48 * (left - 1.0)).abs() < 1e-14);
     assert_eq!(known.combinations[0].parts[0].0, "k2");
     assert!((known.combinations[0].parts[0].1 - 0.8).abs() < 1e-14);
-    assert!(known.seen(0) && known.verdict(1, true) == ParameterVerdict::AtBound);
-    assert_eq!(known.verdict(0, false), ParameterVerdict::NotSupported);
+    let judged = |model_error, is_ambiguous| Judged {
+        known: &known,
+        kept: &[0, 1],
+        ratio: &known.ratio,
+        is_supported: true,
+        model_error,
+        ambiguous: vec![is_ambiguous; 2],
+    };
+    assert!(known.seen(0) && judged(None, false).verdict(1, true) == ParameterVerdict::AtBound);
+    assert_eq!(
+        judged(None, false).verdict(0, false),
+        ParameterVerdict::NotSupported
+    );
+    let jacobian = real_matrix(2, 2, |i, j| if i == j { 10.0 } else { 0.0 });
+    let known = Identifiability::new(&jacobian, &free).unwrap();
+    let verdict = |model_error, is_ambiguous| {
+        let judged = Judged {
+            known: &known,
+            ratio: &known.ratio,
+            ..judged(model_error, is_ambiguous)
+        };
+        judged.verdict(0, false)
+    };
+    assert_eq!(verdict(None, false), ParameterVerdict::Identified);
+    assert_eq!(verdict(None, true), ParameterVerdict::Ambiguous);
+    assert_eq!(
+        verdict(Some(5.0), false),
+        ParameterVerdict::IdentifiedWithinModelError
+    );
+    assert_eq!(verdict(Some(2.0), false), ParameterVerdict::NotSupported);
 }

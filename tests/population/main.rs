@@ -10,6 +10,7 @@ mod efficiency;
 mod extended_precision;
 mod finding;
 mod gears;
+mod grounds;
 mod hits;
 mod identification;
 mod imperfect;

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
-    Combination, Explanation, Fit, Iteration, OtherOptimum, PairingChange, ParameterVerdict,
-    Residuals, ReversedSensors, ShapeWeights, Starts, StopReason, SubsetFit, UpdatedParameter,
+    Alternative, Combination, Explanation, Fit, Iteration, ModelError, OtherOptimum, PairingChange,
+    ParameterVerdict, Residuals, ReversedSensors, ShapeWeights, Starts, StopReason, SubsetFit,
+    UnpredictedMode, UpdatedParameter,
 };
 
 use super::comparison::{JsonError, parsed};
@@ -43,6 +44,15 @@ pub struct UpdateFile {
     pub reduced_chi_square: f64,
     /// Whether noise alone explains that value.
     pub fits: bool,
+    /// Model error of each kind of residuals.
+    #[serde(default)]
+    pub model_errors: Vec<ModelError>,
+    /// Modes that the others do not predict.
+    #[serde(default)]
+    pub unpredicted: Vec<UnpredictedMode>,
+    /// Other optima of about the same objective, with the values of the free parameters.
+    #[serde(default)]
+    pub alternatives: Vec<Alternative>,
     /// Measured modes without a partner at the start.
     pub left_out: Vec<LeftOutFile>,
     /// Sign-reversed sensors, whose values were not used.
@@ -289,6 +299,9 @@ pub fn update_file(scene_update: &SceneUpdate) -> UpdateFile {
         degrees_of_freedom: result.degrees_of_freedom(),
         reduced_chi_square: result.reduced_chi_square(),
         fits: result.fits(),
+        model_errors: result.model_errors.clone(),
+        unpredicted: result.unpredicted.clone(),
+        alternatives: result.alternatives.clone(),
         left_out: left_out.collect(),
         reversed_sensors: result.reversed.clone(),
         pairing_changes: result.pairing_changes.clone(),

@@ -151,7 +151,8 @@ fn draw_parameter(canvas: &mut Canvas, row: &UpdatedParameterFile, x: &Axis, lef
     );
     let color = match row.verdict {
         ParameterVerdict::Identified => COLORS[0],
-        ParameterVerdict::AtBound => COLORS[1],
+        ParameterVerdict::IdentifiedWithinModelError => COLORS[2],
+        ParameterVerdict::AtBound | ParameterVerdict::Ambiguous => COLORS[1],
         ParameterVerdict::NotSupported => COLORS[6],
     };
     let ends = [place(row.updated - row.std), place(row.updated + row.std)];

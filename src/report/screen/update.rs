@@ -2,7 +2,8 @@
 
 use crate::report::table::significant;
 use crate::report::update::{
-    convergence_text, fit_summary, fit_with_left_out, misfit_footnote, parameter_verdict,
+    alternatives_text, convergence_text, fit_summary, fit_with_left_out, misfit_footnote,
+    parameter_verdict,
 };
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
@@ -32,7 +33,10 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     let parameters = Table {
         columns,
         rows: result.parameters.iter().map(row).collect(),
-        footnotes: vec![misfit_footnote(result)],
+        footnotes: [Some(misfit_footnote(result)), alternatives_text(result)]
+            .into_iter()
+            .flatten()
+            .collect(),
         ..Table::default()
     };
     let fits = [

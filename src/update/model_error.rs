@@ -1,0 +1,474 @@
+//! Model error is what the residuals exceed their stated deviations by. It is estimated for
+//! frequencies and for shapes, and each mode is predicted from the others.
+//!
+//! With `J` the derivatives of the data's residuals `r` by `z`, `H = J (J^T J + I)^-1 J^T` and `N`
+//! the number of independent residuals of a kind, `nu = N - sum H_ii` degrees of freedom remain of
+//! it. Where `chi^2 = sum r^2` exceeds what noise explains, all deviations of the kind grow by
+//! `sqrt(chi^2/nu)`, and the parameters are solved again with them. A group `B` of residuals, the
+//! frequency or the shape of a root, has left-out residuals of `T = r_B^T (I - H_BB)^-1 r_B`; the
+//! others predict it where `T` over its count is no larger than their variance allows.
+//!
+//! A model error is no noise: all residuals of a mode have one cause. Where there is one, the
+//! deviation of a parameter is at least its jackknife deviation over the modes.
+//!
+//! # Reference
+//! Cook and Weisberg (1982), Residuals and Influence in Regression, sections 2.2.2 and 2.2.3
+//! (externally studentised residuals, outlier test); Efron (1982), The Jackknife, the Bootstrap and
+//! Other Resampling Plans, equation 3.1.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+
+use crate::linalg::{RealMatrix, SymmetricEigen, real_matrix, symmetric_eigen};
+
+use super::evaluate::max_chi_square;
+use super::trust_region::{Solution, solve_from};
+use super::{Evaluation, Residuals, UpdateError, UpdateProblem};
+
+/// Number of solutions with grown deviations: the factors change by less than a hundredth after.
+const ROUNDS: usize = 4;
+/// Smallest growth of deviations that is solved again.
+const MIN_GROWTH: f64 = 1.01;
+/// Probability that one of the modes of a right model is taken for an outlier.
+const OUTLIER_PROBABILITY: f64 = 0.01;
+/// Fewest degrees of freedom of the others that predict a group of residuals.
+const MIN_PREDICTING_FREEDOM: f64 = 1.5;
+/// Smallest variance of the others over that of a group: below it is rounding.
+const MIN_VARIANCE_RATIO: f64 = 1e-9;
+/// Two-sided 95 % as a probability of one side.
+const UPPER_95: f64 = 0.975;
+
+/// Kind of residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ResidualKind {
+    /// Natural frequencies.
+    Frequency,
+    /// Shapes.
+    Shape,
+    /// Values of FRFs, or of the equations of motion.
+    Other,
+}
+
+/// Model error of one kind of residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelError {
+    /// The kind.
+    pub kind: ResidualKind,
+    /// `chi^2/nu` with the stated deviations.
+    pub reduced_chi_square: f64,
+    /// The largest that noise explains.
+    pub largest_reduced_chi_square: f64,
+    /// Factor of the deviations; 1 where noise explains the residuals.
+    pub growth: f64,
+    /// Degrees of freedom that the factor is estimated from.
+    pub degrees_of_freedom: f64,
+}
+
+/// A mode that the others do not predict.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UnpredictedMode {
+    /// Labels of its targets.
+    pub labels: Vec<String>,
+    /// Frequency of the first, Hz.
+    pub hz: f64,
+    /// What is not predicted of it.
+    pub kind: ResidualKind,
+    /// Root mean square of the left-out residuals over their deviation as the others show it.
+    pub deviations: f64,
+}
+
+/// Residuals of one root pair that are of one kind.
+struct Group {
+    kind: ResidualKind,
+    rows: Range<usize>,
+    independent: usize,
+    targets: Vec<usize>,
+}
+
+/// A solution with the deviations that its residuals support.
+pub(super) struct Grown<'a> {
+    /// The problem with these deviations.
+    pub problem: UpdateProblem<'a>,
+    /// Its solution.
+    pub solution: Solution,
+    /// Of each kind of residuals.
+    pub errors: Vec<ModelError>,
+    /// Modes that the others do not predict.
+    pub unpredicted: Vec<UnpredictedMode>,
+    /// Jackknife deviation of each `z` over the root pairs; 0 where noise explains the residuals.
+    pub jackknife: Vec<f64>,
+    /// Root pairs less the parameters that they determine; `None` where the residuals are not of
+    /// root pairs.
+    root_pair_freedom: Option<f64>,
+}
+
+impl Grown<'_> {
+    /// Degrees of freedom of the model error: those of the residuals that show it, and no more than
+    /// root pairs less the parameters that they determine; `None` without a model error.
+    pub fn freedom(&self) -> Option<f64> {
+        let grown = self.errors.iter().filter(|error| error.growth > 1.0);
+        let nu = grown
+            .map(|error| error.degrees_of_freedom)
+            .reduce(f64::min)?;
+        Some(self.root_pair_freedom.map_or(nu, |pairs| pairs.min(nu)))
+    }
+
+    /// Factor of standard deviations that gives intervals of a normal distribution the width of
+    /// Student's, where model error is estimated from few residuals.
+    pub fn student_factor(&self) -> f64 {
+        let Some(nu) = self.freedom() else { return 1.0 };
+        StudentsT::new(0.0, 1.0, nu.max(1.0)).map_or(f64::INFINITY, |student| {
+            student.inverse_cdf(UPPER_95) / super::result::TWO_SIDED_95
+        })
+    }
+}
+
+/// Grows the deviations of a solution until its residuals are as large as they say.
+///
+/// # Errors
+/// As [`solve_from`].
+pub(super) fn grow<'a>(
+    problem: &UpdateProblem<'a>,
+    solution: Solution,
+) -> Result<Grown<'a>, UpdateError> {
+    let groups = groups(problem, &solution.at);
+    let stated = leverages(&solution)?.kinds(&groups, &solution.at);
+    let mut growths: Vec<f64> = vec![1.0; stated.len()];
+    let (mut grown, mut solution) = (problem.clone(), solution);
+    let mut freedom: Vec<f64> = stated.iter().map(|kind| kind.nu).collect();
+    for _ in 0..ROUNDS {
+        let groups = self::groups(&grown, &solution.at);
+        let kinds = leverages(&solution)?.kinds(&groups, &solution.at);
+        let whole = Kind::sum(&kinds);
+        let mut changed = false;
+        for ((growth, kind), nu) in growths.iter_mut().zip(&kinds).zip(&mut freedom) {
+            *nu = kind.nu;
+            // The weight of the prior scales all residuals of FRFs, which stay as they are.
+            let before = match kind.kind {
+                ResidualKind::Other => *growth,
+                _ => 1.0,
+            };
+            let factor = kind.growth(&whole) / before;
+            if factor > MIN_GROWTH {
+                *growth *= factor;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+        let of = |kind: ResidualKind| {
+            let kinds = kinds.iter().zip(&growths);
+            let growth = kinds.filter(|(known, _)| known.kind == kind);
+            growth.map(|(_, growth)| *growth).fold(1.0, f64::max)
+        };
+        grown = problem.with_grown_deviations(
+            of(ResidualKind::Frequency),
+            of(ResidualKind::Shape),
+            of(ResidualKind::Other),
+        );
+        let at = grown.at_root_pairs(&solution.at.z, solution.at.root_pairs.clone())?;
+        let next = solve_from(&grown, at)?;
+        let history = std::mem::take(&mut solution.history);
+        let changes = std::mem::take(&mut solution.pairing_changes);
+        solution = next;
+        solution.history.splice(..0, history);
+        solution.pairing_changes.splice(..0, changes);
+    }
+    let of_kind = |((kind, growth), nu): ((&Kind, &f64), &f64)| ModelError {
+        kind: kind.kind,
+        reduced_chi_square: kind.chi_square / kind.nu.max(1.0),
+        largest_reduced_chi_square: max_chi_square(kind.nu.max(1.0)) / kind.nu.max(1.0),
+        growth: *growth,
+        degrees_of_freedom: *nu,
+    };
+    let errors = stated.iter().zip(&growths).zip(&freedom).map(of_kind);
+    let errors: Vec<ModelError> = errors.collect();
+    let unpredicted = unpredicted(&grown, &solution, &errors)?;
+    let has_model_error = errors.iter().any(|error| error.growth > 1.0);
+    let groups = self::groups(&grown, &solution.at);
+    let pairs = root_pair_rows(&groups);
+    let is_paired = groups.iter().all(|group| group.kind != ResidualKind::Other);
+    let leverages = leverages(&solution)?;
+    let jackknife = match has_model_error && is_paired {
+        true => jackknife(&leverages, &pairs, &solution.at)?,
+        false => vec![0.0; problem.free.len()],
+    };
+    Ok(Grown {
+        root_pair_freedom: is_paired.then(|| pairs.len() as f64 - leverages.determined()),
+        problem: grown,
+        solution,
+        errors,
+        unpredicted,
+        jackknife,
+    })
+}
+
+/// Sums over the residuals of a kind.
+#[derive(Clone, Copy)]
+struct Kind {
+    kind: ResidualKind,
+    chi_square: f64,
+    nu: f64,
+}
+
+impl Kind {
+    fn sum(kinds: &[Self]) -> Self {
+        Self {
+            kind: ResidualKind::Other,
+            chi_square: kinds.iter().map(|kind| kind.chi_square).sum(),
+            nu: kinds.iter().map(|kind| kind.nu.max(0.0)).sum(),
+        }
+    }
+
+    /// The growth of the deviations. A kind that the parameters fit without a remainder cannot show
+    /// its model error: it has that of all residuals.
+    fn growth(&self, whole: &Self) -> f64 {
+        let of = if self.nu < 1.0 { whole } else { self };
+        let nu = of.nu.max(1.0);
+        match of.chi_square > max_chi_square(nu) {
+            true => (of.chi_square / nu).sqrt(),
+            false => 1.0,
+        }
+    }
+}
+
+/// Derivatives of the residuals of data, and the posterior precision and covariance of `z`.
+struct Leverages {
+    jacobian: RealMatrix,
+    precision: RealMatrix,
+    covariance: RealMatrix,
+}
+
+fn leverages(solution: &Solution) -> Result<Leverages, UpdateError> {
+    let whole = &solution.jacobian;
+    let (rows, n) = (solution.at.data_rows, whole.ncols());
+    let precision = whole.transpose() * whole;
+    Ok(Leverages {
+        jacobian: real_matrix(rows, n, |i, j| whole[(i, j)]),
+        covariance: inverse(&precision)?,
+        precision,
+    })
+}
+
+/// Inverse of a symmetric positive definite matrix.
+fn inverse(a: &RealMatrix) -> Result<RealMatrix, UpdateError> {
+    let SymmetricEigen { values, vectors } = symmetric_eigen(a)?;
+    let n = values.len();
+    let entry = |i: usize, j: usize| -> f64 {
+        let parts = (0..n).map(|k| vectors[(i, k)] * vectors[(j, k)] / values[k]);
+        parts.sum()
+    };
+    Ok(real_matrix(n, n, entry))
+}
+
+/// `x^T A x`.
+fn quadratic(a: &RealMatrix, x: impl Fn(usize) -> f64) -> f64 {
+    let n = a.nrows();
+    let row = |i: usize| (0..n).map(|j| a[(i, j)] * x(j)).sum::<f64>();
+    (0..n).map(|i| x(i) * row(i)).sum()
+}
+
+impl Leverages {
+    /// Number of parameters that the data determine, `n - tr (J^T J + I)^-1`.
+    fn determined(&self) -> f64 {
+        let n = self.covariance.nrows();
+        (0..n).map(|j| 1.0 - self.covariance[(j, j)]).sum()
+    }
+
+    /// `H_ii` of a row.
+    fn of(&self, row: usize) -> f64 {
+        quadratic(&self.covariance, |j| self.jacobian[(row, j)])
+    }
+
+    /// `r_B^T (I - H_BB)^-1 r_B = r_B^T r_B + g^T (P - J_B^T J_B)^-1 g`, with `g = J_B^T r_B` and
+    /// the precision `P`.
+    fn left_out_square(&self, rows: &Range<usize>, at: &Evaluation) -> Result<f64, UpdateError> {
+        let g = self.gradient(rows, at);
+        let known: f64 = rows.clone().map(|row| at.residual[row].powi(2)).sum();
+        Ok(known + quadratic(&self.covariance_without(rows)?, |j| g[j]))
+    }
+
+    /// Change of `z` where these rows are left out, `(P - J_B^T J_B)^-1 J_B^T r_B`.
+    fn change_without(
+        &self,
+        rows: &Range<usize>,
+        at: &Evaluation,
+    ) -> Result<Vec<f64>, UpdateError> {
+        let g = self.gradient(rows, at);
+        let covariance = self.covariance_without(rows)?;
+        let n = g.len();
+        let change = |i: usize| (0..n).map(|j| covariance[(i, j)] * g[j]).sum();
+        Ok((0..n).map(change).collect())
+    }
+
+    /// `J_B^T r_B`.
+    fn gradient(&self, rows: &Range<usize>, at: &Evaluation) -> Vec<f64> {
+        let part = |j: usize| {
+            let rows = rows.clone();
+            rows.map(|row| self.jacobian[(row, j)] * at.residual[row])
+                .sum()
+        };
+        (0..self.jacobian.ncols()).map(part).collect()
+    }
+
+    /// `(P - J_B^T J_B)^-1`.
+    fn covariance_without(&self, rows: &Range<usize>) -> Result<RealMatrix, UpdateError> {
+        let n = self.jacobian.ncols();
+        let product = |i: usize, j: usize| -> f64 {
+            let rows = rows.clone();
+            rows.map(|row| self.jacobian[(row, i)] * self.jacobian[(row, j)])
+                .sum()
+        };
+        inverse(&real_matrix(n, n, |i, j| {
+            self.precision[(i, j)] - product(i, j)
+        }))
+    }
+
+    fn kinds(&self, groups: &[Group], at: &Evaluation) -> Vec<Kind> {
+        let kinds = [
+            ResidualKind::Frequency,
+            ResidualKind::Shape,
+            ResidualKind::Other,
+        ];
+        let of_kind = |kind: ResidualKind| {
+            let members = || groups.iter().filter(move |group| group.kind == kind);
+            let rows = || members().flat_map(|group| group.rows.clone());
+            let count: usize = members().map(|group| group.independent).sum();
+            let explained: f64 = rows().map(|row| self.of(row)).sum();
+            (count > 0).then(|| Kind {
+                kind,
+                chi_square: rows().map(|row| at.residual[row].powi(2)).sum(),
+                nu: count as f64 - explained,
+            })
+        };
+        kinds.into_iter().filter_map(of_kind).collect()
+    }
+}
+
+/// The residuals of the root pairs by kind; one group where they are of FRFs or of the equations of
+/// motion.
+fn groups(problem: &UpdateProblem<'_>, at: &Evaluation) -> Vec<Group> {
+    if problem.compares_frfs || problem.options.residuals == Residuals::ModalDynamic {
+        return vec![Group {
+            kind: ResidualKind::Other,
+            rows: 0..at.data_rows,
+            independent: problem.data_count(at),
+            targets: Vec::new(),
+        }];
+    }
+    let mut groups = Vec::new();
+    let mut first = 0;
+    for (residual, root_pair) in problem.residuals(at).iter().zip(&at.root_pairs) {
+        let frequencies = residual.frequency_count();
+        let rows = residual.values().len();
+        let middle = first + frequencies;
+        let group = |kind, rows: Range<usize>, independent| Group {
+            kind,
+            rows,
+            independent,
+            targets: root_pair.targets.clone(),
+        };
+        groups.push(group(ResidualKind::Frequency, first..middle, frequencies));
+        if rows > frequencies {
+            let independent = residual.independent_count() - frequencies;
+            groups.push(group(
+                ResidualKind::Shape,
+                middle..first + rows,
+                independent,
+            ));
+        }
+        first += rows;
+    }
+    groups
+}
+
+/// Jackknife deviation of each `z`, every root pair left out in turn: `sqrt((m - 1)/m sum (d -
+/// mean d)^2)` with the changes `d = (P - J_B^T J_B)^-1 J_B^T r_B`. The residuals of one mode have
+/// one cause where the model is wrong, and are no independent evidence.
+fn jackknife(
+    leverages: &Leverages,
+    pairs: &[Range<usize>],
+    at: &Evaluation,
+) -> Result<Vec<f64>, UpdateError> {
+    let changes = pairs.iter().map(|rows| leverages.change_without(rows, at));
+    let changes: Vec<Vec<f64>> = changes.collect::<Result<_, _>>()?;
+    let m = changes.len() as f64;
+    let deviation = |j: usize| {
+        let mean = changes.iter().map(|d| d[j]).sum::<f64>() / m;
+        let squares: f64 = changes.iter().map(|d| (d[j] - mean).powi(2)).sum();
+        ((m - 1.0) / m * squares).sqrt()
+    };
+    Ok((0..at.z.len()).map(deviation).collect())
+}
+
+/// Rows of each root pair: the groups of one root pair follow each other.
+fn root_pair_rows(groups: &[Group]) -> Vec<Range<usize>> {
+    let mut rows: Vec<Range<usize>> = Vec::new();
+    for group in groups {
+        match rows.last_mut() {
+            Some(last) if group.kind == ResidualKind::Shape => last.end = group.rows.end,
+            _ => rows.push(group.rows.clone()),
+        }
+    }
+    rows
+}
+
+/// Rows of the frequencies among the residuals.
+pub(super) fn frequency_rows(problem: &UpdateProblem<'_>, at: &Evaluation) -> Vec<usize> {
+    let groups = groups(problem, at);
+    let frequencies = groups
+        .iter()
+        .filter(|group| group.kind == ResidualKind::Frequency);
+    frequencies.flat_map(|group| group.rows.clone()).collect()
+}
+
+/// The modes that the others do not predict within their deviations.
+fn unpredicted(
+    problem: &UpdateProblem<'_>,
+    solution: &Solution,
+    errors: &[ModelError],
+) -> Result<Vec<UnpredictedMode>, UpdateError> {
+    let groups = groups(problem, &solution.at);
+    let leverages = leverages(solution)?;
+    let kinds = leverages.kinds(&groups, &solution.at);
+    let tested = groups.iter().filter(|group| group.independent > 0);
+    let level = OUTLIER_PROBABILITY / tested.clone().count().max(1) as f64;
+    let mut found = Vec::new();
+    for group in tested.filter(|group| !group.targets.is_empty()) {
+        let square = leverages.left_out_square(&group.rows, &solution.at)?;
+        let count = group.independent as f64;
+        let grown = errors.iter().any(|error| error.growth > 1.0);
+        let mine = kinds.iter().find(|kind| kind.kind == group.kind);
+        let whole = Kind::sum(&kinds);
+        let others = mine.filter(|kind| kind.nu - count >= MIN_PREDICTING_FREEDOM);
+        let others = others.unwrap_or(&whole);
+        let nu = others.nu - count;
+        let (probability, variance) = if grown && square > 0.0 {
+            if nu < MIN_PREDICTING_FREEDOM {
+                continue;
+            }
+            let least = MIN_VARIANCE_RATIO * square / count;
+            let variance = ((others.chi_square - square) / nu).max(least);
+            let distribution = FisherSnedecor::new(count, nu);
+            let ratio = square / count / variance;
+            (distribution.map_or(1.0, |f| f.sf(ratio)), variance)
+        } else {
+            let distribution = ChiSquared::new(count);
+            (distribution.map_or(1.0, |chi| chi.sf(square)), 1.0)
+        };
+        if square > 0.0 && probability < level {
+            let label = |t: &usize| problem.targets[*t].label.clone();
+            found.push(UnpredictedMode {
+                labels: group.targets.iter().map(label).collect(),
+                hz: problem.targets[group.targets[0]].hz,
+                kind: group.kind,
+                deviations: (square / count / variance).sqrt(),
+            });
+        }
+    }
+    Ok(found)
+}
