@@ -24,6 +24,8 @@ mod man;
 mod memory_limit;
 mod meter;
 mod new;
+mod new_points;
+mod new_steps;
 mod not_compared;
 #[cfg(test)]
 mod option_names_tests;

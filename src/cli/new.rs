@@ -5,33 +5,30 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::dof::Dof;
 use crate::error::Error;
-use crate::geometry::{Geometry, Node};
+use crate::geometry::Geometry;
 use crate::io::{
-    Catalog, FunctionType, Hints, Need, NewFile, check_damage, check_stated_points, open_path,
-    sha256_hex, write_all_new,
+    Catalog, Hints, Need, NewFile, check_damage, check_stated_points, open_path, sha256_hex,
+    write_all_new,
 };
-use crate::linalg::Vector3;
 use crate::quantity::{FrfUnit, Quantity, Unit};
 use crate::report::Block;
 use crate::scene::{
-    Draft, DraftFile, DraftModel, DraftPlan, ModelDraft, ModesOptions, OpenLine, StatedUnits,
-    Statement, TableContent, UnusedStatement, built_in_name_finding, draft_scene,
-    is_built_in_model, load_model, load_modes, open_lines, read_text,
+    DraftFile, DraftModel, DraftPlan, ModelDraft, ModesOptions, StatedUnits, Statement,
+    TableContent, UnusedStatement, built_in_name_finding, draft_scene, is_built_in_model,
+    load_model, load_modes, open_lines,
 };
 
 use crate::printable::counted;
 
 use super::args::NewArgs;
-use super::first_names::first_names;
 use super::left_out::{LeftOut, Reason};
+use super::new_points::{TABLE_FORMAT, list_of_points, read_points};
+use super::new_steps::{next_steps, shell_quoted};
 use super::outcome::Outcome;
 use super::output::Output;
 
 /// The parts of a new scene other than the raw files.
 const NEW_FILES: [&str; 3] = ["SOURCE.md", "expected.toml", "scene.toml"];
-
-/// Format of tables of text.
-const TABLE_FORMAT: &str = "table";
 
 const EXPECTED_TEMPLATE: &str =
     "# Published results about this machine, if there are any; `run` holds the model against them.
@@ -60,7 +57,12 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
     let is_complete = !opened.iter().any(|file| file.is_bad)
         && !left_out.iter().any(|file| file.may_hold_data(&read));
     let units = stated_units(args)?;
-    let responses = responses_of_files(&args.response, &opened, args.files.len())?;
+    let responses = responses_of_files(
+        &args.response,
+        &opened,
+        args.files.len(),
+        units.frf.is_some(),
+    )?;
     let references = dofs_of_files("--reference", &args.reference, &opened, args.files.len())?;
     for (file, (response, reference)) in opened.iter().zip(responses.iter().zip(&references)) {
         check_stated_points(&file.catalog, response.first(), reference.first())?;
@@ -156,18 +158,22 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
 }
 
 /// The stated responses of each file: those of its columns where it is a table of several, else as
-/// [`dofs_of_files`] has them.
+/// [`dofs_of_files`] has them. Unnamed columns with a stated unit of FRFs are one FRF.
 fn responses_of_files<'a>(
     stated: &'a [Dof],
     files: &[NamedFile],
     all: usize,
+    has_frf_unit: bool,
 ) -> Result<Vec<&'a [Dof]>, Error> {
     let columns = |file: &NamedFile| match TableContent::of(&file.catalog) {
         Some(table) if table.responses > 1 => Some(table.responses),
         _ => None,
     };
     let Some((file, count)) = files.iter().find_map(|file| Some((file, columns(file)?))) else {
-        return dofs_of_files("--response", stated, files, all);
+        return match !has_frf_unit && responses_of_unnamed_columns(stated, files)? {
+            true => Ok(vec![stated; files.len()]),
+            false => dofs_of_files("--response", stated, files, all),
+        };
     };
     let tests = files.iter().filter(|file| file.has_test_data());
     let is_alike = tests.into_iter().all(|file| columns(file) == Some(count));
@@ -182,6 +188,46 @@ fn responses_of_files<'a>(
     let expected = match is_alike {
         true => "one for each response in the order of the columns, or none",
         false => "files with the same number of responses, or none: the scene states them",
+    };
+    Err(argument_error("--response", got, expected))
+}
+
+/// Whether stated responses are those of the columns of each file, whose headings do not say what
+/// they hold; they are those of the files otherwise.
+///
+/// # Errors
+/// For a number of responses that fits the files and the columns, or neither.
+fn responses_of_unnamed_columns(stated: &[Dof], files: &[NamedFile]) -> Result<bool, Error> {
+    let tables = files.iter().map(|file| TableContent::of(&file.catalog));
+    let tables: Option<Vec<TableContent>> = tables.collect();
+    let Some(tables) = tables.filter(|_| stated.len() > 1) else {
+        return Ok(false);
+    };
+    let count = stated.len();
+    let fits_columns = tables.iter().all(|table| table.may_hold_responses(count));
+    // Each channel of an array but the force is a response, so that a file has no single one.
+    let may_be_files = |table: &TableContent| !table.has_channel_axis || table.unknown_columns < 3;
+    let fits_files = count == files.len() && tables.iter().all(may_be_files);
+    let first = tables.first().filter(|table| table.unknown_columns > 0);
+    let Some(table) = first.filter(|_| fits_columns == fits_files) else {
+        return Ok(fits_columns);
+    };
+    let got = format!(
+        "{} for {} of {}",
+        counted(count, "DOF"),
+        counted(files.len(), "file"),
+        counted(table.unknown_columns, "unnamed column")
+    );
+    let expected = match fits_files {
+        true => {
+            "none, as these may be one for each file or one for each response of a file: `dof` of \
+             [[test.channel]] or `response` of [[test.file]] in the scene states them; or a \
+             heading such as `force,acceleration` in the files"
+        }
+        false => {
+            "one for all files, one for each file, or one for each response of a file (all columns \
+             but force and time)"
+        }
     };
     Err(argument_error("--response", got, expected))
 }
@@ -249,207 +295,6 @@ fn unused_error(unused: &UnusedStatement) -> Error {
         Statement::SamplingRate => "--sampling-rate",
     };
     argument_error(option, unused.got.clone(), &unused.expected)
-}
-
-/// Options that fill in lines of a draft: the key of the line, the beginning of what it expects,
-/// and the option.
-const OPTIONS_OF_LINES: &[(&str, &str, &str)] = &[
-    ("response", "", "--response DOF"),
-    ("dof", "the sensor", "--response DOF"),
-    ("reference", "", "--reference DOF"),
-    ("dof", "the hit point", "--reference DOF"),
-    ("unit", "(", "--unit '(m/s2)/N'"),
-    ("unit", "of the FRFs", "--unit '(m/s2)/N'"),
-    ("unit", "", "--unit UNIT"),
-    ("sampling_rate_hz", "", "--sampling-rate HZ"),
-    ("at_m", "", "--points FILE"),
-];
-
-/// The open lines of the scene, the options that fill them in, and the next command.
-fn next_steps(
-    args: &NewArgs,
-    files: &[DraftFile],
-    draft: &Draft,
-    points: Option<&Geometry>,
-    has_positions: bool,
-) -> String {
-    let path = args.folder.join("scene.toml");
-    let open = open_lines(&draft.scene);
-    let mut paragraphs = vec![match open.is_empty() {
-        true if same_pair_count(files).is_some() => {
-            format!(
-                "{}: complete, but several files have the same DOFs (below).",
-                path.display()
-            )
-        }
-        true => format!("{}: nothing is left to fill in.", path.display()),
-        false => {
-            let lines = open_text(&open);
-            let count = counted(open.len(), "line");
-            format!("{}: {count} to be filled in:{lines}", path.display())
-        }
-    }];
-    let mut options: Vec<&str> = Vec::new();
-    for line in &open {
-        let mut known = OPTIONS_OF_LINES.iter();
-        let option =
-            known.find(|(key, begins, _)| line.key == *key && line.expected.starts_with(begins));
-        if let Some((.., option)) = option
-            && !options.contains(option)
-        {
-            options.push(option);
-        }
-    }
-    if !options.is_empty() {
-        paragraphs.push(format!(
-            "Options of `modalign new` fill in such lines, in a new folder: {}.",
-            options.join(", ")
-        ));
-    }
-    if let Some(count) = same_pair_count(files) {
-        paragraphs.push(format!(
-            "{count} files have the same response and reference: FRFs of one pair, measured again. \
-             A roving test needs one DOF for each file: --reference DOF,DOF,...{}",
-            match files.iter().any(|file| file.responses.len() > 1) {
-                true => "",
-                false => " or --response DOF,DOF,...",
-            }
-        ));
-    }
-    if !has_positions {
-        paragraphs.push(
-            "No positions are stated: figures of shapes have the points in a row (--points FILE with \
-             lines POINT,X,Y,Z in metres)."
-                .to_owned(),
-        );
-    }
-    if let Some(extent_m) = extent_m(points, files).filter(|extent_m| *extent_m > MAX_EXTENT_M) {
-        paragraphs.push(format!(
-            "The points extend over {extent_m:.0} m. Positions are in metres: write 0.25 for \
-             250 mm."
-        ));
-    }
-    if !draft.points_without_position.is_empty() {
-        let points = first_names(&draft.points_without_position);
-        paragraphs.push(format!("No position is stated for: {points}."));
-    }
-    paragraphs.push(
-        "SOURCE.md (where the data come from) and expected.toml (published results) are optional."
-            .to_owned(),
-    );
-    if let Some(model) = args.model.as_deref().and_then(ModelDraft::at) {
-        let path = args.folder.join(ModelDraft::FILE);
-        let values = match (model.kind, draft.line) {
-            ("beam", Some(_)) => "line and bending are those of the points, the other values those",
-            _ => "the values are those",
-        };
-        paragraphs.push(format!(
-            "{}: {values} of an example; state those of the structure.",
-            path.display()
-        ));
-    }
-    let next = if args.model.is_some() {
-        "the comparison table"
-    } else {
-        "the modes; a [model] makes them a comparison"
-    };
-    paragraphs.push(format!(
-        "Then: modalign run {} prints {next}.",
-        shell_quoted(&args.folder)
-    ));
-    paragraphs.join("\n")
-}
-
-/// Maximum extent of a structure without a remark on the unit of its positions.
-/// Larger: positions in millimetres of a part below that many millimetres are taken as metres.
-/// Smaller: footbridges, and aircraft in a ground vibration test, have the remark.
-/// The test is `positions_that_may_be_millimetres_are_named`.
-const MAX_EXTENT_M: f64 = 50.0;
-
-/// The diagonal of the box around the stated points and those of the files.
-fn extent_m(points: Option<&Geometry>, files: &[DraftFile]) -> Option<f64> {
-    let of_files = files.iter().map(|file| &file.catalog.geometry);
-    let nodes = points
-        .into_iter()
-        .chain(of_files)
-        .flat_map(|all| &all.nodes);
-    let positions: Vec<Vector3> = nodes.map(|node| node.at_m).collect();
-    let first = positions.first()?;
-    let corners = positions.iter().fold((*first, *first), |(low, high), at| {
-        let bound = |bound: fn(f64, f64) -> f64, to: &Vector3| {
-            Vector3::new(
-                bound(to[0], at[0]),
-                bound(to[1], at[1]),
-                bound(to[2], at[2]),
-            )
-        };
-        (bound(f64::min, &low), bound(f64::max, &high))
-    });
-    let squares = (0..3).map(|axis| (corners.1[axis] - corners.0[axis]).powi(2));
-    Some(squares.sum::<f64>().sqrt())
-}
-
-/// Number of files with FRFs, where all of them take both DOFs from the options, the same ones;
-/// `None` for a single file.
-fn same_pair_count(files: &[DraftFile]) -> Option<usize> {
-    let is_open = |file: &&DraftFile| {
-        let mut entries = file.catalog.entries.iter();
-        let is_table = TableContent::of(file.catalog).is_some_and(|table| table.is_functions);
-        is_table
-            || entries.any(|entry| {
-                entry.function_type == FunctionType::Frf
-                    && entry.response.is_none()
-                    && entry.reference.is_none()
-            })
-    };
-    let open: Vec<&DraftFile> = files.iter().filter(is_open).collect();
-    let is_same = |file: &&DraftFile| {
-        !file.responses.is_empty()
-            && file.reference.is_some()
-            && (file.responses, file.reference) == (open[0].responses, open[0].reference)
-    };
-    (open.len() > 1 && open.iter().all(is_same)).then_some(open.len())
-}
-
-/// The open lines, those of one key and expectation together.
-fn open_text(open: &[OpenLine]) -> String {
-    // A position begins with its point.
-    let expected = |line: &OpenLine| -> String {
-        let text = line.expected.as_str();
-        let position = text.split_once(": ").filter(|_| line.key == "at_m");
-        position.map_or(text, |(_, expected)| expected).to_owned()
-    };
-    let mut alike: Vec<(&OpenLine, Vec<String>)> = Vec::new();
-    for line in open {
-        let number = line.line.to_string();
-        let same = |(first, _): &&mut (&OpenLine, Vec<String>)| {
-            (&first.key, expected(first)) == (&line.key, expected(line))
-        };
-        match alike.iter_mut().find(same) {
-            Some((_, numbers)) => numbers.push(number),
-            None => alike.push((line, vec![number])),
-        }
-    }
-    let text = |(line, numbers): &(&OpenLine, Vec<String>)| {
-        let lines = if numbers.len() == 1 { "line" } else { "lines" };
-        let numbers = numbers.join(", ");
-        format!("\n  {lines} {numbers}: {}: {}", line.key, expected(line))
-    };
-    alike.iter().map(text).collect()
-}
-
-/// A path quoted for a shell.
-fn shell_quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain =
-        |c: char| c.is_alphanumeric() || "/._-+:,@%=".contains(c) || (cfg!(windows) && c == '\\');
-    if text.chars().all(is_plain) {
-        text
-    } else if cfg!(windows) {
-        format!("\"{text}\"")
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
 }
 
 /// Checks that no file to be written exists.
@@ -573,10 +418,34 @@ fn open_files<'a>(
             reason: Reason::Unnamed(file.catalog.arrays.len()),
         }));
     }
+    check_recordings(&opened)?;
     let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
     let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
     output.add_blocks(lines.collect());
     Ok(TestFiles { opened, left_out })
+}
+
+/// Checks that the files are not all lists of points.
+///
+/// # Errors
+/// With the option that takes such a list.
+fn check_recordings(files: &[NamedFile]) -> Result<(), Error> {
+    let lists = files
+        .iter()
+        .filter_map(|file| Some((file, list_of_points(file.path, &file.catalog)?)));
+    let lists: Vec<(&NamedFile, Geometry)> = lists.collect();
+    let Some((file, points)) = lists.first().filter(|_| lists.len() == files.len()) else {
+        return Ok(());
+    };
+    let more = match lists.len() {
+        1 => String::new(),
+        count => format!(", and {} more", counted(count - 1, "such list")),
+    };
+    let path = file.path.display();
+    let count = counted(points.nodes.len(), "point");
+    let got = format!("{count} in {path}{more}, without recordings");
+    let expected = "recordings, FRFs or modes, and the list as --points FILE";
+    Err(argument_error("FILE", got, expected))
 }
 
 fn copy_path(args: &NewArgs, path: &Path) -> PathBuf {
@@ -659,6 +528,7 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
             ),
             bodies: Vec::new(),
             has_sensors: false,
+            is_drafted_beam: false,
         });
     }
     let loaded = match draft {
@@ -687,52 +557,8 @@ fn draft_model(args: &NewArgs, path: &Path) -> Result<DraftModel, Error> {
         },
         bodies: bodies.into_iter().collect(),
         has_sensors: !loaded.sensors.is_empty(),
+        is_drafted_beam: draft.is_some_and(|draft| draft.kind == "beam"),
     })
-}
-
-/// Points of a list of lines `POINT,X,Y,Z`; a heading, a first line without numbers, and comments
-/// (`#`) are ignored.
-fn read_points(path: &Path) -> Result<Geometry, Error> {
-    let name = path.display().to_string();
-    let text = read_text(path)?;
-    let mut geometry = Geometry::default();
-    let mut known = BTreeSet::new();
-    let mut has_heading = false;
-    for (index, line) in text.lines().enumerate() {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let numbers: Vec<f64> = fields[1..]
-            .iter()
-            .filter_map(|text| text.parse().ok())
-            .collect();
-        let is_finite = numbers.iter().all(|value| value.is_finite());
-        let is_point = is_finite && format!("{}:+X", fields[0]).parse::<Dof>().is_ok();
-        let expected = match numbers.as_slice() {
-            [x, y, z] if is_point && fields.len() == 4 => {
-                if known.insert(fields[0]) {
-                    let place = Vector3::new(*x, *y, *z);
-                    geometry.nodes.push(Node::new(fields[0], place));
-                    continue;
-                }
-                "every point once"
-            }
-            _ if line.trim().is_empty() || line.starts_with('#') => continue,
-            [] if index == 0 => {
-                has_heading = true;
-                continue;
-            }
-            _ => {
-                "POINT,X,Y,Z in metres in every line, such as `1,0.25,0,0`, below an optional \
-                 heading such as `point,x,y,z`"
-            }
-        };
-        let heading = match has_heading {
-            true => " (line 1 was taken as the heading)",
-            false => "",
-        };
-        let got = format!("{line:?} in line {} of {name}{heading}", index + 1);
-        return Err(argument_error("--points", got, expected));
-    }
-    Ok(geometry)
 }
 
 fn source_text(files: &[NamedFile]) -> Result<String, Error> {
@@ -749,41 +575,4 @@ fn source_text(files: &[NamedFile]) -> Result<String, Error> {
         );
     }
     Ok(text)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[cfg(unix)]
-    #[test]
-    fn a_path_is_quoted_where_a_shell_would_part_it() {
-        assert_eq!(shell_quoted(Path::new("out/beam-1")), "out/beam-1");
-        assert_eq!(shell_quoted(Path::new("the beam")), "'the beam'");
-        assert_eq!(shell_quoted(Path::new("it's")), r"'it'\''s'");
-    }
-
-    #[test]
-    fn a_list_of_points_is_read_in_full_or_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        let read = |text: &str| {
-            std::fs::write(&path, text).unwrap();
-            read_points(&path).map(|geometry| geometry.nodes.len())
-        };
-        assert_eq!(
-            read("point,x,y,z\n1,0,0,0\n\n# end\n2,0.1,0,0\n").unwrap(),
-            2
-        );
-        for (text, line) in [
-            ("1,0.1,0\n2,0,0,0\n", "line 1"),
-            ("1,0.1,0,here\n2,0,0,0\n", "line 1"),
-            ("1,inf,0,0\n", "line 1"),
-            ("1,0,0,0\n2,0,NaN,0\n", "line 2"),
-            ("1,0,0,0\n2,0,0,0\n1,0,0,1\n", "line 3"),
-        ] {
-            let error = read(text).unwrap_err().to_string();
-            assert!(error.contains(line), "{error}");
-        }
-    }
 }

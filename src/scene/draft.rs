@@ -40,6 +40,8 @@ pub struct DraftModel {
     pub bodies: Vec<String>,
     /// Whether its file says where the sensors are.
     pub has_sensors: bool,
+    /// Whether it is a drafted beam, which runs along the points of the test.
+    pub is_drafted_beam: bool,
 }
 
 /// A drafted scene.
@@ -73,11 +75,12 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
         text += &test_text(*content, files, index, plan.band, &mut dofs);
     }
     let unused = unused_statements(&text, files);
-    text += &model_text(plan.model);
     let mut geometry = plan.geometry.cloned().unwrap_or_default();
     files
         .iter()
         .for_each(|file| geometry.add(&file.catalog.geometry));
+    let line = PointLine::of(&dofs, &geometry);
+    text += &model_text(plan.model, line.as_ref());
     text += &sensors_text(&dofs, &geometry, plan);
     let has_hits = files
         .iter()
@@ -96,7 +99,7 @@ pub fn draft_scene(files: &[DraftFile], plan: &DraftPlan) -> Draft {
     Draft {
         scene: text,
         open_lines,
-        line: PointLine::of(&dofs, &geometry),
+        line,
         unused,
         points_without_position: match plan.model {
             _ if geometry.nodes.is_empty() => Vec::new(),
@@ -395,9 +398,17 @@ fn has_pair_of_another(file: &DraftFile, files: &[&DraftFile]) -> bool {
     others.any(|other| pairs_of(other).iter().any(|pair| pairs.contains(pair)))
 }
 
-fn model_text(model: Option<&DraftModel>) -> String {
+fn model_text(model: Option<&DraftModel>, line: Option<&PointLine>) -> String {
     match model {
-        Some(model) => format!("\n[model]\n{}\n", model.line),
+        Some(model) => {
+            let guess = match line.filter(|_| model.is_drafted_beam) {
+                Some(_) => {
+                    "   # its length is a guess, the distance of the outermost points: state from_m and to_m there"
+                }
+                None => "",
+            };
+            format!("\n[model]\n{}{guess}\n", model.line)
+        }
         None => "\n# The model that the test is compared with:\n\
                  # [model]\n\
                  # file = \"model.toml\"      # or a file of finished modes (.json, .csv, .unv)\n\

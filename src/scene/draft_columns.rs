@@ -25,6 +25,11 @@ pub struct TableContent {
     pub responses: usize,
     /// Whether a heading says what its column holds.
     pub has_known_column: bool,
+    /// Number of columns whose heading does not say what they hold.
+    pub unknown_columns: usize,
+    /// Whether an array has an axis of channels beside those of hits and samples, so that no
+    /// column is time or frequency.
+    pub has_channel_axis: bool,
 }
 
 impl TableContent {
@@ -32,10 +37,12 @@ impl TableContent {
     pub fn of(catalog: &Catalog) -> Option<Self> {
         let is_table = Content::of(catalog) == Content::Arrays;
         is_table.then(|| {
-            let draft = columns_to_state(&number_arrays(catalog));
+            let arrays = number_arrays(catalog);
+            let draft = columns_to_state(&arrays);
             let known = |column: &DraftColumn| column.role.is_some() && !column.is_open();
             TableContent {
                 has_known_column: draft.columns.iter().any(known),
+                has_channel_axis: has_hit_axis(&arrays),
                 ..Self::of_roles(&draft.roles())
             }
         })
@@ -47,8 +54,27 @@ impl TableContent {
             is_functions: count("frequency") + count("complex") > 0,
             responses: RESPONSE_ROLES.into_iter().map(count).max().unwrap_or(0),
             has_known_column: false,
+            unknown_columns: roles.iter().filter(|role| role.is_none()).count(),
+            has_channel_axis: false,
         }
     }
+
+    /// Whether unnamed columns may be this number of responses: all but a force, and but an axis of
+    /// time where the columns are no channels of an array.
+    pub fn may_hold_responses(&self, count: usize) -> bool {
+        let others = if self.has_channel_axis { 1..=1 } else { 1..=2 };
+        count > 1
+            && self.responses == 0
+            && self
+                .unknown_columns
+                .checked_sub(count)
+                .is_some_and(|rest| others.contains(&rest))
+    }
+}
+
+/// Whether an array has an axis of hits beside those of channels and samples.
+fn has_hit_axis(arrays: &[&ArrayInfo]) -> bool {
+    arrays.iter().any(|array| array.shape.len() > 2)
 }
 
 fn is_number(array: &ArrayInfo) -> bool {
@@ -110,7 +136,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let mut draft = columns_to_state(&arrays);
     let names = files.iter().flat_map(|file| number_arrays(file.catalog));
     let names: BTreeSet<&str> = names.map(|array| array.name.as_str()).collect();
-    let is_array = arrays.iter().any(|array| array.shape.len() > 2);
+    let is_array = has_hit_axis(&arrays);
     if only_channels(&arrays).is_some_and(|count| count == draft.columns.len())
         && (is_array || names.len() > 1)
     {
@@ -142,7 +168,9 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         text += &format!("# Not used below: {}\n", unused.join(", "));
     }
     if !is_function && !is_array {
-        text += if files.len() > 1 {
+        text += if files.len() > 1 && has_unknown && content.responses == 0 {
+            "# hits = \"files\"          # where these are time records: each file is one hit\n"
+        } else if files.len() > 1 {
             "hits = \"files\"            # each file is one hit\n"
         } else {
             "# hits = \"trigger\"        # where the record is continuous and holds several hits\n"
@@ -188,6 +216,14 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
         response_by_file,
         units: files[0].units,
     };
+    let unknown = UnknownColumns {
+        units: files[0].units,
+        responses: match files[0].responses {
+            stated if stated.len() > 1 && content.may_hold_responses(stated.len()) => stated,
+            _ => &[],
+        },
+        count: content.unknown_columns,
+    };
     for (index, column) in columns.iter().enumerate() {
         // The columns of one role are those of the responses in their order.
         let of_role = |roles: &[Option<&str>]| roles.iter().filter(|r| **r == column.role).count();
@@ -199,7 +235,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
                 let name = &column.name;
                 stated.column_text(name, role, response.flatten(), has_several, dofs)
             }
-            None => unknown_column_text(&column.name, index == 0, files[0].units),
+            None => unknown.column_text(&column.name, index, dofs),
         };
     }
     for file in files.iter().filter(|_| by_file || response_by_file) {
@@ -388,36 +424,64 @@ fn role_of(name: &str) -> Option<&'static str> {
     }
 }
 
-/// The lines of a column without a known heading. The first column is the axis as a rule, so that
-/// a stated unit of FRFs is put on the others.
-fn unknown_column_text(name: &str, is_first: bool, units: StatedUnits<'_>) -> String {
-    let mut text = format!(
-        "[[test.channel]]\ncolumn = {name}\n\
-         role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n"
-    );
-    let stated = [
-        (units.force, "where it is a force"),
-        (units.response, "where it is a response"),
-        (units.frf.filter(|_| is_first), "where it is an FRF"),
-    ];
-    let stated = stated
-        .into_iter()
-        .filter_map(|(unit, of)| Some((unit?, of)));
-    let remarks: String = stated
-        .map(|(unit, of)| format!("# unit = {}   # {of}\n", quoted(unit)))
-        .collect();
-    text += &match units.frf.filter(|_| !is_first) {
-        Some(unit) => format!(
-            "unit = {}   # of real, imaginary, complex or magnitude; the others have none\n",
-            quoted(unit)
-        ),
-        None if remarks.is_empty() => {
-            "# unit = \"m/s2\"        # of a force, a response or FRF; of an axis only ms, us or kHz\n"
-                .to_owned()
+/// Statements of the user on columns without a known heading.
+struct UnknownColumns<'a> {
+    units: StatedUnits<'a>,
+    /// The responses of such columns in their order; none where they are those of the files.
+    responses: &'a [Dof],
+    /// Number of such columns.
+    count: usize,
+}
+
+impl UnknownColumns<'_> {
+    /// The lines of a column, by its number from 0. The first column is the axis as a rule, so that
+    /// a stated unit of FRFs is put on the others.
+    fn column_text(&self, name: &str, index: usize, dofs: &mut BTreeSet<Dof>) -> String {
+        let units = self.units;
+        let mut text = format!(
+            "[[test.channel]]\ncolumn = {name}\n\
+             role = \"{FILL_IN}\"   # time, frequency, force, response, real, imaginary, complex, magnitude, phase or coherence\n"
+        );
+        let stated = [
+            (units.force, "where it is a force"),
+            (units.response, "where it is a response"),
+            (units.frf.filter(|_| index == 0), "where it is an FRF"),
+        ];
+        let stated = stated
+            .into_iter()
+            .filter_map(|(unit, of)| Some((unit?, of)));
+        let remarks: String = stated
+            .map(|(unit, of)| format!("# unit = {}   # {of}\n", quoted(unit)))
+            .collect();
+        text += &match units.frf.filter(|_| index > 0) {
+            Some(unit) => format!(
+                "unit = {}   # of real, imaginary, complex or magnitude; the others have none\n",
+                quoted(unit)
+            ),
+            None if remarks.is_empty() => {
+                "# unit = \"m/s2\"        # of a force, a response or FRF; of an axis only ms, us or kHz\n"
+                    .to_owned()
+            }
+            None => remarks,
+        };
+        if self.responses.is_empty() {
+            return text
+                + "# dof = \"1:+Z\"         # point and direction of a sensor or hit; an axis has none\n";
         }
-        None => remarks,
-    };
-    text + "# dof = \"1:+Z\"         # point and direction of a sensor or hit; an axis has none\n"
+        dofs.extend(self.responses.iter().map(Dof::positive));
+        // Columns before this one are responses, force or axis.
+        let others = self.count.saturating_sub(self.responses.len());
+        let first = index.saturating_sub(others);
+        let candidates = self.responses.iter().enumerate();
+        for (number, dof) in candidates.take(index + 1).skip(first) {
+            let number = number + 1;
+            let _ = writeln!(
+                text,
+                "# dof = \"{dof}\"   # where it is response {number} in the order of the columns"
+            );
+        }
+        text
+    }
 }
 
 /// Points of columns that the user has stated.

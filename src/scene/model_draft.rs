@@ -16,6 +16,9 @@ use super::model::{LoadedModel, model_of_text};
 /// `a_beam_is_drafted_along_the_points_and_bends_in_the_direction_of_the_hits`.
 const MIN_SINE_ACROSS: f64 = 0.1;
 
+/// The line of a drafted beam between the outermost points, behind `to_m`.
+const ASSUMED_ENDS: &str = "\nends_status = \"assumed\"            # the outermost points, a guess of its length: state the true ends, \"printed\"";
+
 /// A model file with the values of an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModelDraft {
@@ -61,7 +64,8 @@ impl ModelDraft {
             let (_, value) = stated.iter().find(|(name, _)| *name == key)?;
             let (_, remark) = rest.split_once(']')?;
             let [x, y, z] = value.map(|value| (1e6 * value).round() / 1e6 + 0.0);
-            Some(format!("{key} = [{x:?}, {y:?}, {z:?}]{remark}"))
+            let ends = if key == "to_m" { ASSUMED_ENDS } else { "" };
+            Some(format!("{key} = [{x:?}, {y:?}, {z:?}]{remark}{ends}"))
         };
         let lines = self.text.lines();
         let lines = lines.map(|line| with_value(line).unwrap_or_else(|| line.to_owned()) + "\n");
@@ -89,6 +93,11 @@ pub struct PointLine {
 }
 
 impl PointLine {
+    /// Its length, m.
+    pub fn length_m(&self) -> f64 {
+        (Vector3::from(self.to_m) - Vector3::from(self.from_m)).norm()
+    }
+
     /// The line between the extreme points of these degrees of freedom; `None` where fewer than two
     /// have different positions.
     pub(super) fn of(dofs: &BTreeSet<Dof>, points: &Geometry) -> Option<Self> {
@@ -172,11 +181,18 @@ mod tests {
         let draft = ModelDraft::at(Path::new("beam")).unwrap();
         let text = draft.text_along(Some(&upright));
         assert!(text.contains("\nfrom_m = [0.0, 0.1, -1.0]  "), "{text}");
-        assert!(text.contains("\nto_m = [0.0, 0.1, 0.2]\n"), "{text}");
+        let ends = "\nto_m = [0.0, 0.1, 0.2]\nends_status = \"assumed\" ";
+        assert!(text.contains(ends), "{text}");
         assert!(text.contains("\ndeflection = [1.0, 0.0, 0.0]  "), "{text}");
         assert_eq!(draft.text_along(None), draft.text);
         let loaded = model_of_text(&text, Path::new("model.toml"), &BTreeMap::new()).unwrap();
         assert_eq!(loaded.model.parameters().len(), 1);
+        let assumptions = loaded.model.assumptions();
+        assert!(assumptions.iter().any(|assumption| assumption.is_guess));
+        let stated = text.replace("ends_status = \"assumed\"", "ends_status = \"printed\"");
+        let loaded = model_of_text(&stated, Path::new("model.toml"), &BTreeMap::new()).unwrap();
+        let assumptions = loaded.model.assumptions();
+        assert!(!assumptions.iter().any(|assumption| assumption.is_guess));
     }
     use crate::geometry::Node;
     use crate::theory::ModeOptions;

@@ -21,8 +21,8 @@ use super::parameter::{check_values, nominal_values};
 use super::property::{Property, Sign};
 use super::rigid::coordinate_index;
 use super::{
-    Assumption, Coordinate, ParameterSpec, Support, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError, hermite,
+    Assumption, Coordinate, ParameterSpec, ParameterStatus, Support, SystemDerivative,
+    SystemMatrices, TheoreticalModel, TheoryError, hermite,
 };
 
 /// A model of beams, made from a [`BeamFile`].
@@ -303,11 +303,14 @@ impl TheoreticalModel for BeamModel {
             "the material does not damp; damping is given by mode",
         ];
         let of_beam = |beam: &BeamDescription| {
-            let about = beam.label();
-            statements.map(|statement| Assumption {
-                about: about.clone(),
-                statement,
-            })
+            let mut all = Assumption::all(&beam.label(), statements);
+            let ends = (beam.ends_status == ParameterStatus::Assumed).then(|| Assumption {
+                about: beam.label(),
+                statement: "ends and length",
+                is_guess: true,
+            });
+            all.extend(ends);
+            all
         };
         self.file.beams.iter().flat_map(of_beam).collect()
     }

@@ -52,6 +52,7 @@ pub(super) fn bar(elements: usize, start: End, end: End) -> BeamFile {
             elements,
             start,
             end,
+            ends_status: ParameterStatus::Printed,
             youngs_modulus_pa: number(YOUNGS_PA),
             density_kg_per_m3: number(7830.0),
             area_m2: number(2.4e-4),

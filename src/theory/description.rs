@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 
 use super::faults::Faults;
 use super::parameter::index_of;
-use super::{ParameterSpec, Support, TheoryError};
+use super::{ParameterSpec, ParameterStatus, Support, TheoryError};
 
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-model/1";
@@ -138,6 +138,9 @@ pub struct BeamDescription {
     pub from_m: [f64; 3],
     /// End of its axis, m.
     pub to_m: [f64; 3],
+    /// Source of the two ends, and so of the length; printed where not stated.
+    #[serde(default = "printed")]
+    pub ends_status: ParameterStatus,
     /// Direction in which it deflects, at a right angle to the axis; of any length.
     pub deflection: [f64; 3],
     /// Number of equal elements, at least 1.
@@ -154,6 +157,10 @@ pub struct BeamDescription {
     pub area_m2: Value,
     /// Second moment of area for the plane of bending, m⁴.
     pub second_moment_m4: Value,
+}
+
+fn printed() -> ParameterStatus {
+    ParameterStatus::Printed
 }
 
 impl BeamDescription {

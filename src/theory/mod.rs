@@ -211,6 +211,8 @@ pub struct Assumption {
     pub about: String,
     /// The assumption, as a clause without a full stop.
     pub statement: &'static str,
+    /// Whether it is a value that the user has yet to state, not a limit of the theory.
+    pub is_guess: bool,
 }
 
 impl Assumption {
@@ -219,6 +221,7 @@ impl Assumption {
         let assumption = |statement| Self {
             about: about.to_owned(),
             statement,
+            is_guess: false,
         };
         statements.map(assumption).into()
     }

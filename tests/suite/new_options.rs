@@ -284,3 +284,179 @@ fn a_faulty_list_of_points_is_answered_with_its_format() {
         assert!(error.contains(wanted), "{wanted}: {error}");
     }
 }
+
+/// Writes NumPy arrays of three hits by channels by samples, without samples of a test.
+fn write_arrays(folder: &Path, names: &[&str], channels: usize) {
+    for name in names {
+        let shape = format!("(3, {channels}, 256)");
+        let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        let head = format!("{head:<117}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend(u16::try_from(head.len()).unwrap().to_le_bytes());
+        bytes.extend(head.as_bytes());
+        let samples = (0..3 * channels * 256).map(|i| ((i * 7919) % 101) as f64);
+        bytes.extend(samples.flat_map(f64::to_le_bytes));
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+}
+
+#[test]
+fn stated_responses_of_unnamed_channels_are_those_of_each_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let names = ["a.npy", "b.npy", "c.npy"];
+    write_arrays(folder.path(), &names, 4);
+    let rows: String = (0..64)
+        .map(|i| format!("{},{},{},{}\n", i % 7, i % 6, i % 5, i % 4))
+        .collect();
+    write(folder.path(), &[("one.csv", &rows), ("two.csv", &rows)]);
+    let new = |scene: &str, files: &[&str], responses: &str| -> Vec<String> {
+        let files: Vec<String> = files.iter().map(|name| path(name)).collect();
+        let stated = ["--response", responses, "--reference", "9:+Z"].map(str::to_owned);
+        [vec!["new".to_owned(), path(scene)], files, stated.to_vec()].concat()
+    };
+    let three = "1:+X,1:+Y,1:+Z";
+    for (scene, files) in [("arrays", &names[..]), ("table", &["one.csv"][..])] {
+        succeed(new(scene, files, three));
+        let text = std::fs::read_to_string(path(&format!("{scene}/scene.toml"))).unwrap();
+        assert!(!text.contains("\nresponse = "), "{text}");
+        // The first column is the force or the first response, the last the third.
+        let (tests, _) = text.split_once("[[test.file]]").unwrap();
+        let columns: Vec<&str> = tests.split("[[test.channel]]").collect();
+        let holds =
+            |column: usize, dof: &str| columns[column].contains(&format!("# dof = \"{dof}\""));
+        assert!(holds(1, "1:+X") && !holds(1, "1:+Y"), "{text}");
+        assert!(
+            holds(2, "1:+X") && holds(2, "1:+Y") && !holds(2, "1:+Z"),
+            "{text}"
+        );
+        assert!(holds(4, "1:+Z") && !holds(4, "1:+Y"), "{text}");
+    }
+    // Two columns are a force and one response: the points are those of the files.
+    write_arrays(folder.path(), &names, 2);
+    succeed(new("files", &names, three));
+    let text = std::fs::read_to_string(path("files/scene.toml")).unwrap();
+    assert_eq!(text.matches("\nresponse = ").count(), 3, "{text}");
+    // Two responses of two files of four columns fit both, four of one file neither.
+    let both = fail(new("both", &["one.csv", "two.csv"], "1:+X,1:+Y"));
+    assert!(
+        both.contains("2 DOFs for 2 files of 4 unnamed columns"),
+        "{both}"
+    );
+    assert!(
+        both.contains("one for each file or one for each response"),
+        "{both}"
+    );
+    let neither = fail(new("neither", &["one.csv"], "1:+X,1:+Y,1:+Z,2:+X"));
+    assert!(
+        neither.contains("4 DOFs for 1 file of 4 unnamed columns"),
+        "{neither}"
+    );
+}
+
+#[test]
+fn all_that_unnamed_columns_need_is_listed_with_its_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    let rows: String = (0..64).map(|i| format!("{i}\t{}\t0.5\n", i % 7)).collect();
+    write(folder.path(), &[("a.txt", &rows), ("b.txt", &rows)]);
+    let files = [path("a.txt"), path("b.txt")];
+    let printed = succeed(["new", &path("open"), &files[0], &files[1]]);
+    let options = [
+        "--unit '(m/s2)/N'",
+        "--response DOF",
+        "--reference DOF",
+        "--sampling-rate HZ",
+    ];
+    for option in options {
+        assert!(printed.contains(option), "{option}: {printed}");
+    }
+    let text = std::fs::read_to_string(path("open/scene.toml")).unwrap();
+    assert!(!text.contains("\nhits = "), "{text}");
+    let stated = [
+        "--unit",
+        "m/N",
+        "--response",
+        "1:+Z",
+        "--reference",
+        "1:+Z,2:+Z",
+    ];
+    let arguments = ["new", &path("said"), &files[0], &files[1]];
+    let printed = succeed(arguments.into_iter().chain(stated));
+    for option in options {
+        assert!(!printed.contains(option), "{option}: {printed}");
+    }
+}
+
+#[test]
+fn lists_of_points_alone_are_no_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write(
+        folder.path(),
+        &[
+            ("a.csv", "point,x,y,z\n1,0,0,0\n2,0.1,0,0\n"),
+            ("b.csv", "1,0,0,0\n2,0.1,0,0\n3,0.2,0,0\n"),
+        ],
+    );
+    let (a, b) = (path("a.csv"), path("b.csv"));
+    for files in [vec![&a], vec![&a, &b], vec![&b]] {
+        let scene = path("scene");
+        let arguments = ["new", &scene].into_iter();
+        let error = fail(arguments.chain(files.into_iter().map(String::as_str)));
+        assert!(
+            error.contains("without recordings") && error.contains("--points FILE"),
+            "{error}"
+        );
+        assert!(!Path::new(&scene).exists());
+    }
+    // Samples that are counted are a record.
+    let rows: String = (1..=256)
+        .map(|i| format!("{i},{},{},1\n", i % 7, i % 5))
+        .collect();
+    write(folder.path(), &[("record.csv", &rows)]);
+    succeed(["new", &path("record"), &path("record.csv")]);
+}
+
+#[test]
+fn the_length_of_a_drafted_beam_is_named_as_a_guess() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| at(folder.path(), name);
+    write(
+        folder.path(),
+        &[
+            ("a.txt", &pulse_export("(m/s2)/N", 1e-3)),
+            ("points.csv", "1,0.1,0,0\n2,0.9,0,0\n"),
+        ],
+    );
+    let stated = [
+        "--response",
+        "1:+Z",
+        "--reference",
+        "2:+Z",
+        "--model",
+        "beam",
+        "--points",
+    ];
+    let arguments = ["new", &path("beam"), &path("a.txt")].map(str::to_owned);
+    let stated = stated.map(str::to_owned).into_iter();
+    let printed = succeed(
+        arguments
+            .into_iter()
+            .chain(stated)
+            .chain([path("points.csv")]),
+    );
+    assert!(
+        printed.contains("its length of 0.8 m is a guess"),
+        "{printed}"
+    );
+    let scene = std::fs::read_to_string(path("beam/scene.toml")).unwrap();
+    assert!(scene.contains("its length is a guess"), "{scene}");
+    let theory = succeed(["theory", &path("beam/model.toml"), "--full"]);
+    let run = modalign(["run", &path("beam")]);
+    let run = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(
+        run.contains("Assumed in the model: ends and length of beam"),
+        "{run}{theory}"
+    );
+}

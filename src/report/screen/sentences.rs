@@ -15,7 +15,7 @@ use crate::scene::{
     CommonError, ExpectedResult, LimitCheck, PlacedTest, TestResult, Theory,
     common_error as scene_error,
 };
-use crate::theory::ParameterStatus;
+use crate::theory::{Assumption, ParameterStatus};
 
 use super::counted;
 use super::modes::{peak_frequencies, peaks_sentence};
@@ -296,9 +296,15 @@ pub(super) fn assumptions(theory: &Theory) -> Option<String> {
     let parameters = theory.parameters.iter();
     let assumed = parameters.filter(|(spec, _)| spec.status == ParameterStatus::Assumed);
     let assumed: Vec<&str> = assumed.map(|(spec, _)| spec.name.as_str()).collect();
-    let mut parts = Vec::new();
-    if !theory.assumptions.is_empty() {
-        parts.push(counted(theory.assumptions.len(), "statement"));
+    let (guesses, statements): (Vec<&Assumption>, Vec<&Assumption>) = theory
+        .assumptions
+        .iter()
+        .partition(|assumption| assumption.is_guess);
+    let guesses = guesses.iter();
+    let guesses = guesses.map(|guess| format!("{} of {}", guess.statement, guess.about));
+    let mut parts: Vec<String> = guesses.collect();
+    if !statements.is_empty() {
+        parts.push(counted(statements.len(), "statement"));
     }
     if !assumed.is_empty() {
         let parameters = counted(assumed.len(), "parameter");
@@ -308,7 +314,12 @@ pub(super) fn assumptions(theory: &Theory) -> Option<String> {
         let named: Vec<String> = named.map(str::to_owned).chain(further).collect();
         parts.push(format!("{parameters} ({})", named.join(", ")));
     }
-    (!parts.is_empty()).then(|| format!("Assumed in the model: {}.", parts.join(" and ")))
+    let last = parts.pop()?;
+    let text = match parts.is_empty() {
+        true => last,
+        false => format!("{} and {last}", parts.join(", ")),
+    };
+    Some(format!("Assumed in the model: {text}."))
 }
 
 /// Published results against the model and one another.

@@ -9,7 +9,8 @@ use serde::Deserialize;
 use modalign::dof::Dof;
 use modalign::geometry::{Sensor, Target};
 use modalign::theory::{
-    BeamDescription, BeamFile, BeamModel, End, ModeOptions, SCHEMA, TheoryModes, Value, modes,
+    BeamDescription, BeamFile, BeamModel, End, ModeOptions, ParameterStatus, SCHEMA, TheoryModes,
+    Value, modes,
 };
 
 use super::error::PopulationError;
@@ -133,6 +134,7 @@ fn file(length_m: f64, thickness_m: f64, [start, end]: [End; 2]) -> BeamFile {
             name: "beam".to_owned(),
             from_m: [0.0; 3],
             to_m: [length_m, 0.0, 0.0],
+            ends_status: ParameterStatus::Printed,
             deflection: [0.0, 0.0, 1.0],
             elements: ELEMENTS,
             start,
