@@ -522,8 +522,7 @@ fn with_body_faults(
     let file = named_model(table, folder, path);
     let text = file.ok().and_then(|file| read_text(&file).ok());
     let bodies = text.and_then(|text| named_bodies(&text));
-    // A misspelt key may be that of a body.
-    let Some(bodies) = bodies.filter(|_| !error.to_string().contains("unknown key")) else {
+    let Some(bodies) = bodies else {
         return error;
     };
     let mut faults = Faults::default();
@@ -542,9 +541,26 @@ fn with_body_faults(
     error
 }
 
-/// The names of the bodies or beams of a model file; `None` where one has none or there are none.
+/// Keys of the lists of a model file of bodies or beams.
+const LISTS: [&str; 7] = [
+    "parameter",
+    "body",
+    "beam",
+    "point",
+    "point_mass",
+    "spring",
+    "sensor",
+];
+
+/// The names of the bodies or beams of a model file; `None` where one has none, there are none, or
+/// a list of another key may hold them.
 fn named_bodies(text: &str) -> Option<Vec<String>> {
     let file: toml::Table = text.parse().ok()?;
+    let is_misspelt =
+        |(key, value): (&String, &toml::Value)| value.is_array() && !LISTS.contains(&key.as_str());
+    if file.iter().any(is_misspelt) {
+        return None;
+    }
     let parts = ["body", "beam"]
         .into_iter()
         .filter_map(|key| file.get(key)?.as_array());

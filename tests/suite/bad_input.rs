@@ -532,3 +532,27 @@ fn all_faults_of_published_results_are_reported_with_their_lines() {
         assert!(error.contains(part), "{part}: {error}");
     }
 }
+
+#[test]
+fn sensors_on_unknown_bodies_are_reported_with_an_unknown_key_of_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let beam = root().join("measurements/free-free-beam/model.toml");
+    let model = std::fs::read_to_string(beam).unwrap();
+    let scene = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[model]\nfile = \"model.toml\"\n\
+        [[sensor]]\ndof = \"1:+Z\"\nbody = \"baar\"\nat_m = [0, 0, 0]\n";
+    for (key, wrong, is_reported) in [
+        ("area_m2", "aera_m2", true),
+        // The name or the list of the body itself may be misspelt.
+        ("name = \"bar\"", "nmae = \"bar\"", false),
+        ("[[beam]]", "[[baem]]", false),
+    ] {
+        let model = model.replace(key, wrong);
+        write(
+            folder.path(),
+            &[("model.toml", &model), ("scene.toml", scene)],
+        );
+        let error = fail(["run", folder.path().to_str().unwrap()]);
+        assert!(error.contains("got unknown key"), "{error}");
+        assert_eq!(error.contains("got body `baar`"), is_reported, "{error}");
+    }
+}
