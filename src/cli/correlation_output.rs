@@ -113,8 +113,7 @@ pub(super) fn print(
         Some(_) => "All columns and notes: --full.",
         None => "All columns and notes: --full; tables to a file: -o FILE.",
     };
-    let lines: Vec<&str> = printed.next.as_deref().into_iter().chain([rest]).collect();
-    output.add_rest_note(&lines.join("\n"));
+    output.add_closing(printed.next.into_iter().collect(), Some(rest));
     output.add_json(|| printed.json);
 }
 

@@ -13,7 +13,7 @@ use crate::io::{
     open_path,
 };
 use crate::printable::counted;
-use crate::report::{Block, Cell, Column, Table, abridged};
+use crate::report::{Block, Cell, Column, Renderer, Table, Terminal, abridged};
 
 use super::args::InspectArgs;
 use super::left_out::{LeftOut, Reason};
@@ -57,21 +57,27 @@ pub fn inspect(
         read.push(path);
     }
     let is_complete = !left_out.iter().any(|file| file.may_hold_data(&read));
-    let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
-    output.add_blocks(lines.collect());
+    let listed = match output.wants_all() {
+        true => left_out.len(),
+        false => left_out.len().min(MAX_SCREEN_LEFT_OUT),
+    };
+    let further = left_out.len() - listed;
+    let lines = left_out.iter().take(listed).map(|file| file.text(&read));
+    let further =
+        (further > 0).then(|| format!("{} not used: --full.", counted(further, "further file")));
+    output.add_blocks(lines.chain(further).map(Block::Text).collect());
     let first = left_out.into_iter().next().map(|file| file.reason);
     if let (true, Some(Reason::Error(error))) = (catalogs.is_empty(), first) {
         return Err(error.into());
     }
-    for group in alike(&catalogs) {
-        let full = || group.iter().flat_map(|catalog| blocks(catalog)).collect();
-        output.add_result(|width| screen(&group, width), full);
-        for catalog in &group {
-            output.add_findings(&catalog.findings);
-        }
+    let groups = alike(&catalogs);
+    let full = || catalogs.iter().flat_map(blocks).collect();
+    output.add_result(|width| screen_of_all(&groups, width), full);
+    for catalog in groups.iter().flatten() {
+        output.add_findings(&catalog.findings);
     }
     if let Some(note) = next_step(&catalogs) {
-        output.add_rest_note(&note);
+        output.add_closing(vec![note], None);
     }
     output.add_json(|| {
         let result = json!({ "schema": "modalign-inspect/1", "files": files });
@@ -81,17 +87,21 @@ pub fn inspect(
 }
 
 /// Catalogs in their order, those together that the screen shows alike: files without damage whose
-/// records and functions differ in their points alone, or whose arrays are the same.
+/// records and functions differ in their points alone, or whose arrays are the same. Titles and the
+/// name of an only array are those of one file.
 fn alike(catalogs: &[Catalog]) -> Vec<Vec<&Catalog>> {
     let contents = |catalog: &Catalog| {
         let kinds: BTreeSet<_> = catalog.entries.iter().map(kind).collect();
-        let arrays: Vec<_> = catalog
-            .arrays
-            .iter()
-            .map(|array| (array.name.clone(), array.shape.clone(), array.kind.clone()))
-            .collect();
+        let array = |array: &ArrayInfo| {
+            let name = match catalog.arrays.len() {
+                1 => String::new(),
+                _ => array.name.clone(),
+            };
+            (name, array.shape.clone(), array.kind.clone())
+        };
+        let arrays: Vec<_> = catalog.arrays.iter().map(array).collect();
         let nodes = geometry_text(&catalog.geometry);
-        (catalog.format, catalog.title.clone(), nodes, kinds, arrays)
+        (catalog.format, nodes, kinds, arrays)
     };
     let mut groups: Vec<(_, Vec<&Catalog>)> = Vec::new();
     for catalog in catalogs {
@@ -234,6 +244,87 @@ fn array_blocks(catalog: &Catalog) -> Option<Block> {
 /// Maximum number of damaged parts on the screen.
 const MAX_SCREEN_DAMAGE: usize = 5;
 
+/// Lines of the screen without the files that are not used and the next step.
+const MAX_SCREEN_LINES: usize = 28;
+/// Maximum number of files that are not used and have a line on the screen.
+const MAX_SCREEN_LEFT_OUT: usize = 4;
+/// Maximum number of kinds of files in a table of all.
+const MAX_SCREEN_KINDS: usize = 16;
+
+/// All files, those alike together; where they have no room, in a table with a row for each kind.
+fn screen_of_all(groups: &[Vec<&Catalog>], width: usize) -> Vec<Block> {
+    let all: Vec<Block> = groups
+        .iter()
+        .flat_map(|group| screen(group, width))
+        .collect();
+    let terminal = Terminal { width: Some(width) };
+    if groups.len() < 2 || terminal.render(&all).lines().count() <= MAX_SCREEN_LINES {
+        return all;
+    }
+    abridged(vec![Block::Table(files_table(groups))], width)
+}
+
+/// A row for each kind of files.
+fn files_table(groups: &[Vec<&Catalog>]) -> Table {
+    let row = |group: &Vec<&Catalog>| {
+        let name = |catalog: &Catalog| {
+            let name = Path::new(&catalog.path).file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let names = match group.as_slice() {
+            [first, .., last] => format!("{} to {}", name(first), name(last)),
+            _ => name(group[0]),
+        };
+        vec![
+            Cell::text(group.len().to_string()),
+            Cell::text(names),
+            Cell::text(group[0].format),
+            Cell::text(contents_text(group)),
+        ]
+    };
+    let further: usize = groups.iter().skip(MAX_SCREEN_KINDS).map(Vec::len).sum();
+    let further = (further > 0).then(|| format!("{}: --full.", counted(further, "further file")));
+    Table {
+        caption: counted(groups.iter().map(Vec::len).sum(), "file"),
+        columns: vec![
+            Column::number("count"),
+            Column::text("names"),
+            Column::text("format"),
+            Column::text("contents"),
+        ],
+        rows: groups.iter().take(MAX_SCREEN_KINDS).map(row).collect(),
+        footnotes: further.into_iter().collect(),
+    }
+}
+
+/// The contents of files that are alike, in counts.
+fn contents_text(group: &[&Catalog]) -> String {
+    let mut types: Vec<(FunctionType, usize)> = Vec::new();
+    for entry in group.iter().flat_map(|catalog| &catalog.entries) {
+        match types
+            .iter_mut()
+            .find(|(other, _)| *other == entry.function_type)
+        {
+            Some((_, count)) => *count += 1,
+            None => types.push((entry.function_type, 1)),
+        }
+    }
+    let types = types.iter();
+    let mut parts: Vec<String> = types
+        .map(|(of, count)| format!("{}: {count}", type_name(*of)))
+        .collect();
+    let sum = |of: fn(&Catalog) -> usize| group.iter().map(|catalog| of(catalog)).sum::<usize>();
+    let others = [
+        (sum(|catalog| catalog.modes.len()), "mode"),
+        (sum(|catalog| catalog.arrays.len()), "array"),
+        (sum(|catalog| catalog.geometry.nodes.len()), "node"),
+        (sum(|catalog| catalog.damage.len()), "damaged part"),
+    ];
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    parts.extend(others.map(|(count, what)| counted(count, what)));
+    parts.join(", ")
+}
+
 /// The contents of files that are alike, in counts: records and functions by kind, and the first
 /// modes and arrays.
 fn screen(group: &[&Catalog], width: usize) -> Vec<Block> {
@@ -247,6 +338,10 @@ fn screen(group: &[&Catalog], width: usize) -> Vec<Block> {
             last.path,
             first.format
         ));
+        if group.iter().any(|catalog| catalog.title != first.title) {
+            let is_title = |block: &Block| *block != Block::Text(first.title.join(" / "));
+            blocks.retain(is_title);
+        }
     }
     let entries: Vec<&Entry> = group.iter().flat_map(|catalog| &catalog.entries).collect();
     if !entries.is_empty() {

@@ -182,9 +182,16 @@ impl Output {
 
     /// Says on the screen where the rest of the result is.
     pub fn add_rest_note(&mut self, note: &str) {
-        if !self.full && !self.json {
-            let note = vec![Block::Text(note.to_owned())];
-            self.print(self.language.translated(note));
+        self.add_closing(Vec::new(), Some(note));
+    }
+
+    /// Ends the result with the next step, and where the screen does not show all of it, with where
+    /// the rest is.
+    pub fn add_closing(&mut self, mut next: Vec<String>, rest: Option<&str>) {
+        next.extend(rest.filter(|_| !self.full).map(str::to_owned));
+        if !next.is_empty() && !self.json {
+            let lines = vec![Block::Text(next.join("\n"))];
+            self.print(self.language.translated(lines));
         }
     }
 
@@ -201,6 +208,11 @@ impl Output {
     /// Ends the progress line.
     pub fn end_progress(&mut self) {
         self.progress = None;
+    }
+
+    /// Whether everything is wanted on the screen.
+    pub fn wants_all(&self) -> bool {
+        self.full
     }
 
     /// Whether the result is wanted as JSON.

@@ -64,9 +64,8 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
             "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE."
         }
     };
-    let lines = [earlier, left_out, next.clone(), Some(rest.to_owned())];
-    let lines: Vec<String> = lines.into_iter().flatten().collect();
-    output.add_rest_note(&lines.join("\n"));
+    let lines = [earlier, left_out, next.clone()];
+    output.add_closing(lines.into_iter().flatten().collect(), Some(rest));
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result, next.as_deref())),
         None if result.tests.is_empty() => {

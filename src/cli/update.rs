@@ -78,10 +78,13 @@ pub fn update(
         step_to_check(&folder.display().to_string(), &scene)
     };
     let next = step_after_update(&outcome).or_else(|| checked.map(to_check));
-    let lines: Vec<&str> = next.as_deref().into_iter().chain([rest]).collect();
-    output.add_rest_note(&lines.join("\n"));
+    output.add_closing(next.into_iter().collect(), Some(rest));
     output.add_json(|| json::update_to_json(&outcome));
-    output.add_findings(&outcome.findings);
+    let findings = match output.wants_all() {
+        true => outcome.findings.clone(),
+        false => outcome.findings_on_update(),
+    };
+    output.add_findings(&findings);
     let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);
     Ok(Outcome::missed_if(
         partly_bad || !outcome.result.stop_reason.converged(),

@@ -50,12 +50,9 @@ pub fn before_you_leave_blocks(list: &BeforeYouLeave) -> Vec<Block> {
 
 /// One line for a test of a scene.
 pub fn before_you_leave_line(test: &str, list: &BeforeYouLeave) -> String {
-    let listed = points(list).map(|points| {
-        let names: Vec<&Dof> = points.listed().map(|point| &point.reference).collect();
-        match names.is_empty() {
-            true => "no point to hit again".to_owned(),
-            false => format!("hit again {}", named(&names)),
-        }
+    let listed = points(list).map(|points| match points.listed().next() {
+        None => "no point to hit again".to_owned(),
+        Some(_) => format!("hit again {}", points_with_reason(points)),
     });
     let with = |state: State, words: &str| {
         let names = list.items.iter().filter(|item| item_state(item) == state);
@@ -73,6 +70,29 @@ pub fn before_you_leave_line(test: &str, list: &BeforeYouLeave) -> String {
         false => parts.join("; "),
     };
     format!("Before you leave, {test}: {text}.")
+}
+
+/// The points to hit again with the first reason of each; points with one reason together, of many
+/// the first.
+fn points_with_reason(points: &HitAgain) -> String {
+    let mut groups: Vec<(String, Vec<&Dof>)> = Vec::new();
+    for point in points.listed() {
+        let reason = point.reasons.first().map(reason_text).unwrap_or_default();
+        match groups.iter_mut().find(|(other, _)| *other == reason) {
+            Some((_, names)) => names.push(&point.reference),
+            None => groups.push((reason, vec![&point.reference])),
+        }
+    }
+    let (shown, further) = groups.split_at(groups.len().min(MAX_LISTED_POINTS));
+    let text = |(reason, names): &(String, Vec<&Dof>)| format!("{}: {reason}", named(names));
+    let further: Vec<&Dof> = further
+        .iter()
+        .flat_map(|(_, names)| names)
+        .copied()
+        .collect();
+    let further = (!further.is_empty()).then(|| format!("{} (--full)", named(&further)));
+    let texts: Vec<String> = shown.iter().map(text).chain(further).collect();
+    texts.join(", ")
 }
 
 fn points(list: &BeforeYouLeave) -> Option<&HitAgain> {

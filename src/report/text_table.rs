@@ -314,7 +314,7 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
         rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
         near_band_edge: "Near the edge of the band: {}. Widen the band: --band LO:HI, or band_hz of the scene.", "靠近频带边缘：{}。请加宽频带：--band LO:HI，或场景中的 band_hz。";
-        peaks_without_mode: "Peaks without a mode: {}. Try a narrow band around each, or another method.", "没有模态的峰：{}。请在各峰附近取较窄的频带，或换用其他方法。";
+        peaks_without_mode: "Peaks without a mode: {}. Reasons: --explain peak-without-mode.", "没有模态的峰：{}。原因：--explain peak-without-mode。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
         rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";

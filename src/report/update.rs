@@ -1,13 +1,13 @@
 //! The tables of an update list the parameters, their identifiable combinations, convergence, the
 //! fit before and after, and the changes of one or two parameters.
 
-use crate::correlate::ComparisonTable;
-use crate::finding::{Code, Finding};
+use crate::correlate::{ComparisonTable, TestSummary};
+use crate::finding::Code;
 use crate::printable::counted;
 use crate::scene::{SceneUpdate, Theory};
 use crate::update::{
     Alternative, Explanation, Fit, FitRow, ModelError, ParameterVerdict, ResidualKind, Residuals,
-    ShapeWeights, SubsetFit, UpdateResult,
+    ShapeWeights, SubsetFit, UpdateResult, measured_mode,
 };
 
 use super::comparison::{comparison_of_all_tests, error_head};
@@ -23,6 +23,9 @@ const MAX_ALTERNATIVES: usize = 2;
 
 /// Why the MAC of an update differs from that of a comparison.
 pub(super) const MAC_OF_AN_UPDATE: &str = "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A comparison uses the complex shapes, all components with equal weight.";
+
+/// The marks of the numbers of modes.
+const NUMBERS_OF_MODES: &str = "#2: second mode of the test, as identified; f2: second mode of the model, with which the comparison pairs it.";
 
 /// All tables of an update.
 pub fn update_blocks(title: &str, scene_update: &SceneUpdate) -> Vec<Block> {
@@ -123,10 +126,10 @@ fn shape_footnotes(scene_update: &SceneUpdate) -> Vec<String> {
     )];
     let rows = &scene_update.result.after.rows;
     let assumed = |row: &&FitRow| row.shape_weights == Some(ShapeWeights::Assumed);
-    let labels: Vec<&str> = rows
+    let labels: Vec<String> = rows
         .iter()
         .filter(assumed)
-        .map(|row| row.label.as_str())
+        .map(|row| measured_mode(&row.label))
         .collect();
     if !labels.is_empty() {
         let which = if labels.len() == rows.len() {
@@ -254,7 +257,7 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
     let (error_before, error_after) = (format!("before\n{error}"), format!("after\n{error}"));
     let row = |(b, a): (&crate::update::FitRow, &crate::update::FitRow)| {
         vec![
-            Cell::text(&b.label),
+            Cell::text(measured_mode(&b.label)),
             Cell::number(Some(b.test_hz), 3),
             Cell::number(b.model_hz, 3),
             Cell::signed(b.error_percent, 3),
@@ -287,22 +290,52 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
         footnotes: [fit_summary("Before", before), fit_summary("After", after)]
             .into_iter()
             .chain(macs)
+            .chain([NUMBERS_OF_MODES.to_owned()])
             .collect(),
     })
 }
 
-/// As [`fit_summary`], with the number of doubtful modes that the update leaves out.
-pub(super) fn fit_with_left_out(name: &str, fit: &Fit, findings: &[Finding]) -> String {
-    let findings = findings.iter();
-    let left_out = findings.filter(|finding| finding.code == Code::DoubtfulLeftOut);
-    let summary = fit_summary(name, fit);
-    match left_out.count() {
-        0 => summary,
-        count => {
-            let modes = counted(count, "doubtful test mode");
-            format!("{} {modes} left out.", summary)
-        }
+/// The fit before the update, with the modes that the update leaves out, and why a comparison with
+/// the same model counts other pairs.
+pub(super) fn fit_before(update: &SceneUpdate) -> String {
+    let findings = update.findings.iter();
+    let doubtful = findings
+        .filter(|finding| finding.code == Code::DoubtfulLeftOut)
+        .count();
+    let left_out = [
+        (doubtful, "doubtful test mode"),
+        (update.result.left_out.len(), "test mode without partner"),
+    ];
+    let left_out = left_out.into_iter().filter(|(count, _)| *count > 0);
+    let left_out: Vec<String> = left_out
+        .map(|(count, what)| {
+            counted(count, what).replace("mode without partners", "modes without partner")
+        })
+        .collect();
+    let mut text = fit_summary("Before", &update.result.before);
+    if !left_out.is_empty() {
+        text += &format!(" Left out: {}.", left_out.join(", "));
     }
+    let sum = |count: fn(&TestSummary) -> usize| -> usize {
+        update.before.summary.iter().map(count).sum()
+    };
+    let (paired, ambiguous) = (sum(|test| test.paired), sum(|test| test.ambiguous));
+    if paired != update.result.before.paired() {
+        let reasons = [
+            (doubtful > 0).then_some("doubtful modes count there"),
+            (ambiguous > 0).then_some("ambiguous pairs do not count there"),
+        ];
+        let mut reasons: Vec<&str> = reasons.into_iter().flatten().collect();
+        if reasons.is_empty() {
+            reasons.push("modes outside band_hz of [update] count there, repeated roots once");
+        }
+        text += &format!(
+            " The comparison has {}: {}.",
+            counted(paired, "pair"),
+            reasons.join(", and ")
+        );
+    }
+    text
 }
 
 /// Pairs, errors and chi-square of a fit.
@@ -356,7 +389,10 @@ pub(super) fn convergence_text(result: &UpdateResult) -> String {
         });
     }
     for (label, hz) in &result.left_out {
-        text += &format!(" {label} ({hz:.2} Hz) is unmatched and was not used.");
+        text += &format!(
+            " Test mode {} ({hz:.2} Hz) has no partner in the model and was not used.",
+            measured_mode(label)
+        );
     }
     text
 }
@@ -373,7 +409,7 @@ fn explanation_blocks(explanation: &Explanation) -> Vec<Block> {
     single.extend::<Vec<Vec<Cell>>>(printed(&explanation.single));
     let predictions = explanation.left_out_predictions.iter().map(|f| {
         vec![
-            Cell::text(&f.label),
+            Cell::text(measured_mode(&f.label)),
             Cell::signed(Some(f.before_percent), 3),
             Cell::signed(Some(f.after_percent), 3),
             Cell::text(if f.after_percent.abs() < f.before_percent.abs() {

@@ -124,6 +124,20 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "next_ambiguous",
+        Text {
+            english: "Next, before an update: {} of {} pairs are ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {}.",
+            chinese: "下一步，修正之前：{} / {} 个配对不明确：在更多测点或更多方向锤击或布置传感器，并检查 {} 中 [[sensor]] 的坐标系与位置。",
+        },
+    ),
+    (
+        "next_low_mac",
+        Text {
+            english: "Next, before an update: {} of {} pairs have no MAC of {}: the frame, positions and directions of [[sensor]] in {}, then more points.",
+            chinese: "下一步，修正之前：{} / {} 个配对的 MAC 未达 {}：请检查 {} 中 [[sensor]] 的坐标系、位置与方向，然后增加测点。",
+        },
+    ),
+    (
         "next_update",
         Text {
             english: "Next, the parameters that bring the model to the test: modalign update {}.",

@@ -6,10 +6,11 @@ use crate::finding::{Code, Finding, Location, Severity};
 use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
+use crate::printable::counted;
 use crate::theory::{ModeOptions, coordinate_sensors, is_stiffness};
 use crate::update::{
-    Explanation, MeasuredModes, ParameterChoice, Prior, UpdateOptions, UpdateProblem, UpdateResult,
-    check_always, explain, update,
+    Explanation, MeasuredModes, ParameterChoice, Prior, UpdateError, UpdateOptions, UpdateProblem,
+    UpdateResult, check_always, explain, update,
 };
 
 use super::SceneError;
@@ -66,6 +67,34 @@ pub struct SceneUpdate {
     pub findings: Vec<Finding>,
 }
 
+impl SceneUpdate {
+    /// The findings that bear on the update: those of the update and the comparison, and of the
+    /// tests bad input, doubt about the verdict, and those on modes that the update uses.
+    pub fn findings_on_update(&self) -> Vec<Finding> {
+        let of_tests = |finding: &Finding| {
+            let mut tests = self.tests.iter();
+            tests.any(|test| test.modes.findings.contains(finding))
+        };
+        let rows = &self.result.before.rows;
+        let is_used = |hz: f64| {
+            let mut used = rows.iter();
+            used.any(|row| (row.test_hz - hz).abs() <= SAME_FREQUENCY * hz)
+        };
+        let bears = |finding: &&Finding| {
+            !of_tests(finding)
+                || finding.severity == Severity::Error
+                || Code::ON_THE_VERDICT.contains(&finding.code)
+                || matches!(finding.location, Location::Mode(hz) if is_used(hz))
+        };
+        self.findings.iter().filter(bears).cloned().collect()
+    }
+}
+
+/// Maximum relative difference of two writings of one frequency. Larger: findings on a close mode
+/// are of this one. Smaller: rounding separates them. Test
+/// `findings_of_an_update_are_those_that_bear_on_it`.
+const SAME_FREQUENCY: f64 = 1e-9;
+
 /// Updates the model of a scene; one without `[update]` with the defaults of all options.
 ///
 /// # Errors
@@ -116,7 +145,19 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         &all_measured,
         &sensors,
         options.clone(),
-    )?;
+    );
+    let problem = match problem {
+        Err(UpdateError::NothingPaired { modes }) if model.example_values => {
+            let file = named_model(table, &scene.folder, &scene.path)?;
+            let modes = counted(modes, "test mode");
+            let got = format!("true, and none of {modes} pairs with a mode of the model");
+            let expected = "the dimensions, material and support of the structure in place of \
+                            those of an example, and this line deleted";
+            let file = file.display().to_string();
+            return Err(value_error(&file, "example_values", &got, expected));
+        }
+        problem => problem?,
+    };
     check_always(&problem, &stated.always)?;
     let result = update(&problem)?;
     let explanation = match stated.explain {

@@ -4,6 +4,8 @@ use crate::correlate::CorrelateError;
 use crate::linalg::LinalgError;
 use crate::theory::TheoryError;
 
+use super::mode_mark::measured_mode;
+
 /// Maximum number of parameters that an error lists.
 const MAX_LISTED_NAMES: usize = 12;
 
@@ -91,7 +93,8 @@ pub enum UpdateError {
     },
     /// A frequency without any uncertainty.
     #[error(
-        "{label}: neither the test nor frequency_floor states an uncertainty of its frequency, expected one above 0"
+        "{}: neither the test nor frequency_floor states an uncertainty of its frequency, expected one above 0",
+        measured_mode(label)
     )]
     NoUncertainty {
         /// The mode.
@@ -99,7 +102,8 @@ pub enum UpdateError {
     },
     /// A mode without shapes, which has no modal dynamic residual.
     #[error(
-        "{label}: modal dynamic residuals need a shape at two or more sensors of the model, and shape_floor above 0; this mode has none (sensors with the opposite sign of the model are left out)"
+        "{}: modal dynamic residuals need a shape at two or more sensors of the model, and shape_floor above 0; this mode has none (sensors with the opposite sign of the model are left out)",
+        measured_mode(label)
     )]
     NoShapes {
         /// The mode.

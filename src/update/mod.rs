@@ -15,6 +15,7 @@ mod findings;
 mod frfs;
 mod history;
 mod identifiability;
+mod mode_mark;
 mod mode_tracking;
 mod model_error;
 mod options;
@@ -57,6 +58,7 @@ pub use history::{Iteration, PairingChange, StopReason};
 pub use identifiability::{
     Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,
 };
+pub use mode_mark::measured_mode;
 pub use mode_tracking::RootPair;
 pub use model_error::{ModelError, ResidualKind, UnpredictedMode};
 pub use options::{Residuals, UpdateOptions};

@@ -197,7 +197,34 @@ fn an_update_that_does_not_fit_says_what_to_check() {
     let next =
         "Next, as the updated model does not fit: support, positions and directions of sensors";
     assert!(text.contains(next), "{screen}");
-    assert!(text.contains("explain = true in [update]"), "{screen}");
+    // One parameter has no single changes.
+    assert!(
+        text.contains("a further [[parameter]], such as a mass"),
+        "{screen}"
+    );
+    let second = "density_kg_per_m3 = \"density\"\n";
+    let density = "\n[[parameter]]\nname = \"density\"\nunit = \"kg/m3\"\nnominal = 7850.0\n\
+                   lower = 7000.0\nupper = 8500.0\nstatus = \"printed\"\n";
+    let two = model.replace("density_kg_per_m3 = 7850.0\n", second) + density;
+    let freed = "\n[update]\nparameters = [\"youngs_modulus\", \"density\"]\n";
+    let scene = read(folder, "bar/scene.toml");
+    write(
+        folder,
+        &[
+            ("bar/model.toml", &two),
+            ("bar/scene.toml", &(scene.clone() + freed)),
+        ],
+    );
+    let (screen, findings, _) = said(folder, "update bar");
+    let text = unwrapped(&screen);
+    assert!(
+        text.contains("explain = true in [update]"),
+        "{screen}{findings}"
+    );
+    write(
+        folder,
+        &[("bar/model.toml", &model), ("bar/scene.toml", &scene)],
+    );
     // A fit that determines its parameter has no such line.
     let good = beam_modes("X")
         .replace("53.1,", "53.158,")
@@ -323,4 +350,124 @@ fn the_next_step_is_the_same_on_screen_in_report_and_json() {
     assert_eq!(code, Some(0), "{findings}");
     let next = "Next, a model to compare with: [model] in bar/scene.toml";
     assert!(screen.contains(next), "{screen}");
+}
+
+#[test]
+fn pairs_in_doubt_ask_for_points_and_frames_before_an_update() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let [modes, points] = long_beam(0.98);
+    write(folder, &[("modes.csv", &modes), ("points.csv", &points)]);
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, _, _) = said(folder, "run bar");
+    assert!(screen.contains("modalign update bar"), "{screen}");
+    // Shapes with half of their values at one end.
+    let mut rows = modes.lines();
+    let mut disturbed = rows.next().unwrap().to_owned() + "\n";
+    for row in rows {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        for cell in &mut cells[2..5] {
+            *cell = (0.3 * cell.parse::<f64>().unwrap()).to_string();
+        }
+        disturbed += &(cells.join(",") + "\n");
+    }
+    write(folder, &[("modes.csv", &disturbed)]);
+    let (screen, findings, _) = said(folder, "run bar");
+    let text = unwrapped(&screen);
+    assert!(
+        text.contains("pairs have no MAC of 0.9: the frame"),
+        "{screen}{findings}"
+    );
+    assert!(!text.contains("modalign update bar"), "{screen}");
+}
+
+#[test]
+fn full_output_ends_with_the_next_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drafted(folder, &beam_modes("X").replace("146.3", "131.0"));
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    for line in [
+        "run bar",
+        "update bar",
+        "correlate --test modes.csv --theory bar/model.toml",
+        "inspect modes.csv",
+    ] {
+        let (screen, findings, _) = said(folder, line);
+        let next = screen
+            .lines()
+            .find(|line| line.starts_with("Next"))
+            .unwrap();
+        let (full, ..) = said(folder, &format!("{line} --full"));
+        let (_, last) = full.trim_end().rsplit_once("\n\n").unwrap();
+        assert!(last.starts_with(next), "{line}: {last}: {screen}{findings}");
+        assert!(!last.contains("--full"), "{last}");
+    }
+}
+
+#[test]
+fn an_update_of_example_values_without_a_pair_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let [modes, points] = long_beam(2.5);
+    write(folder, &[("modes.csv", &modes), ("points.csv", &points)]);
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:2000",
+    );
+    let (_, error, code) = said(folder, "update bar");
+    assert_eq!(code, Some(2));
+    for part in [
+        "model.toml",
+        "example_values: got true, and none of 3 test modes",
+    ] {
+        assert!(error.contains(part), "{error}");
+    }
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (_, error, _) = said(folder, "update bar");
+    assert!(!error.contains("example_values"), "{error}");
+}
+
+#[test]
+fn an_update_counts_its_pairs_and_names_the_test_modes_without_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let extra = "200.0,0.004,2.0,1.9,-2.0,1.8,0.1\n";
+    let modes = beam_modes("X").replace("286.9,", &format!("{extra}286.9,"));
+    drafted(folder, &modes);
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    write(folder, &[("bar/model.toml", &model)]);
+    let (screen, findings, _) = said(folder, "update bar");
+    let text = unwrapped(&screen);
+    // The third mode of the test is no third mode of the model.
+    assert!(
+        text.contains("#3 (200.00 Hz) has no partner in the model"),
+        "{screen}{findings}"
+    );
+    assert!(
+        text.contains("Left out: 1 test mode without partner."),
+        "{screen}"
+    );
+    assert!(!text.contains("The comparison has"), "{screen}");
+    let scene = read(folder, "bar/scene.toml") + "\n[update]\nband_hz = [20.0, 160.0]\n";
+    write(folder, &[("bar/scene.toml", &scene)]);
+    let (screen, findings, _) = said(folder, "update bar");
+    let text = unwrapped(&screen);
+    assert!(
+        text.contains("Before: 2 of 2 modes paired"),
+        "{screen}{findings}"
+    );
+    assert!(
+        text.contains("The comparison has 3 pairs: modes outside band_hz"),
+        "{screen}"
+    );
+    let (run, _, _) = said(folder, "run bar");
+    assert!(run.contains("Pairs: 3 of"), "{run}");
 }

@@ -403,3 +403,60 @@ fn modes_of_a_model_have_the_labels_of_the_comparison() {
         assert!(text.contains("rigid body"), "{text}");
     }
 }
+
+#[test]
+fn many_files_of_many_kinds_fit_a_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mut names = Vec::new();
+    for kind in 0..30_usize {
+        // As many modes, and as many values in a column, as no other kind of file.
+        let modes: String = (0..=kind)
+            .map(|i| format!("{},0.01,1.0\n", 10 + i))
+            .collect();
+        let rows: String = (0..20 + kind)
+            .map(|i| format!("{i},{},1\n", i % 7))
+            .collect();
+        for (name, text) in [
+            (
+                format!("m{kind}.csv"),
+                format!("frequency_hz,damping_ratio,1:+Z\n{modes}"),
+            ),
+            (format!("t{kind}.txt"), rows.clone()),
+            (format!("u{kind}.txt"), rows),
+            (format!("n{kind}.md"), "notes\n".to_owned()),
+        ] {
+            std::fs::write(path(&name), text).unwrap();
+            names.push(path(&name));
+        }
+    }
+    let all = |more: &[&str]| {
+        let names = names.iter().map(String::as_str);
+        let output = modalign(
+            ["inspect"]
+                .into_iter()
+                .chain(names)
+                .chain(more.iter().copied()),
+        );
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let screen = all(&[]);
+    assert!(screen.lines().count() <= 40, "{screen}");
+    // Files of one kind are in one row.
+    assert!(
+        screen.contains("t0.txt to u0.txt") && screen.contains("90 files"),
+        "{screen}"
+    );
+    assert!(screen.contains("further files: --full"), "{screen}");
+    let full = all(&["--full"]);
+    for name in &names {
+        assert!(full.contains(name.as_str()), "{name}");
+    }
+    // A few kinds are shown in full.
+    let few = modalign(["inspect", &names[0], &names[1], &names[2]]);
+    let few = String::from_utf8(few.stdout).unwrap();
+    assert!(
+        few.contains("2 files alike") && few.contains("shape"),
+        "{few}"
+    );
+}

@@ -447,3 +447,24 @@ fn intervals_cover_the_first_twins_and_unobservable_stiffnesses_are_reported() {
     assert!(all.inside >= 83, "{all:?}");
     assert!(all.largest_error_percent < 0.1, "{all:?}");
 }
+
+#[test]
+fn findings_of_an_update_are_those_that_bear_on_it() {
+    let beam = root().join("measurements/free-free-beam");
+    let beam = beam.to_str().unwrap();
+    let findings = |arguments: &[&str]| {
+        let output = modalign(arguments);
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let screen = findings(&["update", beam]);
+    // Damping of a mode that is used bears on the update, double hits of its recordings do not.
+    assert!(
+        screen.contains("[few-lines]") && !screen.contains("double-hit"),
+        "{screen}"
+    );
+    let full = findings(&["update", beam, "--full"]);
+    assert!(
+        full.contains("[few-lines]") && full.contains("[double-hit]"),
+        "{full}"
+    );
+}

@@ -8,7 +8,7 @@ use super::super::{Block, Cell, Column, Language, Table};
 use super::markup::{escape, fragment};
 use super::numbers::{four_digits, two_digits};
 use crate::scene::Figures;
-use crate::update::StopReason;
+use crate::update::{StopReason, measured_mode};
 
 /// Maximum number of single parameter changes in the table; `update.json` has all.
 const MAX_LISTED_CHANGES: usize = 10;
@@ -249,7 +249,7 @@ pub(super) fn tables(updated: &Value, language: Language) -> String {
     let fit = |(before, after): (&Value, &Value)| {
         let value = |row: &Value, key: &str| row[key].as_f64();
         vec![
-            text(after, "label"),
+            Cell::text(measured_mode(after["label"].as_str().unwrap_or_default())),
             Cell::number(value(after, "test_hz"), 2),
             Cell::number(value(before, "model_hz"), 2),
             Cell::number(value(after, "model_hz"), 2),

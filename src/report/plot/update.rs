@@ -2,7 +2,7 @@
 //! deviations and frequency errors before and after.
 
 use super::super::json::{UpdateFile, UpdatedParameterFile};
-use crate::update::ParameterVerdict;
+use crate::update::{ParameterVerdict, measured_mode};
 
 use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, COLORS, Canvas, FAINT, GRID, INK, text_width};
@@ -203,7 +203,7 @@ fn frequency_errors(file: &UpdateFile, mark: &str) -> Option<String> {
     }
     let longest = rows
         .iter()
-        .map(|(row, _)| text_width(&row.label))
+        .map(|(row, _)| text_width(&measured_mode(&row.label)))
         .fold(0.0, f64::max);
     let below = 0.87 * longest + 30.0;
     let mut canvas = Canvas::new(RIGHT_PX + 15.0, 280.0 + below);
@@ -225,7 +225,7 @@ fn frequency_errors(file: &UpdateFile, mark: &str) -> Option<String> {
             canvas.rect([a, y.position(0.0)], [b, y.position(error)], color, "none");
         }
         let at = [x.position(middle) + 4.0, 264.0];
-        canvas.rotated_text(at, &before.label, Anchor::End, INK, -60.0);
+        canvas.rotated_text(at, &measured_mode(&before.label), Anchor::End, INK, -60.0);
     }
     canvas.line(
         [LEFT_PX, y.position(0.0)],

@@ -13,7 +13,7 @@ const MAX_ERROR_PERCENT: f64 = 5.0;
 /// Minimum MAC of such a mode: the limit of ECSS-E-ST-32-11 for fundamental modes. Larger, at 0.99:
 /// noise of a good test is disagreement. Smaller, at 0.7: shapes of other modes agree. The same
 /// test.
-const MIN_MAC: f64 = 0.9;
+pub(super) const MIN_MAC: f64 = 0.9;
 
 /// What a test says of its model.
 #[derive(Clone, Copy, PartialEq)]
@@ -83,11 +83,15 @@ pub(super) fn agreement(table: &ComparisonTable) -> Vec<String> {
 /// Whether model and test agree on a mode.
 fn agrees(cell: &TestCell) -> bool {
     cell.status == Status::Paired
-        && cell.basis == Some(Basis::Shape)
+        && has_high_mac(cell)
         && cell
             .error_percent
             .is_some_and(|error| error.abs() <= MAX_ERROR_PERCENT)
-        && cell.mac.is_some_and(|mac| mac >= MIN_MAC)
+}
+
+/// Whether a pair rests on a shape on which model and test agree.
+pub(super) fn has_high_mac(cell: &TestCell) -> bool {
+    cell.basis == Some(Basis::Shape) && cell.mac.is_some_and(|mac| mac >= MIN_MAC)
 }
 
 impl Group<'_> {

@@ -72,7 +72,7 @@ pub(super) fn peak_frequencies(model: &ModalModel) -> Option<String> {
 }
 
 pub(super) fn peaks_sentence(peaks: &str) -> String {
-    format!("Peaks without a mode: {peaks}. Try a narrow band around each, or another method.")
+    format!("Peaks without a mode: {peaks}. Reasons: --explain peak-without-mode.")
 }
 
 /// The frequencies of the findings of a code, the first of many.

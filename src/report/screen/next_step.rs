@@ -1,12 +1,13 @@
 //! The next step after `run` and `update` follows from the worst finding: an update is advised only
 //! where pairs exist and neither a sensor nor a support is in doubt.
 
-use crate::correlate::{Row, mean_ratio};
+use crate::correlate::{ComparisonTable, Row, Status, TestCell, mean_ratio};
 use crate::finding::{Code, Finding, Location, Severity};
 use crate::report::table::significant;
 use crate::scene::{Scene, SceneResult, SceneUpdate};
 use crate::update::{ParameterVerdict, UpdatedParameter};
 
+use super::agreement::{MIN_MAC, has_high_mac};
 use super::frequency_ratio::frequency_ratio;
 
 /// Maximum number of modes that agree by shape alone that a step names.
@@ -66,6 +67,9 @@ pub fn next_step(path: &str, scene: &Scene, result: &SceneResult) -> Option<Stri
     }
     if table.summary.iter().all(|test| test.paired_by_shape == 0) {
         return Some(by_frequency_step(path, result));
+    }
+    if let Some(step) = doubtful_pairs_step(file, table) {
+        return Some(step);
     }
     let can_update = !result.theory.parameters.is_empty();
     can_update.then(|| {
@@ -134,9 +138,13 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
         return Some(text.to_owned());
     }
     if !result.fits() {
-        let trials = match update.explanation {
-            Some(_) => "the single changes: --full",
-            None => "single changes of it (explain = true in [update])",
+        let trials = match (&update.explanation, result.parameters.len()) {
+            (Some(_), _) => "the single changes: --full",
+            // A single change would be the update itself.
+            (None, 1) => {
+                "a further [[parameter]], such as a mass at a sensor or the stiffness of a support"
+            }
+            (None, _) => "single changes of it (explain = true in [update])",
         };
         return Some(format!(
             "Next, as the updated model does not fit: support, positions and directions of sensors, and what the form of the model neglects; {trials}."
@@ -160,6 +168,28 @@ fn example_step() -> String {
     format!(
         "Next, before anything else: the values of the structure in model.toml, whose values are those of an example ({explained})."
     )
+}
+
+/// The step where pairs that an update can rely on do not outnumber the ambiguous ones and those of
+/// low MAC.
+fn doubtful_pairs_step(file: &str, table: &ComparisonTable) -> Option<String> {
+    let cells = || table.rows.iter().flat_map(|row| &row.tests);
+    let count = |is: &dyn Fn(&&TestCell) -> bool| cells().filter(is).count();
+    let ambiguous = count(&|cell| cell.status == Status::Ambiguous);
+    let reliable = count(&|cell| cell.status == Status::Paired && has_high_mac(cell));
+    let low = count(&|cell| cell.status == Status::Paired && !has_high_mac(cell));
+    let pairs = ambiguous + reliable + low;
+    if reliable > ambiguous + low || pairs == 0 {
+        return None;
+    }
+    Some(match ambiguous >= low {
+        true => format!(
+            "Next, before an update: {ambiguous} of {pairs} pairs are ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {file}."
+        ),
+        false => format!(
+            "Next, before an update: {low} of {pairs} pairs have no MAC of {MIN_MAC}: the frame, positions and directions of [[sensor]] in {file}, then more points."
+        ),
+    })
 }
 
 /// The step where every pair is by frequency alone.

@@ -2,7 +2,7 @@
 
 use crate::report::table::significant;
 use crate::report::update::{
-    alternatives_text, convergence_text, fit_summary, fit_with_left_out, misfit_footnote,
+    alternatives_text, convergence_text, fit_before, fit_summary, misfit_footnote,
     parameter_verdict,
 };
 use crate::report::{Block, Cell, Column, Table};
@@ -40,7 +40,7 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         ..Table::default()
     };
     let fits = [
-        fit_with_left_out("Before", &result.before, &scene_update.findings),
+        fit_before(scene_update),
         fit_summary("After", &result.after),
         convergence_text(result),
     ];
