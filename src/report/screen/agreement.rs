@@ -5,14 +5,13 @@ use crate::report::Cell;
 
 use super::MAC_DECIMALS;
 
-/// Maximum frequency error of a mode on which model and test agree, percent: that of NASA-STD-5002
-/// for significant modes. Larger, at 20: every pair agrees, since farther modes are no pair.
-/// Smaller, at 1: models that a paper calls validated do not agree. Test
-/// `each_test_is_said_to_agree_to_differ_or_to_show_nothing`.
+/// Maximum frequency error of a mode on which model and test agree, percent: customary in modal
+/// correlation of spacecraft, where secondary sources attribute it to NASA-STD-5002. Larger, at 20:
+/// every pair agrees, since farther modes are no pair. Smaller, at 1: models that a paper calls
+/// validated do not agree. Test `each_test_is_said_to_agree_to_differ_or_to_show_nothing`.
 const MAX_ERROR_PERCENT: f64 = 5.0;
-/// Minimum MAC of such a mode: the limit of ECSS-E-ST-32-11 for fundamental modes. Larger, at 0.99:
-/// noise of a good test is disagreement. Smaller, at 0.7: shapes of other modes agree. The same
-/// test.
+/// Minimum MAC of such a mode, a customary limit of modal correlation. Larger, at 0.99: noise of a
+/// good test is disagreement. Smaller, at 0.7: shapes of other modes agree. The same test.
 pub(super) const MIN_MAC: f64 = 0.9;
 
 /// What a test says of its model.
