@@ -21,6 +21,7 @@ mod markdown;
 mod measures;
 mod modes;
 mod order;
+mod phrase_texts;
 mod placement;
 mod plot;
 mod published;

@@ -3,7 +3,8 @@
 
 use crate::finding::{Code, Severity};
 
-use super::texts::{Group, TEXTS, labels_of, translate};
+use super::phrase_texts::{OF_WORDS, PHRASES, WORDS};
+use super::texts::{TEXTS, Text, labels_of, translate};
 use super::verdict_texts::VERDICT_TEXTS;
 use super::{Block, Cell, Language, Table};
 
@@ -13,10 +14,9 @@ impl Language {
         match self {
             Language::English => text,
             Language::Chinese => {
-                let lines = text.lines().map(|line| {
-                    warning(line)
-                        .unwrap_or_else(|| best_match(&[TEXTS.paragraphs, VERDICT_TEXTS], line))
-                });
+                let lines = text
+                    .lines()
+                    .map(|line| warning(line).unwrap_or_else(|| sentence(line)));
                 lines.collect::<Vec<_>>().join("\n")
             }
         }
@@ -84,23 +84,62 @@ fn label(head: &str, text: &str) -> String {
     }
 }
 
-fn heading(text: &str) -> String {
-    best_match(&[TEXTS.headings], text)
+/// The translation of a line of a paragraph, with the phrases that are its values.
+fn sentence(line: &str) -> String {
+    let groups = [TEXTS.paragraphs, VERDICT_TEXTS].into_iter().flatten();
+    let Some((found, names)) = best_match(groups.map(|(_, text)| text), line) else {
+        return line.to_owned();
+    };
+    let values: Vec<String> = names.into_iter().map(|name| value(name, PHRASES)).collect();
+    found.filled(Language::Chinese, &values)
 }
 
-/// The translation of a text. Of several matching texts of the groups, the one with the most
-/// letters outside `{}` applies.
-fn best_match(groups: &[&Group], text: &str) -> String {
-    let letter_count = |text: &str| text.replace("{}", "").chars().count();
-    let matches = groups.iter().copied().flatten().filter_map(|(_, found)| {
-        let names = names(found.english, text)?;
-        Some((letter_count(found.english), found, names))
-    });
-    let best = matches.max_by_key(|(letters, ..)| *letters);
-    best.map_or_else(
+/// The translation of a value, or of its parts where it is a list; names remain as they are.
+fn value(text: &str, phrases: &'static [Text]) -> String {
+    parts(text, "; ", "；", phrases)
+        .or_else(|| phrase(text, phrases))
+        .or_else(|| parts(text, ", ", "、", phrases))
+        .unwrap_or_else(|| text.to_owned())
+}
+
+/// The translation of a list, if it is one and a part of it has one.
+fn parts(text: &str, separator: &str, chinese: &str, phrases: &'static [Text]) -> Option<String> {
+    let parts: Vec<&str> = text.split(separator).collect();
+    let translated: Vec<String> = parts.iter().map(|part| value(part, phrases)).collect();
+    let is_changed = translated.iter().zip(&parts).any(|(new, old)| new != old);
+    (parts.len() > 1 && is_changed).then(|| translated.join(chinese))
+}
+
+fn phrase(text: &str, phrases: &'static [Text]) -> Option<String> {
+    let (found, names) = best_match(phrases.iter(), text)?;
+    let of_values = match OF_WORDS.contains(&found.english) {
+        true => WORDS,
+        false => PHRASES,
+    };
+    let values: Vec<String> = names
+        .into_iter()
+        .map(|name| value(name, of_values))
+        .collect();
+    Some(found.filled(Language::Chinese, &values))
+}
+
+fn heading(text: &str) -> String {
+    let found = best_match(TEXTS.headings.iter().map(|(_, text)| text), text);
+    found.map_or_else(
         || text.to_owned(),
-        |(_, found, names)| found.filled(Language::Chinese, &names),
+        |(found, names)| found.filled(Language::Chinese, &names),
     )
+}
+
+/// The text that matches, with the names at its `{}`. Of several the one with the most letters
+/// outside `{}` applies.
+fn best_match<'t>(
+    texts: impl Iterator<Item = &'static Text>,
+    text: &'t str,
+) -> Option<(&'static Text, Vec<&'t str>)> {
+    let letter_count = |text: &str| text.replace("{}", "").chars().count();
+    let matches = texts.filter_map(|found| Some((found, names(found.english, text)?)));
+    matches.max_by_key(|(found, _)| letter_count(found.english))
 }
 
 /// The names in a text at the positions of `{}` in a pattern; `None` if the text does not match.
@@ -137,6 +176,30 @@ mod tests {
             let translated = Language::Chinese.translated_text(line);
             let expected = format!("警告：{}: disc; ring.", code.chinese_sentence());
             assert_eq!(translated, expected);
+        }
+    }
+
+    #[test]
+    fn values_of_sentences_are_translated_and_names_are_not() {
+        for (line, expected) in [
+            (
+                "The model agrees with the test: 3 of 3 modes within 5 % and MAC 0.9; rms error 0.148 %, largest -0.173 % at f2, smallest MAC 0.993.",
+                "模型与 试验 相符：3 / 3 阶在 5 % 与 MAC 0.9 以内；均方根误差 0.148 %，最大 -0.173 % (f2)，最小 MAC 0.993。",
+            ),
+            (
+                "Pairs: 3 of 5 model modes, 3 by shape, 0 by frequency, 1 ambiguous; unmatched: f4, f5.",
+                "配对：3 / 5 阶模型模态，按振型 3，仅按频率 0, 1 个不明确；未配对：f4, f5。",
+            ),
+            (
+                "Before you leave, drift: hit again 3:+Z: 2 good hits of 3; not tested: drift, support.",
+                "离开之前，drift：需重新锤击 3:+Z：合格锤击 2 / 3；未检验：漂移、支承。",
+            ),
+            (
+                "Assumed in the model: 3 statements and 1 parameter (support).",
+                "模型中的假定：3 条陈述与1 个参数 (support)。",
+            ),
+        ] {
+            assert_eq!(Language::Chinese.translated_text(line.to_owned()), expected);
         }
     }
 
