@@ -245,9 +245,9 @@ fn array_blocks(catalog: &Catalog) -> Option<Block> {
 const MAX_SCREEN_DAMAGE: usize = 5;
 
 /// Lines of the screen without the files that are not used and the next step.
-const MAX_SCREEN_LINES: usize = 28;
+const MAX_SCREEN_LINES: usize = 24;
 /// Maximum number of files that are not used and have a line on the screen.
-const MAX_SCREEN_LEFT_OUT: usize = 4;
+const MAX_SCREEN_LEFT_OUT: usize = 2;
 /// Maximum number of kinds of files in a table of all.
 const MAX_SCREEN_KINDS: usize = 16;
 
@@ -258,14 +258,17 @@ fn screen_of_all(groups: &[Vec<&Catalog>], width: usize) -> Vec<Block> {
         .flat_map(|group| screen(group, width))
         .collect();
     let terminal = Terminal { width: Some(width) };
-    if groups.len() < 2 || terminal.render(&all).lines().count() <= MAX_SCREEN_LINES {
+    let fits = |blocks: &Vec<Block>| terminal.render(blocks).lines().count() <= MAX_SCREEN_LINES;
+    if groups.len() < 2 || fits(&all) {
         return all;
     }
-    abridged(vec![Block::Table(files_table(groups))], width)
+    let table = |kinds| abridged(vec![Block::Table(files_table(groups, kinds))], width);
+    let tables = (1..=MAX_SCREEN_KINDS).rev().map(table);
+    tables.into_iter().find(fits).unwrap_or_else(|| table(1))
 }
 
-/// A row for each kind of files.
-fn files_table(groups: &[Vec<&Catalog>]) -> Table {
+/// A row for each kind of files, of as many kinds.
+fn files_table(groups: &[Vec<&Catalog>], kinds: usize) -> Table {
     let row = |group: &Vec<&Catalog>| {
         let name = |catalog: &Catalog| {
             let name = Path::new(&catalog.path).file_name().unwrap_or_default();
@@ -282,7 +285,7 @@ fn files_table(groups: &[Vec<&Catalog>]) -> Table {
             Cell::text(contents_text(group)),
         ]
     };
-    let further: usize = groups.iter().skip(MAX_SCREEN_KINDS).map(Vec::len).sum();
+    let further: usize = groups.iter().skip(kinds).map(Vec::len).sum();
     let further = (further > 0).then(|| format!("{}: --full.", counted(further, "further file")));
     Table {
         caption: counted(groups.iter().map(Vec::len).sum(), "file"),
@@ -292,7 +295,7 @@ fn files_table(groups: &[Vec<&Catalog>]) -> Table {
             Column::text("format"),
             Column::text("contents"),
         ],
-        rows: groups.iter().take(MAX_SCREEN_KINDS).map(row).collect(),
+        rows: groups.iter().take(kinds).map(row).collect(),
         footnotes: further.into_iter().collect(),
     }
 }

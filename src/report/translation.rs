@@ -104,10 +104,14 @@ fn value(text: &str, phrases: &'static [Text]) -> String {
 
 /// The translation of a list, if it is one and a part of it has one.
 fn parts(text: &str, separator: &str, chinese: &str, phrases: &'static [Text]) -> Option<String> {
+    // A list of one would be translated without end.
+    if !text.contains(separator) {
+        return None;
+    }
     let parts: Vec<&str> = text.split(separator).collect();
     let translated: Vec<String> = parts.iter().map(|part| value(part, phrases)).collect();
     let is_changed = translated.iter().zip(&parts).any(|(new, old)| new != old);
-    (parts.len() > 1 && is_changed).then(|| translated.join(chinese))
+    is_changed.then(|| translated.join(chinese))
 }
 
 fn phrase(text: &str, phrases: &'static [Text]) -> Option<String> {

@@ -19,6 +19,13 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "next_ends",
+        Text {
+            english: "Next, as no mode is paired: {} of {}, a guess of the draft: state from_m and to_m in the model; then points and directions of [[sensor]] in {}.",
+            chinese: "下一步 (没有配对的模态)：{} ({}) 为起草时的猜测：请在模型中填写 from_m 与 to_m；然后检查 {} 中 [[sensor]] 的位置与方向。",
+        },
+    ),
+    (
         "next_units",
         Text {
             english: "Next, as no mode is paired: the units of the values in the model (m, kg, N, Pa; density in kg/m3).",

@@ -138,6 +138,13 @@ fn shapes_that_agree_without_a_pair_are_the_next_step_and_nothing_compared_is_no
     let (screen, findings, _) = said(folder, "run bar");
     assert!(!findings.contains("[shapes-agree]"), "{findings}");
     assert!(
+        unwrapped(&screen).contains("Next, as no mode is paired: ends and length of beam"),
+        "{screen}"
+    );
+    let stated = model.replace("ends_status = \"assumed\"", "ends_status = \"printed\"");
+    write(folder, &[("bar/model.toml", &stated)]);
+    let (screen, ..) = said(folder, "run bar");
+    assert!(
         screen.contains("Next, as no mode is paired: model, its support"),
         "{screen}"
     );

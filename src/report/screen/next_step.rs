@@ -114,6 +114,13 @@ fn step_without_pairs(file: &str, result: &SceneResult, unmoved: Option<&Finding
         return "Next, as no mode is paired: the units of the values in the model (m, kg, N, Pa; density in kg/m3)."
             .to_owned();
     }
+    let mut assumptions = result.theory.assumptions.iter();
+    if let Some(guess) = assumptions.find(|assumption| assumption.is_guess) {
+        return format!(
+            "Next, as no mode is paired: {} of {}, a guess of the draft: state from_m and to_m in the model; then points and directions of [[sensor]] in {file}.",
+            guess.statement, guess.about
+        );
+    }
     format!(
         "Next, as no mode is paired: model, its support, and points and directions of [[sensor]] in {file}."
     )
