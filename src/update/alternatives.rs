@@ -185,3 +185,57 @@ fn mac(a: &RealMatrix, b: &RealMatrix, k: usize) -> f64 {
     };
     sum(a, b).powi(2) / (sum(a, a) * sum(b, b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_models::{between_walls, free, measured, sensors};
+    use super::super::{MeasuredModes, ParameterVerdict, UpdateOptions, update};
+    use super::*;
+
+    #[test]
+    fn the_image_of_a_stiffness_in_a_symmetric_model_is_an_alternative_to_frequencies_alone() {
+        // At exact symmetry the gradient has no part that tells the two springs apart.
+        let start = [100.0, 60.0, 98.0];
+        let model = between_walls(&start);
+        let sensors = sensors(&model, &start);
+        let result = |with_shapes: bool| {
+            let test = measured(&model, &[80.0, 60.0, 125.0], 1e-4, with_shapes);
+            let modes = [MeasuredModes::new("t", &test)];
+            // The start alone, from which nothing else leads to the image.
+            let options = UpdateOptions {
+                starts: 1,
+                ..UpdateOptions::default()
+            };
+            let chosen = free(&["k1", "k3"]);
+            let new = UpdateProblem::new(&model, &start, &chosen, &modes, &sensors, options);
+            update(&new.unwrap()).unwrap()
+        };
+        let bare = result(false);
+        let [other] = &bare.alternatives[..] else {
+            panic!("{:?}", bare.alternatives)
+        };
+        let best: Vec<f64> = bare
+            .parameters
+            .iter()
+            .map(|parameter| parameter.updated)
+            .collect();
+        for (a, b) in best.iter().zip(other.values.iter().rev()) {
+            assert!((a / b - 1.0).abs() < 0.01, "{best:?} {other:?}");
+        }
+        assert!(other.objective_difference.abs() < 1.0, "{other:?}");
+        // Both have the same frequencies: their shapes differ.
+        let separation = other.separation.as_ref().unwrap();
+        assert!((separation.other_hz / separation.hz - 1.0).abs() < 1e-3 && separation.mac < 0.99);
+        let verdicts = |result: &super::super::UpdateResult| -> Vec<ParameterVerdict> {
+            result
+                .parameters
+                .iter()
+                .map(|parameter| parameter.verdict)
+                .collect()
+        };
+        assert_eq!(verdicts(&bare), [ParameterVerdict::Ambiguous; 2]);
+        let shaped = result(true);
+        assert_eq!(verdicts(&shaped), [ParameterVerdict::Identified; 2]);
+        assert_eq!(shaped.alternatives, []);
+    }
+}

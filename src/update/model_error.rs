@@ -98,6 +98,8 @@ pub(super) struct Grown<'a> {
     pub errors: Vec<ModelError>,
     /// Modes that the others do not predict.
     pub unpredicted: Vec<UnpredictedMode>,
+    /// Number of parameters that the data determine with the stated deviations.
+    pub determined: f64,
     /// Jackknife deviation of each `z` over the root pairs; 0 where noise explains the residuals.
     pub jackknife: Vec<f64>,
     /// Root pairs less the parameters that they determine; `None` where the residuals are not of
@@ -135,7 +137,11 @@ pub(super) fn grow<'a>(
     solution: Solution,
 ) -> Result<Grown<'a>, UpdateError> {
     let groups = groups(problem, &solution.at);
-    let stated = leverages(&solution)?.kinds(&groups, &solution.at);
+    let of_stated = leverages(&solution)?;
+    let (stated, determined) = (
+        of_stated.kinds(&groups, &solution.at),
+        of_stated.determined(),
+    );
     let mut growths: Vec<f64> = vec![1.0; stated.len()];
     let (mut grown, mut solution) = (problem.clone(), solution);
     let mut freedom: Vec<f64> = stated.iter().map(|kind| kind.nu).collect();
@@ -203,6 +209,7 @@ pub(super) fn grow<'a>(
         solution,
         errors,
         unpredicted,
+        determined,
         jackknife,
     })
 }
@@ -244,14 +251,7 @@ struct Leverages {
 }
 
 fn leverages(solution: &Solution) -> Result<Leverages, UpdateError> {
-    let whole = &solution.jacobian;
-    let (rows, n) = (solution.at.data_rows, whole.ncols());
-    let precision = whole.transpose() * whole;
-    Ok(Leverages {
-        jacobian: real_matrix(rows, n, |i, j| whole[(i, j)]),
-        covariance: inverse(&precision)?,
-        precision,
-    })
+    Leverages::new(&solution.jacobian, solution.at.data_rows)
 }
 
 /// Inverse of a symmetric positive definite matrix.
@@ -273,6 +273,16 @@ fn quadratic(a: &RealMatrix, x: impl Fn(usize) -> f64) -> f64 {
 }
 
 impl Leverages {
+    /// From the derivatives of all residuals, those of the prior last.
+    fn new(whole: &RealMatrix, data_rows: usize) -> Result<Self, UpdateError> {
+        let precision = whole.transpose() * whole;
+        Ok(Self {
+            jacobian: real_matrix(data_rows, whole.ncols(), |i, j| whole[(i, j)]),
+            covariance: inverse(&precision)?,
+            precision,
+        })
+    }
+
     /// Number of parameters that the data determine, `n - tr (J^T J + I)^-1`.
     fn determined(&self) -> f64 {
         let n = self.covariance.nrows();
@@ -286,9 +296,9 @@ impl Leverages {
 
     /// `r_B^T (I - H_BB)^-1 r_B = r_B^T r_B + g^T (P - J_B^T J_B)^-1 g`, with `g = J_B^T r_B` and
     /// the precision `P`.
-    fn left_out_square(&self, rows: &Range<usize>, at: &Evaluation) -> Result<f64, UpdateError> {
-        let g = self.gradient(rows, at);
-        let known: f64 = rows.clone().map(|row| at.residual[row].powi(2)).sum();
+    fn left_out_square(&self, rows: &Range<usize>, residual: &[f64]) -> Result<f64, UpdateError> {
+        let g = self.gradient(rows, residual);
+        let known: f64 = rows.clone().map(|row| residual[row].powi(2)).sum();
         Ok(known + quadratic(&self.covariance_without(rows)?, |j| g[j]))
     }
 
@@ -296,9 +306,9 @@ impl Leverages {
     fn change_without(
         &self,
         rows: &Range<usize>,
-        at: &Evaluation,
+        residual: &[f64],
     ) -> Result<Vec<f64>, UpdateError> {
-        let g = self.gradient(rows, at);
+        let g = self.gradient(rows, residual);
         let covariance = self.covariance_without(rows)?;
         let n = g.len();
         let change = |i: usize| (0..n).map(|j| covariance[(i, j)] * g[j]).sum();
@@ -306,10 +316,10 @@ impl Leverages {
     }
 
     /// `J_B^T r_B`.
-    fn gradient(&self, rows: &Range<usize>, at: &Evaluation) -> Vec<f64> {
+    fn gradient(&self, rows: &Range<usize>, residual: &[f64]) -> Vec<f64> {
         let part = |j: usize| {
             let rows = rows.clone();
-            rows.map(|row| self.jacobian[(row, j)] * at.residual[row])
+            rows.map(|row| self.jacobian[(row, j)] * residual[row])
                 .sum()
         };
         (0..self.jacobian.ncols()).map(part).collect()
@@ -394,7 +404,9 @@ fn jackknife(
     pairs: &[Range<usize>],
     at: &Evaluation,
 ) -> Result<Vec<f64>, UpdateError> {
-    let changes = pairs.iter().map(|rows| leverages.change_without(rows, at));
+    let changes = pairs
+        .iter()
+        .map(|rows| leverages.change_without(rows, &at.residual));
     let changes: Vec<Vec<f64>> = changes.collect::<Result<_, _>>()?;
     let m = changes.len() as f64;
     let deviation = |j: usize| {
@@ -439,7 +451,7 @@ fn unpredicted(
     let level = OUTLIER_PROBABILITY / tested.clone().count().max(1) as f64;
     let mut found = Vec::new();
     for group in tested.filter(|group| !group.targets.is_empty()) {
-        let square = leverages.left_out_square(&group.rows, &solution.at)?;
+        let square = leverages.left_out_square(&group.rows, &solution.at.residual)?;
         let count = group.independent as f64;
         let grown = errors.iter().any(|error| error.growth > 1.0);
         let mine = kinds.iter().find(|kind| kind.kind == group.kind);
@@ -471,4 +483,95 @@ fn unpredicted(
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_models::{chain, free, measured};
+    use super::super::{MeasuredModes, UpdateOptions, update};
+    use super::*;
+
+    #[test]
+    fn residuals_and_changes_of_left_out_rows_are_those_of_a_fit_without_them() {
+        let data = [[2.0, 0.3], [-1.0, 0.8], [0.4, 1.5], [1.1, -0.7]];
+        let residual = [0.7, -1.2, 0.4, 2.0];
+        let whole = real_matrix(6, 2, |i, j| match i {
+            0..4 => data[i][j],
+            _ => f64::from(i - 4 == j),
+        });
+        let leverages = Leverages::new(&whole, 4).unwrap();
+        // The solution of (A^T A + I) z = A^T b without rows 1 and 2, and b = r + A z there.
+        let solution = |rows: &[usize], b: &dyn Fn(usize) -> f64| {
+            let a = |i: usize, j: usize| {
+                let sum: f64 = rows.iter().map(|&k| data[k][i] * data[k][j]).sum();
+                sum + f64::from(i == j)
+            };
+            let g = |j: usize| rows.iter().map(|&k| data[k][j] * b(k)).sum::<f64>();
+            let determinant = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+            [
+                (a(1, 1) * g(0) - a(0, 1) * g(1)) / determinant,
+                (a(0, 0) * g(1) - a(1, 0) * g(0)) / determinant,
+            ]
+        };
+        let target = |k: usize| residual[k];
+        let whole_fit = solution(&[0, 1, 2, 3], &target);
+        let without = solution(&[0, 3], &target);
+        let product = |k: usize, z: [f64; 2]| data[k][0] * z[0] + data[k][1] * z[1];
+        let of_fit: Vec<f64> = (0..4)
+            .map(|k| product(k, whole_fit) - residual[k])
+            .collect();
+        let change = leverages.change_without(&(1..3), &of_fit).unwrap();
+        for j in 0..2 {
+            assert!((change[j] - (without[j] - whole_fit[j])).abs() < 1e-12);
+        }
+        // T = e^T S^-1 e with e the errors of the prediction and S = I + A_B P_B^-1 A_B^T.
+        let square = leverages.left_out_square(&(1..3), &of_fit).unwrap();
+        let e: Vec<f64> = (1..3).map(|k| product(k, without) - residual[k]).collect();
+        let others = leverages.covariance_without(&(1..3)).unwrap();
+        let s = |i: usize, j: usize| {
+            let product: f64 = (0..2)
+                .flat_map(|a| (0..2).map(move |b| (a, b)))
+                .map(|(a, b)| data[i + 1][a] * others[(a, b)] * data[j + 1][b])
+                .sum();
+            product + f64::from(i == j)
+        };
+        let determinant = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+        let expected = (s(1, 1) * e[0] * e[0] - 2.0 * s(0, 1) * e[0] * e[1]
+            + s(0, 0) * e[1] * e[1])
+            / determinant;
+        assert!(
+            (square - expected).abs() < 1e-12 * expected,
+            "{square} {expected}"
+        );
+    }
+
+    #[test]
+    fn a_model_of_another_class_has_a_model_error_and_the_right_one_none() {
+        let start = [100.0; 6];
+        let model = chain(&start);
+        let errors = |truth: &[f64]| {
+            let test = measured(&model, truth, 1e-3, false);
+            let modes = [MeasuredModes::new("t", &test)];
+            let options = UpdateOptions {
+                starts: 3,
+                ..UpdateOptions::default()
+            };
+            let new = UpdateProblem::new(&model, &start, &free(&["k1"]), &modes, &[], options);
+            update(&new.unwrap()).unwrap().model_errors
+        };
+        let right = errors(&[130.0, 100.0, 100.0, 100.0, 100.0, 100.0]);
+        assert!(right.iter().all(|error| error.growth == 1.0), "{right:?}");
+        let wrong = errors(&[130.0, 100.0, 140.0, 100.0, 80.0, 100.0]);
+        let [error] = wrong[..] else {
+            panic!("{wrong:?}")
+        };
+        assert!(error.reduced_chi_square > 100.0, "{error:?}");
+        // Six frequencies of one stiffness.
+        assert!((error.degrees_of_freedom - 5.0).abs() < 0.5, "{error:?}");
+        let squared = error.growth.powi(2);
+        assert!(
+            (squared / error.reduced_chi_square - 1.0).abs() < 0.05,
+            "{error:?}"
+        );
+    }
 }

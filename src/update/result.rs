@@ -173,6 +173,8 @@ pub struct UpdateResult {
     pub reversed: Vec<ReversedSensors>,
     /// The FRFs that were compared; `None` where modes were.
     pub frfs: Option<FrfCount>,
+    /// Number of parameters that the data determine with the stated deviations.
+    pub determined: f64,
     /// Model error of each kind of residuals.
     pub model_errors: Vec<ModelError>,
     /// Modes that the others do not predict.
@@ -183,11 +185,9 @@ pub struct UpdateResult {
 
 impl UpdateResult {
     /// `nu = N - sum s^2/(1 + s^2)`: residuals of data less the combinations of parameters that
-    /// they determine, at least 1.
+    /// they determine with the stated deviations, at least 1.
     pub fn degrees_of_freedom(&self) -> f64 {
-        let share = |combination: &Combination| 1.0 - combination.posterior_over_prior.powi(2);
-        let determined: f64 = self.combinations.iter().map(share).sum();
-        (self.after.data_count as f64 - determined).max(1.0)
+        (self.after.data_count as f64 - self.determined).max(1.0)
     }
 
     /// `chi^2/nu` of the model after; about 1 where it fits.
@@ -298,6 +298,7 @@ fn summarise(
         solution: best,
         errors,
         unpredicted,
+        determined,
         jackknife,
         ..
     } = grown;
@@ -366,6 +367,7 @@ fn summarise(
             .cloned()
             .collect(),
         frfs: problem.frf_count(),
+        determined,
         model_errors: errors,
         unpredicted,
         alternatives: alternatives.into_iter().map(|(other, _)| other).collect(),

@@ -39,6 +39,24 @@ pub fn chain_of(masses: &[f64], stiffness: &[f64]) -> LumpedModel {
     LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap()).unwrap()
 }
 
+/// Two masses of 1 kg between two walls on springs `k1` to `k3`, N/m.
+pub fn between_walls(stiffness: &[f64; 3]) -> LumpedModel {
+    let mut text = "schema = \"modalign-model/1\"\n".to_owned();
+    for n in 1..=2 {
+        text += &format!(
+            "[[body]]\nname = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\nmass_kg = 1.0\nfree = [\"x\"]\n[[point]]\nname = \"p{n}\"\nbody = \"m{n}\"\nat_m = [{n}.0, 0.0, 0.0]\n"
+        );
+    }
+    let ends = [("p1", "ground"), ("p2", "p1"), ("p2", "ground")];
+    for ((n, k), (from, to)) in (1..).zip(stiffness).zip(ends) {
+        text += &format!(
+            "[[parameter]]\nname = \"k{n}\"\nunit = \"N/m\"\nnominal = {k:?}\nlower = 0.0\nupper = {:?}\nstatus = \"assumed\"\n[[spring]]\nname = \"s{n}\"\nfrom = \"{from}\"\nto = \"{to}\"\ndirection = [1.0, 0.0, 0.0]\nparameter = \"k{n}\"\n",
+            100.0 * k
+        );
+    }
+    LumpedModel::new(toml::from_str::<LumpedFile>(&text).unwrap()).unwrap()
+}
+
 /// A mass of 1 kg on a spring in x and one in y, N/m.
 pub fn two_directions(stiffness: [f64; 2]) -> LumpedModel {
     let mut text = "schema = \"modalign-model/1\"\n[[body]]\nname = \"m\"\nat_m = [0.0, 0.0, 0.0]\nmass_kg = 1.0\nfree = [\"x\", \"y\"]\n[[point]]\nname = \"p\"\nbody = \"m\"\nat_m = [0.0, 0.0, 0.0]\n".to_owned();
