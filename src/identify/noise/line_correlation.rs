@@ -28,6 +28,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::identify::data::residual::Residual;
+use crate::linalg::vectorised;
 
 /// Maximum number of segments of the band.
 const MAX_SEGMENTS: usize = 16;
@@ -71,6 +72,8 @@ const MIN_DECAY_PHASE: f64 = 0.3;
 /// Longest lag of a series, as a part of it, and minimum number of pairs of values for a lag.
 const SERIES_OVER_LONGEST_LAG: usize = 4;
 const MIN_LAG_PAIRS: f64 = 40.0;
+/// Lags that are summed at once: the sum of one waits for each addition.
+const LAGS_AT_ONCE: usize = 8;
 
 /// Correlation of noise between frequency lines.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,15 +139,18 @@ impl LineCorrelation {
     /// values.
     pub fn from_phases(series: &[Vec<Complex64>]) -> Option<Self> {
         let lines = series.iter().map(Vec::len).max().unwrap_or(0);
+        let series: Vec<PhaseParts> = series
+            .iter()
+            .map(|phases| PhaseParts::new(phases))
+            .collect();
+        let mut sums = [(Complex64::ZERO, 0.0); LAGS_AT_ONCE];
         let mut lags = Vec::new();
         for lag in 1..lines / SERIES_OVER_LONGEST_LAG {
-            let (mut sum, mut pairs) = (Complex64::ZERO, 0.0);
-            for phases in series {
-                for (a, b) in phases.iter().zip(&phases[lag..]) {
-                    sum = sum + a * b.conj();
-                    pairs += a.norm_sqr() * b.norm_sqr();
-                }
+            let place = (lag - 1) % LAGS_AT_ONCE;
+            if place == 0 {
+                sums = sums_of_lags(&series, lag);
             }
+            let (sum, pairs) = sums[place];
             let product = sum / pairs;
             let limit = MIN_LAG_STDS * (0.5 / pairs).sqrt();
             if pairs < MIN_LAG_PAIRS && lag == 1 {
@@ -226,6 +232,57 @@ impl LineCorrelation {
     pub fn second_difference_square(&self) -> f64 {
         (6.0 - 8.0 * self.lag(1).re + 2.0 * self.lag(2).re).max(MIN_DIFFERENCE_SQUARE)
     }
+}
+
+/// A series of phases by part, with zeros behind it for as many lags as are summed at once.
+struct PhaseParts {
+    re: Vec<f64>,
+    im: Vec<f64>,
+    square: Vec<f64>,
+    /// Number of phases.
+    len: usize,
+}
+
+impl PhaseParts {
+    fn new(phases: &[Complex64]) -> Self {
+        let part = |of: fn(&Complex64) -> f64| {
+            let zeros = std::iter::repeat_n(0.0, LAGS_AT_ONCE);
+            phases.iter().map(of).chain(zeros).collect()
+        };
+        Self {
+            re: part(|phase| phase.re),
+            im: part(|phase| phase.im),
+            square: part(Complex64::norm_sqr),
+            len: phases.len(),
+        }
+    }
+}
+
+/// Sums of the products `a conj(b)` of phases `first` lines apart and of their squared magnitudes,
+/// and of those of the next lags; each in the order of the lines.
+fn sums_of_lags(series: &[PhaseParts], first: usize) -> [(Complex64, f64); LAGS_AT_ONCE] {
+    vectorised(
+        #[inline(always)]
+        || {
+            let mut re = [0.0; LAGS_AT_ONCE];
+            let mut im = [0.0; LAGS_AT_ONCE];
+            let mut squares = [0.0; LAGS_AT_ONCE];
+            for phases in series {
+                for k in 0..phases.len.saturating_sub(first) {
+                    let others = k + first..k + first + LAGS_AT_ONCE;
+                    let (b_re, b_im) = (&phases.re[others.clone()], &phases.im[others.clone()]);
+                    let b_square = &phases.square[others];
+                    let (a_re, a_im, a_square) = (phases.re[k], phases.im[k], phases.square[k]);
+                    for n in 0..LAGS_AT_ONCE {
+                        re[n] += a_re * b_re[n] + a_im * b_im[n];
+                        im[n] += a_im * b_re[n] - a_re * b_im[n];
+                        squares[n] += a_square * b_square[n];
+                    }
+                }
+            }
+            std::array::from_fn(|n| (Complex64::new(re[n], im[n]), squares[n]))
+        },
+    )
 }
 
 /// Phases of the residual in segments where it does not exceed the noise.
@@ -385,7 +442,12 @@ fn product_of_phases(rho: f64) -> f64 {
     for n in 0..SERIES_TERMS {
         let half = n as f64 + 0.5;
         term *= square * half * half / ((n as f64 + 2.0) * (n as f64 + 1.0));
+        let before = sum;
         sum += term;
+        // The terms decrease: no later one changes the sum, either.
+        if sum == before {
+            break;
+        }
     }
     std::f64::consts::FRAC_PI_4 * rho * sum
 }

@@ -1,3 +1,6 @@
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
 use crate::fourier::ComplexPlan;
 use crate::identify::noise::line_correlation::*;
 use crate::identify::synthetic::{white_noise, windowed_noise};
@@ -189,4 +192,31 @@ fn frfs_differ_with_independent_noise_and_not_with_a_common_profile() {
     // The common noise is four fifths of the power of each FRF.
     let mixed = linalg::complex_matrix(4096, 4, |k, f| independent[(k, f)] + 2.0 * common[k]);
     assert!(!differ(&mixed));
+}
+
+#[test]
+fn lags_that_are_summed_at_once_have_the_bits_of_those_summed_alone() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let series = [0, 3, 40, 301].map(|lines| -> Vec<Complex64> {
+        let value = |_| match random.random_range(0..5) {
+            0 => Complex64::ZERO,
+            _ => Complex64::cis(random.random_range(0.0..std::f64::consts::TAU)),
+        };
+        (0..lines).map(value).collect()
+    });
+    let parts = series.each_ref().map(|phases| PhaseParts::new(phases));
+    for first in (1..320).step_by(LAGS_AT_ONCE) {
+        for (n, found) in sums_of_lags(&parts, first).into_iter().enumerate() {
+            let (mut sum, mut squares) = (Complex64::ZERO, 0.0);
+            for phases in &series {
+                for (a, b) in phases.iter().zip(phases.iter().skip(first + n)) {
+                    sum = sum + a * b.conj();
+                    squares += a.norm_sqr() * b.norm_sqr();
+                }
+            }
+            let bits =
+                |(sum, squares): (Complex64, f64)| [sum.re, sum.im, squares].map(f64::to_bits);
+            assert_eq!(bits(found), bits((sum, squares)), "{}", first + n);
+        }
+    }
 }
