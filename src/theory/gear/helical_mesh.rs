@@ -50,25 +50,65 @@ pub(super) struct MeshGeometry {
     pub side: f64,
     /// Sum of the base radii of sun and planet, or difference of those of ring and planet.
     pub base: f64,
-    pub rest_angle: f64,
     pub pins: f64,
+    rest: RestAngle,
+}
+
+/// The pressure angle at rest with its functions: a rate needs them a million times.
+#[derive(Clone, Copy, Debug)]
+struct RestAngle {
+    angle: f64,
+    sin: f64,
+    cos: f64,
+    tan: f64,
+}
+
+impl RestAngle {
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        let tan = angle.tan();
+        Self {
+            angle,
+            sin,
+            cos,
+            tan,
+        }
+    }
 }
 
 impl MeshGeometry {
+    pub fn new(side: f64, base: f64, rest_angle: f64, pins: f64) -> Self {
+        Self {
+            side,
+            base,
+            pins,
+            rest: RestAngle::new(rest_angle),
+        }
+    }
+
+    /// Pressure angle at rest, rad.
+    pub fn rest_angle(&self) -> f64 {
+        self.rest.angle
+    }
+
+    pub fn set_rest_angle(&mut self, angle: f64) {
+        self.rest = RestAngle::new(angle);
+    }
+
     pub fn approach(&self, detail: Detail, u: f64, v: f64) -> Approach {
         let Self {
             side,
             base,
-            rest_angle,
             pins,
+            rest,
         } = *self;
         if matches!(detail, Detail::Torsional | Detail::ConstantAngle) {
-            let (sin, cos) = rest_angle.sin_cos();
+            let RestAngle { sin, cos, .. } = rest;
             return Approach {
                 compression: -side * (u - pins) * sin - v * cos,
                 by_u: -side * sin,
                 by_v: -cos,
-                angle: rest_angle,
+                angle: rest.angle,
             };
         }
         let square = u * u + v * v;
@@ -77,7 +117,7 @@ impl MeshGeometry {
         let tan = angle.tan();
         let turn = v.atan2(u);
         if detail == Detail::ExactAngle {
-            let (involute, involute_at_rest) = (tan - angle, rest_angle.tan() - rest_angle);
+            let (involute, involute_at_rest) = (tan - angle, rest.tan - rest.angle);
             return Approach {
                 compression: -base * (turn + side * (involute - involute_at_rest)),
                 by_u: -base * (side * tan * u - v) / square,

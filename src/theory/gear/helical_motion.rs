@@ -81,12 +81,7 @@ impl Motion {
         let rest_angle = get("pressure_angle");
         let base = radius_s + radius_p;
         let pins = base / rest_angle.cos();
-        let mesh = |side| MeshGeometry {
-            side,
-            base,
-            rest_angle,
-            pins,
-        };
+        let mesh = |side| MeshGeometry::new(side, base, rest_angle, pins);
         let wave = |share: &str| Wave {
             least: get("mesh_min"),
             most: get("mesh_max"),
@@ -127,7 +122,7 @@ impl Motion {
         let ring = &mut self.meshes[1];
         ring.base = self.radius_r - self.radius_p;
         if matches!(self.detail, Detail::PrintedAngle | Detail::ExactAngle) {
-            ring.rest_angle = (ring.base / ring.pins).acos();
+            ring.set_rest_angle((ring.base / ring.pins).acos());
         }
         self
     }
@@ -155,7 +150,7 @@ impl Motion {
 
     /// Pressure angles at rest of the meshes of sun and ring, rad.
     pub fn rest_angles(&self) -> [f64; 2] {
-        self.meshes.map(|mesh| mesh.rest_angle)
+        self.meshes.map(|mesh| mesh.rest_angle())
     }
 
     /// Rotations of the sun in one of the carrier.

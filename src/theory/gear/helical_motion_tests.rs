@@ -19,11 +19,13 @@ fn motion(set: &str, detail: Detail, changes: &[(&str, f64)]) -> Motion {
 
 #[test]
 fn gradients_of_the_approach_are_its_differences_and_the_printed_one_doubles_the_second_order() {
-    let motion_of = |side| MeshGeometry {
-        side,
-        base: 0.07556497069671986,
-        rest_angle: 0.36035632401741163,
-        pins: 0.08075154207198648,
+    let motion_of = |side| {
+        MeshGeometry::new(
+            side,
+            0.07556497069671986,
+            0.36035632401741163,
+            0.08075154207198648,
+        )
     };
     for side in [1.0, -1.0] {
         let mesh = motion_of(side);

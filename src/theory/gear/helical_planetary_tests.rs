@@ -251,12 +251,7 @@ fn the_printed_teeth_and_torques_fit_neither_the_pins_nor_each_other() {
         (1.0, sun + planet, "20.646896"),
         (-1.0, ring - planet, "23.396968"),
     ] {
-        let mesh = MeshGeometry {
-            side,
-            base,
-            rest_angle,
-            pins,
-        };
+        let mesh = MeshGeometry::new(side, base, rest_angle, pins);
         let angle = mesh.approach(Detail::PrintedAngle, pins, 0.0).angle;
         printed(angle.to_degrees(), text);
     }

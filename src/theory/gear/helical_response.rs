@@ -197,8 +197,8 @@ pub(super) fn run(
         detail: motion.detail.name(),
         coordinates: if torsional { 2 + PLANETS } else { COORDINATES },
         evaluations_per_period: steps * integrator.evaluations(),
-        // Two for the frame; three for each mesh with a varying angle, and two for its printed
-        // direction.
+        // Of the formulas, though those of an angle at rest are kept: two for the frame; three for
+        // each mesh with a varying angle, and two for its printed direction.
         functions_per_evaluation: 2 + match motion.detail {
             Detail::Torsional => 0,
             Detail::ConstantAngle => 2 * 2 * PLANETS,
