@@ -2,9 +2,13 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
-use assert_cmd::Command;
+/// Path of the program.
+pub fn program() -> PathBuf {
+    let stated = std::env::var_os("CARGO_BIN_EXE_modalign");
+    stated.map_or_else(|| env!("CARGO_BIN_EXE_modalign").into(), PathBuf::from)
+}
 
 /// The program with these arguments, in the project's folder.
 pub fn modalign<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
@@ -16,8 +20,7 @@ pub fn modalign_in<S: AsRef<std::ffi::OsStr>>(
     folder: &Path,
     arguments: impl IntoIterator<Item = S>,
 ) -> Output {
-    let mut command = Command::cargo_bin("modalign").unwrap();
-    command
+    Command::new(program())
         .current_dir(folder)
         .env_remove("COLUMNS")
         .args(arguments)

@@ -121,7 +121,7 @@ fn with_no_space_earlier_results_stay_and_nothing_new_comes() {
         }
         let before = content(&out);
         // Files of at most 1 KiB: the system refuses the rest, as a full disk does.
-        let program = assert_cmd::cargo::cargo_bin("modalign");
+        let program = crate::command::program();
         let script = format!(
             "trap '' XFSZ; ulimit -f 1; exec {} {line}",
             program.display()
@@ -191,7 +191,7 @@ fn an_unwritable_target_is_reported() {
 /// A script in the project's folder; `PROGRAM` is the path of the program.
 #[cfg(target_os = "linux")]
 fn bash(script: &str) -> std::process::Output {
-    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let program = crate::command::program();
     let script = script.replace("PROGRAM", &program.display().to_string());
     let mut shell = Command::new("bash");
     let output = shell.current_dir(root()).args(["-c", &script]).output();
@@ -258,7 +258,7 @@ fn a_closed_standard_output_keeps_the_verdict_and_the_findings() {
 
 /// The program in a folder, running.
 fn spawned(folder: &Path, line: &str) -> Child {
-    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let program = crate::command::program();
     let mut command = Command::new(&program);
     if cfg!(target_os = "linux") {
         // Signals end it though the suite may run under `nohup`.

@@ -114,7 +114,7 @@ fn colours_are_printed_on_request_and_never_in_json() {
 /// the suite may run under `nohup`.
 #[cfg(target_os = "linux")]
 pub fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
-    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let program = crate::command::program();
     let program = format!("env --default-signal {}", program.display());
     let line = line.replace("modalign", &program);
     let mut script = Command::new("script");
@@ -240,7 +240,7 @@ fn a_number_of_threads_that_cannot_be_meant_is_refused_at_once() {
         }
     }
     for (threads, code) in [("100000", 2), ("many", 2), ("-1", 2), ("2", 0), ("", 0)] {
-        let mut program = assert_cmd::Command::cargo_bin("modalign").unwrap();
+        let mut program = Command::new(crate::command::program());
         program.env("RAYON_NUM_THREADS", threads);
         let output = program.args(["theory", "cycloid-ball"]).output().unwrap();
         let error = String::from_utf8(output.stderr).unwrap();

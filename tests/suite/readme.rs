@@ -23,7 +23,7 @@ fn verbs() -> Vec<String> {
 
 /// The program with these words in a folder.
 fn run(folder: &Path, words: &[String]) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("modalign"));
+    let mut command = Command::new(crate::command::program());
     command.current_dir(folder).args(words).output().unwrap()
 }
 

@@ -161,8 +161,7 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
 
 #[test]
 fn columns_state_the_width_of_a_piped_screen_and_omitted_columns_are_named() {
-    let output = assert_cmd::Command::cargo_bin("modalign")
-        .unwrap()
+    let output = std::process::Command::new(crate::command::program())
         .current_dir(crate::command::root())
         .env("COLUMNS", "72")
         .args(["run", BEAM])

@@ -10,7 +10,7 @@ use crate::faults::{content, prepared};
 
 /// The program in the prepared folder.
 fn run(folder: &TempDir, line: &str) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("modalign"));
+    let mut command = Command::new(crate::command::program());
     let arguments = line.split(' ');
     command
         .current_dir(folder.path())

@@ -80,7 +80,7 @@ struct Watch {
 
 impl Watch {
     fn start(folder: &Path, options: &[&str]) -> Self {
-        let mut child = Command::new(assert_cmd::cargo::cargo_bin("modalign"))
+        let mut child = Command::new(crate::command::program())
             .arg("frf")
             .arg("--watch")
             .arg(folder)

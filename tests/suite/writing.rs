@@ -19,7 +19,7 @@ const LIMITS: &str = "[[limits.mode]]\nfrequency_hz = 1\nmax_frequency_error_per
 
 /// Runs a line of bash, in which `modalign` is the program, in a folder.
 fn bash(folder: &Path, line: &str) -> Output {
-    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let program = crate::command::program();
     let line = format!("modalign() {{ {:?} \"$@\"; }}; {line}", program);
     let mut command = Command::new("bash");
     command.current_dir(folder).args(["-c", &line]);
@@ -313,7 +313,7 @@ fn a_folder_that_a_kill_left_half_written_is_recognised() {
         ends(folder.path(), &format!("modalign run {name} -o out"), 0);
         whole.push((name, content(&out), start.elapsed()));
     }
-    let program = assert_cmd::cargo::cargo_bin("modalign");
+    let program = crate::command::program();
     let mut random = 1_u64;
     for kill in 0..20 {
         let (name, new, duration) = &whole[kill % 2];
@@ -469,7 +469,7 @@ fn of_two_runs_into_one_folder_the_second_ends_and_a_dead_one_holds_nothing() {
         &[("scene.toml", &format!("{scene}{test}"))],
     );
     let start = || {
-        let program = assert_cmd::cargo::cargo_bin("modalign");
+        let program = crate::command::program();
         let child = Command::new(program)
             .current_dir(folder.path())
             .args(["run", "a", "-o", "out"])
