@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::command::{json, shared_data, succeed, write};
+use crate::recordings::beam_run;
 
 /// Functions of files without points in their headers, one response and many references or the
 /// other way round.
@@ -76,21 +77,7 @@ fn a_roving_hammer_beam_has_its_four_modes_and_no_other() {
     let Some(data) = shared_data() else { return };
     let data = data.canonicalize().unwrap();
     let expected = json(&data.join("expected.json"))["modelab-beam"].clone();
-    let files: Vec<(String, String, String)> = (1..=9)
-        .map(|n| {
-            let path = data.join(format!("modelab-beam/Hxysv{n:05}.txt"));
-            (
-                path.display().to_string(),
-                "10:-X".to_owned(),
-                format!("{n}:+X"),
-            )
-        })
-        .collect();
-    let channels = "[[test.channel]]\ncolumn = 1\nrole = \"frequency\"\n\
-        [[test.channel]]\ncolumn = 2\nrole = \"real\"\nunit = \"(m/s2)/N\"\n\
-        [[test.channel]]\ncolumn = 3\nrole = \"imaginary\"\nunit = \"(m/s2)/N\"\n";
-    let table = "delimiter = \"blank\"\nskip_lines = 9\n";
-    let modes = modes_of(&scene(&files, table, channels), "convert", "65:1000");
+    let modes = json(&beam_run(&data).out.join("roving-hammer.modes.json"));
     let found = frequencies(&modes);
     assert_eq!(found.len(), 4, "{found:?}");
     let wanted = expected["reference_freq_hz"].as_array().unwrap();

@@ -1,14 +1,15 @@
 //! Real recordings through the command line, where the private data folder is present.
 
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use modalign::frf::FrfSet;
 use modalign::io::{Hints, HitFile, frf_sets, open_path};
 
 use serde_json::Value;
 
-use crate::command::{json, modalign, shared_data, succeed, write};
+use crate::command::{json, shared_data, shared_folder, succeed, write};
 
 /// Reads a FRF file that the program wrote.
 fn read_frfs(path: &Path) -> FrfSet {
@@ -201,31 +202,37 @@ second_moment_m4 = {}
     )
 }
 
+/// What the run of the measured beam printed, and its folder of results.
+pub struct BeamRun {
+    screen: String,
+    pub out: PathBuf,
+}
+
+/// One run of the measured beam for all tests: its identification takes long.
+pub fn beam_run(data: &Path) -> &'static BeamRun {
+    static RUN: OnceLock<BeamRun> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let data = data.canonicalize().unwrap();
+        let folder = shared_folder("measured-beam");
+        let files = [
+            ("scene.toml", beam_scene(&data)),
+            ("model.toml", beam_model()),
+        ];
+        write(
+            &folder,
+            &files.each_ref().map(|(name, text)| (*name, text.as_str())),
+        );
+        let out = folder.join("out");
+        let path = |path: &Path| path.to_str().unwrap().to_owned();
+        let screen = succeed(["run", &path(&folder), "-o", &path(&out)]);
+        BeamRun { screen, out }
+    })
+}
+
 #[test]
 fn a_measured_beam_gives_its_four_modes_and_the_slender_beam_table() {
     let Some(data) = shared_data() else { return };
-    let data = data.canonicalize().unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    write(
-        folder.path(),
-        &[
-            ("scene.toml", &beam_scene(&data)),
-            ("model.toml", &beam_model()),
-        ],
-    );
-    let out = folder.path().join("out");
-    let output = modalign([
-        "run",
-        folder.path().to_str().unwrap(),
-        "-o",
-        out.to_str().unwrap(),
-    ]);
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let BeamRun { screen, out } = beam_run(&data);
     let table = json(&out.join("comparison.json"));
     let reference = json(&data.join("expected.json"))["modelab-beam"].clone();
     let rows: Vec<_> = table["rows"]
@@ -234,7 +241,7 @@ fn a_measured_beam_gives_its_four_modes_and_the_slender_beam_table() {
         .iter()
         .filter(|row| row["tests"][0]["status"] == "paired")
         .collect();
-    assert_eq!(rows.len(), 4, "{}", String::from_utf8_lossy(&output.stdout));
+    assert_eq!(rows.len(), 4, "{screen}");
     assert_eq!(table["summary"]["tests"][0]["extra"], 0);
     // Errors of the slender beam scaled to the first frequency: (ratio measured / ratio slender -
     // 1), growing to 2.7 %.
