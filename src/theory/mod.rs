@@ -38,7 +38,9 @@ mod lumped;
 mod lumped_description;
 mod mass_error;
 mod massless;
+mod mode_changes;
 mod model_roots;
+mod modification;
 mod nearest_name;
 mod parameter;
 mod parameter_effect;
@@ -72,6 +74,8 @@ mod eigen_tests;
 #[cfg(test)]
 mod lumped_tests;
 #[cfg(test)]
+mod mode_changes_tests;
+#[cfg(test)]
 mod sensitivity_tests;
 #[cfg(test)]
 mod sweep_sparse_tests;
@@ -104,7 +108,11 @@ pub use lumped_description::{
     BodyDescription, Free, Inertia, LinkDescription, LumpedFile, PointDescription,
 };
 pub use mass_error::MassError;
+pub use mode_changes::{
+    ModeChange, ModeChanges, RootState, TrackedModes, frequency_slopes, mode_changes,
+};
 pub use model_roots::{ModelRoot, model_roots};
+pub use modification::{AddedKind, Addition, MODIFICATION, ModifiedModel};
 pub use parameter::{
     ParameterSpec, ParameterStatus, check_values, nominal_values, override_values,
 };

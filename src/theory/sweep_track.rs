@@ -126,6 +126,8 @@ pub(super) struct ModeTracker<'a> {
     values: &'a [f64],
     j: usize,
     band: Option<Band>,
+    /// Modes whose crossings are separated from veerings; all without a list.
+    watched: Option<&'a [usize]>,
     solved: Cell<usize>,
 }
 
@@ -144,8 +146,14 @@ impl<'a> ModeTracker<'a> {
             values,
             j,
             band,
+            watched: None,
             solved,
         }
+    }
+
+    /// Separates crossings from veerings for these modes alone, at less cost.
+    pub fn watching(self, watched: Option<&'a [usize]>) -> Self {
+        Self { watched, ..self }
     }
 
     /// Number of eigenproblems solved.
@@ -272,7 +280,11 @@ impl<'a> ModeTracker<'a> {
     /// the first value.
     pub fn track(&self, grid: &[f64], options: &ModeOptions) -> Result<ModeTrack, TheoryError> {
         let system = System::of(self.model, &self.values_at(grid[0]))?;
-        let first = self.solve(&system, grid[0], options)?;
+        self.track_from(self.solve(&system, grid[0], options)?, grid)
+    }
+
+    /// The modes of a sample at the first value of a grid through all of its values.
+    pub fn track_from(&self, first: Sample, grid: &[f64]) -> Result<ModeTrack, TheoryError> {
         self.check_count(grid, &first)?;
         let mut track = ModeTrack {
             samples: vec![first],
@@ -330,6 +342,10 @@ impl<'a> ModeTracker<'a> {
         let mut meetings: Vec<Meeting> = Vec::new();
         let mut seen: Vec<[usize; 4]> = Vec::new();
         for (a, b) in pairs(to.root.len()) {
+            let is_watched = |mode| self.watched.is_none_or(|modes| modes.contains(mode));
+            if ![a, b].iter().any(is_watched) {
+                continue;
+            }
             let Some(before) = track.samples.iter().rev().find(|s| s.root[a] != s.root[b]) else {
                 continue;
             };
