@@ -8,6 +8,7 @@
 
 mod alternatives;
 mod bounded;
+mod design;
 mod dynamic;
 mod error;
 mod evaluate;
@@ -21,6 +22,7 @@ mod model_error;
 mod options;
 mod parameter;
 mod parameter_subsets;
+mod prediction;
 mod problem;
 mod projection;
 mod residual;
@@ -34,6 +36,8 @@ mod trust_region;
 
 #[cfg(test)]
 mod cycloid_tests;
+#[cfg(test)]
+mod design_tests;
 #[cfg(test)]
 mod dynamic_tests;
 #[cfg(test)]
@@ -52,6 +56,7 @@ mod test_models;
 mod weights_tests;
 
 pub use alternatives::{Alternative, Separation};
+pub use design::{Design, DesignMode, FrequencyTarget, Goal, Proposal, design, design_parameters};
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
 pub use history::{Iteration, PairingChange, StopReason};
@@ -66,6 +71,7 @@ pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use parameter_subsets::{
     Explanation, LeftOutPrediction, SubsetFit, check_always, explain, single_parameter_fits,
 };
+pub use prediction::{ParameterUncertainty, frequency_interval_95};
 pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
