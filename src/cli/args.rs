@@ -13,6 +13,7 @@ use crate::identify::ESTIMATORS;
 use crate::io::FORMATS;
 use crate::quantity::{FrfUnit, Unit};
 use crate::report::Language;
+use crate::scene::StatedBounds;
 use crate::theory::SweepRange;
 
 use super::color::ColorChoice;
@@ -335,7 +336,7 @@ pub struct IdentifyArgs {
 /// `theory`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json"
+    after_help = "Examples:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json\n  modalign theory measurements/free-free-beam --modify mass:3=0.05 --modify youngs_modulus=2.05e11\n  modalign theory torsional-planetary --target \"f1 > 1800\" --within k_s=4e8:9e8"
 )]
 pub struct TheoryArgs {
     /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with
@@ -378,6 +379,32 @@ pub struct TheoryArgs {
     /// percent (1 when none is given).
     #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
     pub compare: Option<f64>,
+    /// Change the model and print its modes before and after: mass:POINT=KG or mass:DOF=KG,
+    /// spring:DOF=N/m (to ground) or spring:DOF,DOF=N/m, damper:DOF=Ns/m or damper:DOF,DOF=Ns/m,
+    /// NAME=VALUE or NAME*=FACTOR of a parameter. A DOF is that of a sensor (3:+Z) or a coordinate.
+    /// All other results are those of the changed model. May be repeated.
+    #[arg(long, value_name = "CHANGE", conflicts_with_all = ["sweep", "response", "compare"])]
+    pub modify: Vec<String>,
+    /// Result of the update of this model, for the 95 % interval of each frequency of --modify; by
+    /// default the update.json beside MODEL.
+    #[arg(long, value_name = "UPDATE.JSON", requires = "modify")]
+    pub uncertainty: Option<PathBuf>,
+    /// Find the smallest changes of parameters that meet a target: "f3 > 2600", "f3 < 2600",
+    /// "f3 = 2600" or "f3 outside 2400:2600", in Hz. May be repeated; all are met together.
+    #[arg(long, value_name = "TARGET", conflicts_with_all = ["sweep", "response", "compare"])]
+    pub target: Vec<String>,
+    /// Bounds of a parameter that --target may change, in addition to the free ones; by default
+    /// those of [update], or half to twice its value. May be repeated.
+    #[arg(long, value_name = "NAME=LO:HI", value_parser = within, requires = "target")]
+    pub within: Vec<StatedBounds>,
+    /// Parameters that --target may change; by default those of [update], or the stiffnesses.
+    #[arg(
+        long,
+        value_name = "NAME,...",
+        value_delimiter = ',',
+        requires = "target"
+    )]
+    pub free: Vec<String>,
     /// Continue with the good part of a partly bad file of finished modes.
     #[arg(long)]
     pub partial: bool,
@@ -634,6 +661,20 @@ fn sweep(text: &str) -> Result<(String, SweepRange), String> {
             count: count.parse().map_err(|_| expected())?,
         },
     ))
+}
+
+fn within(text: &str) -> Result<StatedBounds, String> {
+    let expected = || format!("got bounds `{text}`, expected NAME=LO:HI with LO below HI");
+    let (name, range) = text.split_once('=').ok_or_else(expected)?;
+    let (lower, upper) = range.split_once(':').ok_or_else(expected)?;
+    let number = |part: &str| part.trim().parse::<f64>().map_err(|_| expected());
+    let bounds = StatedBounds {
+        name: name.trim().to_owned(),
+        lower: number(lower)?,
+        upper: number(upper)?,
+    };
+    let is_range = bounds.lower < bounds.upper && bounds.upper.is_finite();
+    is_range.then_some(bounds).ok_or_else(expected)
 }
 
 fn setting(text: &str) -> Result<(String, f64), String> {

@@ -45,6 +45,7 @@ mod test_stem;
 mod theory;
 mod update;
 mod watch;
+mod what_if;
 mod wrapping;
 
 use std::ffi::OsString;

@@ -14,9 +14,9 @@ use crate::report::{
     sweep_blocks, theory_block, without_whole_shares,
 };
 use crate::scene::{
-    LoadedModel, ModelKind, ModesOptions, SceneError, Theory, built_in_name_finding,
-    contradicted_support, first_root, load_model, load_modes, model_kind, table_model,
-    theory as scene_theory,
+    BeforeChanges, LoadedModel, ModelKind, ModesOptions, Scene, SceneError, Theory,
+    built_in_name_finding, contradicted_support, first_root, load_model, load_modes, model_kind,
+    table_model, theory as scene_theory,
 };
 use crate::theory::{ModeOptions, ModelQuantity};
 
@@ -25,6 +25,7 @@ use super::outcome::Outcome;
 use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::scene_reading::SceneReading;
 use super::targets::{check_targets, input_files, targets};
+use super::what_if::what_if;
 
 /// Prints the modes; writes them with `-o`.
 pub fn theory(
@@ -37,7 +38,7 @@ pub fn theory(
         &targets([("-o", args.output.as_ref())]),
         &input_files(&args.model),
     )?;
-    let named = ModelInput::load(args, format)?;
+    let (named, before) = ModelInput::load(args, format)?.modified(args)?;
     let mut result = match &named {
         ModelInput::Model { model, .. } => model.solve(&model.sensors, &options(args))?,
         ModelInput::Finished(theory) => {
@@ -69,10 +70,22 @@ pub fn theory(
         ));
     }
     let basic_count = blocks.len();
+    let mut is_missed = false;
     let json = match &named {
-        ModelInput::Model { model, first_root } => {
+        ModelInput::Model {
+            model,
+            first_root,
+            scene,
+        } => {
             let part = details(args, model, *first_root, &result, &mut blocks, output)?;
-            let special = separate_results(args, model, *first_root, &mut blocks)?.unwrap_or(json);
+            let what_if = what_if(args, model, &before, scene, *first_root)?;
+            let what_if = what_if.map(|found| {
+                blocks.extend(found.blocks);
+                is_missed = found.is_missed;
+                found.json
+            });
+            let separate = separate_results(args, model, *first_root, &mut blocks)?;
+            let special = what_if.or(separate).unwrap_or(json);
             if part.is_empty() {
                 special
             } else {
@@ -121,7 +134,7 @@ pub fn theory(
             .into_iter()
             .collect::<Vec<_>>(),
     );
-    Ok(Outcome::missed_if(result.partly_bad))
+    Ok(Outcome::missed_if(result.partly_bad || is_missed))
 }
 
 /// The meaning of MODEL.
@@ -131,6 +144,8 @@ enum ModelInput {
         model: LoadedModel,
         /// Number of its first elastic root in tables.
         first_root: usize,
+        /// The scene that names it.
+        scene: Option<Box<Scene>>,
     },
     /// Finished modes.
     Finished(Box<Theory>),
@@ -156,6 +171,7 @@ impl ModelInput {
                 return Ok(ModelInput::Model {
                     model,
                     first_root: first_root(&args.model),
+                    scene: None,
                 });
             }
         }
@@ -172,7 +188,28 @@ impl ModelInput {
         Ok(ModelInput::Model {
             model,
             first_root: scene.first_root,
+            scene: Some(Box::new(scene)),
         })
+    }
+
+    /// The model with the stated changes, and its values before them.
+    fn modified(self, args: &TheoryArgs) -> Result<(Self, BeforeChanges), SceneError> {
+        match self {
+            ModelInput::Model {
+                model,
+                first_root,
+                scene,
+            } => {
+                let modified = model.modified(&args.modify)?;
+                let named = ModelInput::Model {
+                    model: modified.model,
+                    first_root,
+                    scene,
+                };
+                Ok((named, modified.before))
+            }
+            finished => Ok((finished, BeforeChanges::default())),
+        }
     }
 
     /// Number of the first elastic root in tables.
@@ -210,6 +247,8 @@ fn check_effect(args: &TheoryArgs) -> Result<(), Error> {
         ("--sweep", !args.sweep.is_empty()),
         ("--response", args.response),
         ("--compare", args.compare.is_some()),
+        ("--modify", !args.modify.is_empty()),
+        ("--target", !args.target.is_empty()),
     ];
     match asked.into_iter().find(|(_, asked)| *asked) {
         None => Ok(()),

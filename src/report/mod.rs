@@ -20,6 +20,7 @@ mod latex;
 mod markdown;
 mod measures;
 mod modes;
+mod modification;
 mod order;
 mod phrase_texts;
 mod placement;
@@ -66,6 +67,9 @@ pub use measures::{
     orthogonality_blocks, reversed_sensors_block,
 };
 pub use modes::{energies_block, modes_block, roots_block, sensitivities_block, theory_block};
+pub use modification::{
+    DesignResult, ModifiedMode, ModifiedModes, design_blocks, modification_block,
+};
 pub use order::{order_blocks, order_table};
 pub use placement::placement_blocks;
 pub use plot::{

@@ -407,7 +407,7 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
 }
 
 /// The parameters that are named; where none is, the stiffnesses of the model above 0.
-fn choices(
+pub(super) fn choices(
     stated: &UpdateTable,
     model: &LoadedModel,
     path: &str,

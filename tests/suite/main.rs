@@ -72,5 +72,6 @@ mod untrusted_text;
 mod updating;
 mod vocabulary;
 mod watch_command;
+mod what_if;
 mod writing;
 mod wrong_files;

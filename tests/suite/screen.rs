@@ -58,6 +58,8 @@ const EXAMPLES: &[&[&str]] = &[
     &["theory", "cycloid-ball", "--quantities"],
     &["theory", "torsional-planetary", "--sweep", "k_s=1e8:1e9:8"],
     &["theory", "helical-planetary", "--compare"],
+    &["theory", BEAM, "--modify", "mass:3=0.05"],
+    &["theory", "torsional-planetary", "--target", "f1 > 1800"],
     &["theory", BEAM_MODEL],
     &["theory", "{}/modes.json"],
     &[

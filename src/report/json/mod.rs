@@ -6,6 +6,7 @@ mod comparison;
 mod details;
 mod hits;
 mod measures;
+mod modification;
 mod placement;
 mod response;
 mod run;
@@ -27,6 +28,7 @@ pub use hits::hits_value;
 pub use measures::{
     AUTO_MAC_SCHEMA, FRF_CORRELATION_SCHEMA, auto_macs_to_json, frf_correlations_to_json,
 };
+pub use modification::{MODIFICATION_SCHEMA, modification_to_json};
 pub use response::{RESPONSE_SCHEMA, response_to_json};
 pub use run::{REPORT_FILE, REPORT_SCHEMA, RunReport, Section, report_from_json, report_to_json};
 pub use study::{
