@@ -113,6 +113,7 @@
 //! | [`theory::ModelQuantity`] | a number that a model's theory gives beside its matrices | `theory` |
 //! | [`theory::direct_receptance`] | FRFs straight from matrices | `theory` |
 //! | [`theory::Sweep`] | roots followed over a parameter, with their crossings and veerings | `theory` |
+//! | [`theory::ModifiedModel`], [`theory::ModeChanges`] | a model with added parts; modes followed from a model to a changed one | `theory` |
 //! | [`theory::DetailComparison`] | a model against simpler ones of the same machine | `theory` |
 //! | [`theory::TimeResponse`] | a response over time in growing detail of its model | `theory` |
 //! | [`theory::RootSensitivity`] | how a root depends on the parameters | `theory` |
@@ -124,6 +125,7 @@
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
 //! | [`update::UpdateProblem`] | a model whose parameters are updated to measured modes | `update` |
+//! | [`update::Design`] | the least changes of parameters that meet targets of natural frequencies | `update` |
 //! | [`synth::HammerTest`] | a hammer test with known truth | `synth` |
 //! | [`scene::Scene`] | a test, a model and the chain that compares them | `scene` |
 //! | [`scene::RowVerdict`] | a result compared with its baseline, row by row | `scene` |

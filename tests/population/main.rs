@@ -33,6 +33,7 @@ mod systems;
 mod twins;
 mod updating;
 mod variance;
+mod what_if;
 mod window;
 
 use rayon::prelude::*;
