@@ -21,10 +21,10 @@ use crate::draws;
 use crate::twins::{Machine, lumped, torsional, twin};
 
 /// Random points of the global search of each target, of which the best are refined.
-const SEARCH_POINTS: usize = 300;
+const SEARCH_POINTS: usize = 200;
 /// Points that are refined, and their shrinking steps.
-const REFINED: usize = 4;
-const REFINEMENTS: usize = 120;
+const REFINED: usize = 3;
+const REFINEMENTS: usize = 80;
 /// Length of a ray of the search, in logarithms: beyond the corner of the bounds.
 const LONGEST_RAY: f64 = 4.0;
 /// Largest part by which the search may be cheaper.
