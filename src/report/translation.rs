@@ -137,10 +137,10 @@ fn heading(text: &str) -> String {
 
 /// The text that matches, with the names at its `{}`. Of several the one with the most letters
 /// outside `{}` applies.
-fn best_match<'t>(
+fn best_match(
     texts: impl Iterator<Item = &'static Text>,
-    text: &'t str,
-) -> Option<(&'static Text, Vec<&'t str>)> {
+    text: &str,
+) -> Option<(&'static Text, Vec<&str>)> {
     let letter_count = |text: &str| text.replace("{}", "").chars().count();
     let matches = texts.filter_map(|found| Some((found, names(found.english, text)?)));
     matches.max_by_key(|(found, _)| letter_count(found.english))

@@ -19,6 +19,8 @@ use super::{FreeParameter, UpdateError};
 
 /// Maximum posterior over prior deviation of a quantity that the data determine.
 pub const MAX_POSTERIOR_OVER_PRIOR: f64 = 0.5;
+/// Two-sided 95 % of a normal distribution.
+pub(super) const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 /// Smallest part of a combination that its text lists.
 const MIN_LISTED_PART: f64 = 0.1;
 
@@ -36,8 +38,9 @@ pub enum ParameterVerdict {
     /// Another optimum of about the same objective has another value.
     #[serde(rename = "ambiguous")]
     Ambiguous,
-    /// The deviation is larger, or the modes contradict each other. A parameter that the test does not see keeps its value; one that the test sees
-    /// only together with others follows their combination.
+    /// The deviation is larger, or the modes contradict each other. A parameter that the test does
+    /// not see keeps its value; one that the test sees only together with others follows their
+    /// combination.
     #[serde(rename = "not supported by the data")]
     NotSupported,
     /// It ended at one of its bounds: the data require a value beyond.

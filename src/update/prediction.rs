@@ -2,7 +2,7 @@
 
 use crate::theory::{RootState, TheoreticalModel, frequency_slopes};
 
-use super::result::TWO_SIDED_95;
+use super::identifiability::TWO_SIDED_95;
 use super::{UpdateError, UpdateResult};
 
 /// The uncertain parameters of an updated model.

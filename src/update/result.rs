@@ -10,7 +10,7 @@ use super::alternatives::{
 use super::evaluate::max_chi_square;
 use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{
-    Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,
+    Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict, TWO_SIDED_95,
 };
 use super::model_error::{Grown, ModelError, UnpredictedMode, grow};
 use super::solve::{MAX_OPTIMUM_DIFFERENCE, MultiStart, solve, solve_from_starts};
@@ -25,8 +25,6 @@ const MAX_END_DIFFERENCE: f64 = 2.0 * MAX_OBJECTIVE_DIFFERENCE;
 const MIN_MODEL_ERROR_FREEDOM: f64 = 3.0;
 /// Number of fits to FRFs, each with the damping at the frequencies of the fit before.
 const FRF_ROUNDS: usize = 2;
-/// Two-sided 95 % of a normal distribution.
-pub(super) const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 /// A parameter before and after.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,9 +39,10 @@ pub struct UpdatedParameter {
     pub initial: f64,
     /// Value at the end.
     pub updated: f64,
-    /// Its posterior deviation, with all free parameters uncertain. Where noise does not explain the
-    /// residuals, their deviations are taken as grown by [`ModelError::growth`]; an estimate of
-    /// that from few residuals widens it by the ratio of Student's distribution to the normal one.
+    /// Its posterior deviation, with all free parameters uncertain. Where noise does not explain
+    /// the residuals, their deviations are taken as grown by [`ModelError::growth`], and it is at
+    /// least the jackknife deviation over the modes. An estimate of the growth from few residuals
+    /// widens it by the ratio of Student's distribution to the normal one.
     pub std: f64,
     /// 95 % interval; not symmetric for a log-normal prior.
     pub interval_95: (f64, f64),
@@ -201,7 +200,8 @@ impl UpdateResult {
         max_chi_square(nu) / nu
     }
 
-    /// `chi^2/nu` of the kind of residuals that exceeds its limit most, else of all, with the limit.
+    /// `chi^2/nu` of the kind of residuals that exceeds its limit most, else of all, with the
+    /// limit.
     pub fn worst_reduced_chi_square(&self) -> (f64, f64) {
         let over = |(value, limit): &(f64, f64)| value / limit;
         let kinds = self.model_errors.iter();
@@ -251,8 +251,8 @@ fn update_to_all(problem: &UpdateProblem<'_>) -> Result<UpdateResult, UpdateErro
     summarise(problem, found.best, starts, &ends)
 }
 
-/// The ends of the starts whose objective, less that of the best, may be that of an alternative with
-/// the deviations that the residuals of the best support.
+/// The ends of the starts whose objective, less that of the best, may be that of an alternative
+/// with the deviations that the residuals of the best support.
 fn near_ends(problem: &UpdateProblem<'_>, found: &MultiStart) -> Vec<Vec<f64>> {
     let best = &found.best.at;
     let nu = problem.data_count(best).saturating_sub(problem.free.len());

@@ -417,7 +417,11 @@ fn verdicts_on_parameters_have_grounds() {
                 check(family, "intervals", share(inside, count) > 0.85);
             }
             Family::WrongClass | Family::MirroredSensors => {
-                check(family, "identified", share(identified, tally.parameters()) < 0.03);
+                check(
+                    family,
+                    "identified",
+                    share(identified, tally.parameters()) < 0.03,
+                );
             }
             Family::ExchangedFrequencies => {}
         }

@@ -442,10 +442,9 @@ fn product_of_phases(rho: f64) -> f64 {
     for n in 0..SERIES_TERMS {
         let half = n as f64 + 0.5;
         term *= square * half * half / ((n as f64 + 2.0) * (n as f64 + 1.0));
-        let before = sum;
         sum += term;
         // The terms decrease: no later one changes the sum, either.
-        if sum == before {
+        if term < 0.5 * f64::EPSILON * sum {
             break;
         }
     }
