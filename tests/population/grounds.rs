@@ -1,6 +1,6 @@
 //! Verdicts of an update on data that a model cannot, or need not, explain: frequencies alone,
-//! models that their symmetry mirrors, modes that are far off at the start, models of a wrong class,
-//! outliers, shapes of mirrored sensors and exchanged frequencies. Nothing here was measured.
+//! models that their symmetry mirrors, modes that are far off at the start, models of a wrong
+//! class, outliers, shapes of mirrored sensors and exchanged frequencies. Nothing here was measured.
 
 use std::collections::BTreeMap;
 
