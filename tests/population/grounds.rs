@@ -1,6 +1,6 @@
 //! Verdicts of an update on data that a model cannot, or need not, explain: frequencies alone,
 //! models that their symmetry mirrors, modes that are far off at the start, models of a wrong
-//! class, outliers, shapes of mirrored sensors and exchanged frequencies. Nothing here was measured.
+//! class, outliers, shapes of mirrored sensors, exchanged frequencies. Nothing here was measured.
 
 use std::collections::BTreeMap;
 
@@ -304,7 +304,7 @@ struct Tally {
     fits: usize,
     /// Draws of which a measured mode has no partner.
     left_out: usize,
-    /// Draws with a mode that the others do not predict, and those where the worst is the wrong one.
+    /// Draws with a mode that the others do not predict, and those of which the worst is wrong.
     unpredicted: [usize; 2],
 }
 
