@@ -444,7 +444,7 @@ fn product_of_phases(rho: f64) -> f64 {
         term *= square * half * half / ((n as f64 + 2.0) * (n as f64 + 1.0));
         sum += term;
         // The terms decrease: no later one changes the sum, either.
-        if term < 0.5 * f64::EPSILON * sum {
+        if term < 0.25 * f64::EPSILON * sum {
             break;
         }
     }
