@@ -163,7 +163,10 @@ fn a_screen_of_eighty_columns_is_not_exceeded() {
         .iter()
         .filter(|example| !["convert", "synth", "new"].contains(&example[0]))
     {
-        let arguments = arguments(example, &files.folder).join(" ");
+        // An unquoted `>` would be a redirection.
+        let arguments = arguments(example, &files.folder).into_iter();
+        let quoted = arguments.map(|argument| format!("'{argument}'"));
+        let arguments = quoted.collect::<Vec<_>>().join(" ");
         let line = format!("stty cols 80 rows 40; modalign {arguments} 2>/dev/null");
         let text = crate::manners::on_a_terminal(&line, &[("NO_COLOR", "1")]);
         let text = text.replace('\r', "");
