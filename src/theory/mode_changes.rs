@@ -12,8 +12,8 @@ use crate::linalg::{RealMatrix, real_matrix};
 use super::sweep_track::{ModeTrack, ModeTracker, Sample};
 use super::system::{System, SystemSlope};
 use super::{
-    Assumption, ModeOptions, ParameterSpec, ParameterStatus, SystemDerivative, SystemMatrices,
-    TheoreticalModel, TheoryError, TheoryModes, modes,
+    Assumption, ModeOptions, ParameterSpec, SystemDerivative, SystemMatrices, TheoreticalModel,
+    TheoryError, TheoryModes, modes,
 };
 
 /// Minimum share of a root's shapes in another one that is paired with it where tracking fails.
@@ -331,15 +331,7 @@ struct ValuePath<'a> {
 
 impl<'a> ValuePath<'a> {
     fn new(model: &'a dyn TheoreticalModel, from: &'a [f64], to: &'a [f64]) -> Self {
-        let part = ParameterSpec {
-            name: "part of the change".to_owned(),
-            unit: "1".to_owned(),
-            nominal: 0.0,
-            lower: Some(0.0),
-            upper: Some(1.0),
-            status: ParameterStatus::Printed,
-            whole: false,
-        };
+        let part = ParameterSpec::fraction("part of the change");
         Self {
             model,
             from,

@@ -13,8 +13,8 @@ use crate::linalg::{RealMatrix, SparseMatrix, real_matrix};
 
 use super::parameter::check_values;
 use super::{
-    Assumption, ParameterSpec, ParameterStatus, SparseDerivative, SparseSystem, Spring,
-    StiffnessPart, Support, SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError,
+    Assumption, ParameterSpec, SparseDerivative, SparseSystem, Spring, StiffnessPart, Support,
+    SystemDerivative, SystemMatrices, TheoreticalModel, TheoryError,
 };
 
 /// Name of the parameter that scales the added parts.
@@ -62,15 +62,7 @@ impl ModifiedModel {
         base: Box<dyn TheoreticalModel>,
         additions: Vec<Addition>,
     ) -> Result<Self, TheoryError> {
-        let share = ParameterSpec {
-            name: MODIFICATION.to_owned(),
-            unit: "1".to_owned(),
-            nominal: 0.0,
-            lower: Some(0.0),
-            upper: Some(1.0),
-            status: ParameterStatus::Printed,
-            whole: false,
-        };
+        let share = ParameterSpec::fraction(MODIFICATION);
         let mut parameters = base.parameters().to_vec();
         parameters.push(share);
         let size = additions.iter().flat_map(|part| &part.rows).map(Vec::len);

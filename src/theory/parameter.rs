@@ -46,6 +46,19 @@ pub struct ParameterSpec {
 }
 
 impl ParameterSpec {
+    /// A fraction from 0, its nominal value, to 1.
+    pub(super) fn fraction(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit: "1".to_owned(),
+            nominal: 0.0,
+            lower: Some(0.0),
+            upper: Some(1.0),
+            status: ParameterStatus::Printed,
+            whole: false,
+        }
+    }
+
     fn check(&self, value: f64) -> Result<(), TheoryError> {
         let above = self.lower.is_none_or(|lower| value >= lower);
         let below = self.upper.is_none_or(|upper| value <= upper);
