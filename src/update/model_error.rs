@@ -122,11 +122,15 @@ impl Grown<'_> {
     /// Factor of standard deviations that gives intervals of a normal distribution the width of
     /// Student's, where model error is estimated from few residuals.
     pub fn student_factor(&self) -> f64 {
-        let Some(nu) = self.freedom() else { return 1.0 };
-        StudentsT::new(0.0, 1.0, nu.max(1.0)).map_or(f64::INFINITY, |student| {
-            student.inverse_cdf(UPPER_95) / TWO_SIDED_95
-        })
+        student_factor(self.freedom())
     }
+}
+
+fn student_factor(freedom: Option<f64>) -> f64 {
+    let Some(nu) = freedom else { return 1.0 };
+    StudentsT::new(0.0, 1.0, nu.max(1.0)).map_or(f64::INFINITY, |student| {
+        student.inverse_cdf(UPPER_95) / TWO_SIDED_95
+    })
 }
 
 /// Grows the deviations of a solution until its residuals are as large as they say.
@@ -201,7 +205,7 @@ pub(super) fn grow<'a>(
     let is_paired = groups.iter().all(|group| group.kind != ResidualKind::Other);
     let leverages = leverages(&solution)?;
     let jackknife = match has_model_error && is_paired {
-        true => jackknife(&leverages, &pairs, &solution.at)?,
+        true => jackknife(&leverages, &pairs, &solution.at.residual)?,
         false => vec![0.0; problem.free.len()],
     };
     Ok(Grown {
@@ -403,11 +407,11 @@ fn groups(problem: &UpdateProblem<'_>, at: &Evaluation) -> Vec<Group> {
 fn jackknife(
     leverages: &Leverages,
     pairs: &[Range<usize>],
-    at: &Evaluation,
+    residual: &[f64],
 ) -> Result<Vec<f64>, UpdateError> {
     let changes = pairs
         .iter()
-        .map(|rows| leverages.change_without(rows, &at.residual));
+        .map(|rows| leverages.change_without(rows, residual));
     let changes: Vec<Vec<f64>> = changes.collect::<Result<_, _>>()?;
     let m = changes.len() as f64;
     let deviation = |j: usize| {
@@ -415,7 +419,7 @@ fn jackknife(
         let squares: f64 = changes.iter().map(|d| (d[j] - mean).powi(2)).sum();
         ((m - 1.0) / m * squares).sqrt()
     };
-    Ok((0..at.z.len()).map(deviation).collect())
+    Ok((0..leverages.jacobian.ncols()).map(deviation).collect())
 }
 
 /// Rows of each root pair: the groups of one root pair follow each other.
@@ -544,6 +548,31 @@ mod tests {
             (square - expected).abs() < 1e-12 * expected,
             "{square} {expected}"
         );
+    }
+
+    #[test]
+    fn the_jackknife_deviation_of_a_mean_is_its_standard_error() {
+        let values = [1.0, 4.0, -2.0, 3.0, 9.0];
+        let mean = values.iter().sum::<f64>() / 5.0;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let whole = real_matrix(5, 1, |_, _| 1.0);
+        let leverages = Leverages::new(&whole, 5).unwrap();
+        let residual = values.map(|value| mean - value);
+        let pairs = [0..1, 1..2, 2..3, 3..4, 4..5];
+        let deviation = jackknife(&leverages, &pairs, &residual).unwrap()[0];
+        let expected = (squares / 20.0).sqrt();
+        assert!(
+            (deviation / expected - 1.0).abs() < 1e-12,
+            "{deviation} {expected}"
+        );
+    }
+
+    #[test]
+    fn few_degrees_of_freedom_widen_intervals_as_students_distribution_does() {
+        assert!(student_factor(None) <= 1.0);
+        // Its two-sided 95 % are 3.182446 at three degrees of freedom.
+        let at_three = student_factor(Some(3.0)) * 1.959_964;
+        assert!((at_three - 3.182_446).abs() < 1e-5, "{at_three}");
     }
 
     #[test]

@@ -305,3 +305,25 @@ fn covariance_of_a_known_sensitivity_is_its_closed_form() {
     );
     assert_eq!(verdict(Some(2.0), false), ParameterVerdict::NotSupported);
 }
+
+#[test]
+fn a_mode_of_the_mount_is_left_out_where_the_update_fits_only_without_it() {
+    let start = [100.0; 3];
+    let model = chain(&start);
+    let result = |third: f64| {
+        let mut test = measured(&model, &[120.0, 100.0, 100.0], 1e-3, false);
+        // The third mode of the model was not measured; what was is a quarter below it.
+        test.modes[2].frequency_hz *= third;
+        let modes = [MeasuredModes::new("t", &test)];
+        let chosen = free(&["k1"]);
+        let new = UpdateProblem::new(&model, &start, &chosen, &modes, &[], options());
+        update(&new.unwrap()).unwrap()
+    };
+    let whole = result(1.0);
+    assert!(whole.fits() && whole.left_out.is_empty());
+    let part = result(0.75);
+    assert!(part.fits(), "{:?}", part.model_errors);
+    assert_eq!(part.left_out.len(), 1);
+    assert_eq!(part.left_out[0].0, "t f3");
+    assert!((part.parameters[0].updated / 120.0 - 1.0).abs() < 1e-3);
+}
