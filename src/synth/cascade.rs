@@ -8,6 +8,7 @@
 
 use num_complex::Complex64;
 
+use crate::linalg::vectorised;
 use crate::quantity::FrfKind;
 
 use super::filter::LowPass;
@@ -17,6 +18,8 @@ use super::truth::TrueFrf;
 /// Samples between two exact exponentials; in between each is the previous one times a constant,
 /// which loses less than 64 roundings.
 const BLOCK: usize = 64;
+/// Powers that are computed at once.
+const LANES: usize = 8;
 /// A term is left out once it has decayed by e^-80 = 2e-35.
 const NEGLIGIBLE_EXPONENT: f64 = -80.0;
 
@@ -92,17 +95,47 @@ struct Decay {
 impl Decay {
     fn add(&self, samples: &mut [f64], first: usize) {
         let step = (self.pole / self.rate_hz).exp();
+        let mut powers = [Complex64::ONE; LANES];
+        for lane in 1..LANES {
+            powers[lane] = powers[lane - 1] * step;
+        }
+        let stride = powers[LANES - 1] * step;
         for (block, chunk) in samples[first..].chunks_mut(BLOCK).enumerate() {
             let t = (first + block * BLOCK) as f64 / self.rate_hz - self.since_s;
             if self.pole.re * t < NEGLIGIBLE_EXPONENT {
                 break;
             }
-            let mut value = self.start * (self.pole * t).exp();
-            for sample in chunk {
-                *sample += value.re;
-                value = value * step;
-            }
+            let value = self.start * (self.pole * t).exp();
+            vectorised(
+                #[inline(always)]
+                || add_powers(chunk, value, &powers, stride),
+            );
         }
+    }
+}
+
+/// Adds the real parts of a value times powers of a step, [`LANES`] at once: each power waits for
+/// the one that it is a multiple of.
+#[inline(always)]
+fn add_powers(
+    samples: &mut [f64],
+    value: Complex64,
+    powers: &[Complex64; LANES],
+    stride: Complex64,
+) {
+    let mut re = powers.map(|power| (value * power).re);
+    let mut im = powers.map(|power| (value * power).im);
+    let (groups, last) = samples.as_chunks_mut::<LANES>();
+    for group in groups {
+        for lane in 0..LANES {
+            group[lane] += re[lane];
+            let next = re[lane] * stride.re - im[lane] * stride.im;
+            im[lane] = re[lane] * stride.im + im[lane] * stride.re;
+            re[lane] = next;
+        }
+    }
+    for (sample, re) in last.iter_mut().zip(re) {
+        *sample += re;
     }
 }
 

@@ -31,8 +31,9 @@ const TRIAL_RATIO: f64 = 2.5;
 /// value. With the largest b of all FRFs, sensors at rest hide the force noise of the others
 /// (`force_noise_is_found_beside_frfs_without_response`).
 const STRONGEST_ONE_IN: usize = 10;
-/// Steps of the search between two of them, each of which keeps two thirds.
-const SEARCH_STEPS: usize = 12;
+/// Steps of the golden-section search between two of them.
+const SEARCH_STEPS: usize = 10;
+const GOLDEN_SECTION: f64 = 0.618_033_988_749_895;
 /// Number of FRFs that exclude values of b before all are tried: those that determine b best.
 ///
 /// A value that is less likely than none in them, by [`MIN_LIKELIHOOD_GAIN`], is no maximum of all,
@@ -179,10 +180,16 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
         .iter()
         .map(|frf| frf.max_outlier_ratio())
         .collect();
+    let medians_of_segment = |lines: &Range<usize>| -> Vec<f64> {
+        let medians = functions.iter().map(|frf| frf.median(lines.clone()));
+        medians.collect()
+    };
+    let medians: Vec<Vec<f64>> = segments.par_iter().map(medians_of_segment).collect();
     let likelihoods_of = |frfs: &[usize], n: usize, tried: &[f64]| -> Vec<f64> {
         let mut sums = vec![0.0; tried.len()];
         for f in frfs {
-            let terms = functions[*f].likelihoods(segments[n].clone(), tried, max_ratios[*f]);
+            let (lines, median) = (segments[n].clone(), medians[n][*f]);
+            let terms = functions[*f].likelihoods(lines, median, tried, max_ratios[*f]);
             sums.iter_mut()
                 .zip(terms)
                 .for_each(|(sum, term)| *sum += term);
@@ -227,17 +234,25 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
             return None;
         }
         let (mut low, mut high) = (tried[best] / TRIAL_RATIO, tried[best] * TRIAL_RATIO);
-        for _ in 0..SEARCH_STEPS {
-            let third = (high - low) / 3.0;
-            let ends = likelihoods(n, &[low + third, high - third]);
-            if ends[0] < ends[1] {
-                low += third;
+        let step = |low: f64, high: f64| GOLDEN_SECTION * (high - low);
+        let mut inner = [high - step(low, high), low + step(low, high)];
+        let mut of_inner = likelihoods(n, &inner);
+        for _ in 1..SEARCH_STEPS {
+            let replaced = if of_inner[0] < of_inner[1] {
+                low = inner[0];
+                inner = [inner[1], low + step(low, high)];
+                of_inner.swap(0, 1);
+                1
             } else {
-                high -= third;
-            }
+                high = inner[1];
+                inner = [high - step(low, high), inner[0]];
+                of_inner.swap(0, 1);
+                0
+            };
+            of_inner[replaced] = likelihoods(n, &inner[replaced..=replaced])[0];
         }
-        let b = 0.5 * (low + high);
-        let gain = likelihoods(n, &[b])[0] - likelihood[0];
+        let better = usize::from(of_inner[1] > of_inner[0]);
+        let (b, gain) = (inner[better], of_inner[better] - likelihood[0]);
         (gain > MIN_LIKELIHOOD_GAIN && b <= limit).then_some(b)
     };
     let estimates: Vec<Option<f64>> = (0..segments.len()).into_par_iter().map(likeliest).collect();
@@ -296,44 +311,34 @@ impl VarianceSamples {
     fn mean_from_median(&self, median: f64, lines: Range<usize>, b: f64, max_ratio: f64) -> f64 {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines]);
         let minimum = MIN_RESPONSE_NOISE_RATIO * median;
-        let mut a = median;
-        for _ in 0..WEIGHT_ITERATIONS {
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for (v, p) in variance.iter().zip(power) {
-                let expected = a + b * p;
-                if expected > 0.0 && *v <= max_ratio * expected {
-                    let weight = (median / expected).powi(2);
-                    sum += weight * (v - b * p);
-                    weights += weight;
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut a = median;
+                for _ in 0..WEIGHT_ITERATIONS {
+                    let mean = weighted_mean(variance, power, a, b, max_ratio);
+                    a = mean.map_or(a, |mean| mean.max(minimum));
                 }
-            }
-            a = if weights > 0.0 {
-                (sum / weights).max(minimum)
-            } else {
                 a
-            };
-        }
-        a
+            },
+        )
     }
 
-    /// Log-likelihood of every trial value of b.
-    fn likelihoods(&self, lines: Range<usize>, tried: &[f64], max_ratio: f64) -> Vec<f64> {
+    /// Log-likelihood of every trial value of b, with the median of the variances of the lines.
+    fn likelihoods(
+        &self,
+        lines: Range<usize>,
+        median: f64,
+        tried: &[f64],
+        max_ratio: f64,
+    ) -> Vec<f64> {
         let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
-        let stated = self.response_noise.as_ref();
-        let median = stated.is_none().then(|| self.median(lines.clone()));
-        let constant = |median: f64, b: f64| {
-            let mean = self.mean_from_median(median, lines.clone(), b, max_ratio);
-            vec![mean; variance.len()]
-        };
         let of = |b: &f64| {
-            let sum = match (stated, median) {
-                (None, Some(median)) => {
-                    deviance(&constant(median, *b), variance, power, *b, max_ratio)
-                }
-                (stated, _) => {
-                    let noise = stated.map_or(&[][..], |noise| &noise[lines.clone()]);
-                    deviance(noise, variance, power, *b, max_ratio)
-                }
+            let sum = if let Some(noise) = &self.response_noise {
+                deviance(&noise[lines.clone()], variance, power, *b, max_ratio)
+            } else {
+                let mean = self.mean_from_median(median, lines.clone(), *b, max_ratio);
+                deviance(&vec![mean; variance.len()], variance, power, *b, max_ratio)
             };
             -0.5 * self.freedom() / self.lines_per_effective_line * sum
         };
@@ -393,6 +398,53 @@ fn sum_of_deviances(
         total += sums.total();
     }
     total
+}
+
+/// Mean of `v - b p` over the lines of v and p with the weights `1/(a + b p)²`, without lines whose
+/// v exceeds `max_ratio (a + b p)`; `None` where no line is left.
+#[inline(always)]
+fn weighted_mean(
+    variance: &[f64],
+    power: &[f64],
+    a: f64,
+    b: f64,
+    max_ratio: f64,
+) -> Option<f64> {
+    let mut sums = WeightedSums {
+        values: [0.0; LANES],
+        weights: [0.0; LANES],
+    };
+    let (variance, last_variance) = variance.as_chunks::<LANES>();
+    let (power, last_power) = power.as_chunks::<LANES>();
+    for (variance, power) in variance.iter().zip(power) {
+        for lane in 0..LANES {
+            sums.add(lane, a, variance[lane], b * power[lane], max_ratio);
+        }
+    }
+    for lane in 0..last_variance.len() {
+        sums.add(lane, a, last_variance[lane], b * last_power[lane], max_ratio);
+    }
+    let weights: f64 = sums.weights.iter().sum();
+    (weights > 0.0).then(|| sums.values.iter().sum::<f64>() / weights)
+}
+
+/// Sums of a weighted mean, lane by lane, with the weights times a².
+struct WeightedSums {
+    values: [f64; LANES],
+    weights: [f64; LANES],
+}
+
+impl WeightedSums {
+    #[inline(always)]
+    fn add(&mut self, lane: usize, a: f64, variance: f64, force: f64, max_ratio: f64) {
+        let expected = a + force;
+        let is_noise = expected > 0.0 && variance <= max_ratio * expected;
+        let ratio = a / expected;
+        let weight = if is_noise { ratio * ratio } else { 0.0 };
+        let value = if is_noise { variance - force } else { 0.0 };
+        self.values[lane] += weight * value;
+        self.weights[lane] += weight;
+    }
 }
 
 /// Sums of logarithms and ratios, lane by lane.
