@@ -27,6 +27,7 @@ mod pipeline;
 #[path = "../support/population/mod.rs"]
 mod population;
 mod recording;
+mod scene_updates;
 mod seeds;
 mod structure;
 mod systems;

@@ -403,13 +403,7 @@ fn sum_of_deviances(
 /// Mean of `v - b p` over the lines of v and p with the weights `1/(a + b p)²`, without lines whose
 /// v exceeds `max_ratio (a + b p)`; `None` where no line is left.
 #[inline(always)]
-fn weighted_mean(
-    variance: &[f64],
-    power: &[f64],
-    a: f64,
-    b: f64,
-    max_ratio: f64,
-) -> Option<f64> {
+fn weighted_mean(variance: &[f64], power: &[f64], a: f64, b: f64, max_ratio: f64) -> Option<f64> {
     let mut sums = WeightedSums {
         values: [0.0; LANES],
         weights: [0.0; LANES],
@@ -422,7 +416,13 @@ fn weighted_mean(
         }
     }
     for lane in 0..last_variance.len() {
-        sums.add(lane, a, last_variance[lane], b * last_power[lane], max_ratio);
+        sums.add(
+            lane,
+            a,
+            last_variance[lane],
+            b * last_power[lane],
+            max_ratio,
+        );
     }
     let weights: f64 = sums.weights.iter().sum();
     (weights > 0.0).then(|| sums.values.iter().sum::<f64>() / weights)
