@@ -532,6 +532,9 @@ codes! {
     /// A test and a model with different supports.
     SupportDiffers: "The supports of test and model differ.",
         "The scene states that of the test (`support` in [test.state]). That of the model is stated, or follows from its stiffness matrix: a model is free where no translation of the whole strains it. The value is the largest relative change of the frequencies of the paired modes when the stiffness to ground is removed from the model, each followed by its shape. Part of the errors of the frequencies may come from the support and not from the parameters. Test and model need one support: remove the springs to ground from the model, or test the structure on its support.";
+    /// Tests of one machine with different frequencies.
+    TestsDisagree [AtMost]: "Tests of one machine in one state differ in their frequencies.",
+        "The value is the largest difference of a paired mode between two tests with the same [test.state], the limit 1 %; the difference exceeds four standard deviations, too. No error of the model below this difference is one of the model alone, and a parameter that is updated to one of these tests is worth no more. Reassembly, preload, temperature, support and the mass of sensors differ between tests: repeat one test without a change to see the scatter. Take the scatter as frequency_floor of [update], or state what differs in [test.state] if the tests are of different states.";
     /// A stated support of a model that its matrices contradict.
     ModelSupportContradicted [AtMost]: "The support that the model states contradicts its stiffness matrix.",
         "A model is free where no translation of the whole strains it. One that states `fixed` or `mounted` needs springs to ground or fixed coordinates. One that states `suspended` may have the springs of its suspension: the value is then the highest frequency at which the whole model moves on them, the limit a tenth of its lowest mode that a test confirms. The stated support was compared with that of the tests. Correct `support` in the model, or its springs.";
@@ -584,9 +587,10 @@ codes! {
 
 impl Code {
     /// Codes that put the verdict of a comparison in question, in this order.
-    pub const ON_THE_VERDICT: [Code; 6] = [
+    pub const ON_THE_VERDICT: [Code; 7] = [
         Code::ExampleValues,
         Code::SupportDiffers,
+        Code::TestsDisagree,
         Code::ModelSupportContradicted,
         Code::SuspensionStiff,
         Code::MassDiffers,

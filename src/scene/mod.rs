@@ -43,6 +43,7 @@ mod sensor_findings;
 mod supports;
 mod synth_spec;
 mod synth_truth;
+mod test_agreement;
 mod test_plan;
 mod test_result;
 mod test_state;

@@ -8,7 +8,6 @@
 
 use num_complex::Complex64;
 
-use crate::linalg::vectorised;
 use crate::quantity::FrfKind;
 
 use super::filter::LowPass;
@@ -106,17 +105,13 @@ impl Decay {
                 break;
             }
             let value = self.start * (self.pole * t).exp();
-            vectorised(
-                #[inline(always)]
-                || add_powers(chunk, value, &powers, stride),
-            );
+            add_powers(chunk, value, &powers, stride);
         }
     }
 }
 
 /// Adds the real parts of a value times powers of a step, [`LANES`] at once: each power waits for
 /// the one that it is a multiple of.
-#[inline(always)]
 fn add_powers(
     samples: &mut [f64],
     value: Complex64,

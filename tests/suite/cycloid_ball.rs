@@ -296,6 +296,26 @@ fn every_comparison_says_what_is_printed_inferred_assumed_and_synthetic() {
     }
 }
 
+/// The text says that the hit points "differ little". The virtual tests have one truth.
+#[test]
+fn the_papers_hit_points_disagree_and_the_virtual_tests_do_not() {
+    let report = run().file("report.json");
+    let by_test = report["findings"].as_array().unwrap().iter();
+    let all = by_test.flat_map(|entry| {
+        let findings = entry[1].as_array().unwrap().iter();
+        findings.map(|finding| (entry[0].as_str().unwrap(), finding))
+    });
+    let disagreements: Vec<(&str, &Value)> = all
+        .filter(|(_, finding)| finding["code"] == "tests-disagree")
+        .collect();
+    assert_eq!(disagreements.len(), 1);
+    let (test, finding) = disagreements[0];
+    assert_eq!(test, "centre disc face");
+    // Table 3, f13: 8933 and 9600 Hz.
+    let percent = 100.0 * (9600.0 / 8933.0 - 1.0);
+    assert!((finding["value"].as_f64().unwrap() - percent).abs() < 0.01);
+}
+
 #[test]
 fn hung_unit_and_fixed_model_are_a_finding_and_a_row_of_the_audit() {
     let report = run().file("report.json");
