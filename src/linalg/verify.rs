@@ -21,7 +21,7 @@ use faer::{Mat, MatRef, c64};
 
 use super::split_mix::SplitMix;
 use super::symmetric_solvers::SymmetricEigen;
-use super::{ComplexMatrix, LinalgError, RealMatrix};
+use super::{ComplexMatrix, LinalgError, RealMatrix, real_matrix};
 
 pub use modes::symmetric_modes;
 pub(super) use modes::{
@@ -136,12 +136,12 @@ pub fn square_solution(
 ) -> Result<(), LinalgError> {
     let check = Check::new("solution of linear equations", a.as_ref());
     let residual = b - a * x;
+    let magnitudes =
+        |m: &ComplexMatrix| real_matrix(m.nrows(), m.ncols(), |i, j| m[(i, j)].norm());
+    let terms = magnitudes(a) * magnitudes(x);
     for k in 0..b.ncols() {
         for i in 0..a.nrows() {
-            let terms: f64 = (0..a.ncols())
-                .map(|j| a[(i, j)].norm() * x[(j, k)].norm())
-                .sum();
-            let limit = backward_limit(a.nrows()) * (terms + b[(i, k)].norm());
+            let limit = backward_limit(a.nrows()) * (terms[(i, k)] + b[(i, k)].norm());
             check.below(residual[(i, k)].norm(), limit)?;
         }
     }
