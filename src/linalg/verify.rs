@@ -136,8 +136,7 @@ pub fn square_solution(
 ) -> Result<(), LinalgError> {
     let check = Check::new("solution of linear equations", a.as_ref());
     let residual = b - a * x;
-    let magnitudes =
-        |m: &ComplexMatrix| real_matrix(m.nrows(), m.ncols(), |i, j| m[(i, j)].norm());
+    let magnitudes = |m: &ComplexMatrix| real_matrix(m.nrows(), m.ncols(), |i, j| m[(i, j)].norm());
     let terms = magnitudes(a) * magnitudes(x);
     for k in 0..b.ncols() {
         for i in 0..a.nrows() {

@@ -488,7 +488,7 @@ const OPTIONAL_TABLES: &str = "
 # max_frequency_error = 0.2  # a fraction: pairs further apart are not considered
 # min_mac = 0.5
 
-# What `update` frees: all parameters of the model above 0 when left out.
+# What `update` frees: the stiffnesses of the model when left out.
 # [update]
 # parameters = []
 # prior_std = 0.3            # known to 30 % beforehand

@@ -60,6 +60,7 @@ mod structures;
 mod study_command;
 mod supports;
 mod targets;
+mod testlab_sample;
 mod theory_command;
 mod torture;
 mod transmissions;

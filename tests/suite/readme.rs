@@ -164,6 +164,12 @@ fn prepared() -> tempfile::TempDir {
         ];
         write(&scene_folder, &files);
     }
+    let export = folder.path().join("measurements/testlab-bar");
+    std::fs::create_dir_all(&export).unwrap();
+    for name in ["bar.unv", "model.toml"] {
+        let from = root().join("measurements/testlab-bar").join(name);
+        std::fs::copy(from, export.join(name)).unwrap();
+    }
     let machine = folder.path().join("measurements/machine");
     std::fs::create_dir_all(&machine).unwrap();
     write(
