@@ -11,6 +11,43 @@ const MIN_TEST_MODES: usize = 3;
 /// Minimum fraction of all test modes that the factor has to pair.
 const MIN_FRACTION_OF_TEST_MODES: f64 = 0.6;
 
+/// Factors on all stiffnesses of a model with one wrong unit, and what may have been written.
+///
+/// N/mm, MPa and GPa for N/m and Pa make a model too soft, g for kg too heavy; t for kg makes it
+/// too light. A frequency in rad/s that is read as Hz is 2π times as high.
+const UNIT_FACTORS: [(f64, &str); 6] = [
+    (
+        1e3,
+        "about 1000: stiffnesses in N/mm, moduli in kPa or masses in g?",
+    ),
+    (1e6, "about 1e6: moduli in MPa?"),
+    (1e9, "about 1e9: moduli in GPa?"),
+    (1e-3, "about 1/1000: masses in t?"),
+    (
+        RAD_PER_CYCLE_SQUARED,
+        "about (2 pi)^2: frequencies of the test in rad/s?",
+    ),
+    (
+        1.0 / RAD_PER_CYCLE_SQUARED,
+        "about 1/(2 pi)^2: frequencies of the model in rad/s?",
+    ),
+];
+const RAD_PER_CYCLE_SQUARED: f64 = std::f64::consts::TAU * std::f64::consts::TAU;
+/// Largest ratio of a factor to one of these: other errors of the model that come with it.
+///
+/// Smaller (1.1): a model with a wrong unit that is 20 % too stiff besides is not recognised.
+/// Larger (4): a factor of 300 is a wrong unit. Test: `a_factor_of_a_wrong_unit_is_recognised`.
+const MAX_RATIO_TO_UNIT_FACTOR: f64 = 1.5;
+
+/// What unit may be wrong, of a factor on all stiffnesses.
+fn wrong_unit(factor: f64) -> Option<&'static str> {
+    let is_near = |unit: f64| (factor / unit).ln().abs() <= MAX_RATIO_TO_UNIT_FACTOR.ln();
+    let mut units = UNIT_FACTORS.iter();
+    units
+        .find(|(unit, _)| is_near(*unit))
+        .map(|(_, text)| *text)
+}
+
 /// Test modes (rows) against roots of the theory (columns).
 pub(super) struct MacTable {
     /// Frequencies of the test modes, Hz.
@@ -46,9 +83,15 @@ pub(super) fn global_stiffness_factor(table: &MacTable, paired: usize) -> Option
     let squares: f64 = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum();
     let std = (squares / (kept - 1.0)).sqrt();
     let factor = (2.0 * mean).exp();
+    if (mean.exp() - 1.0).abs() <= table.gate {
+        return None;
+    }
     let finding = Finding::new(Severity::Warning, Code::CommonFactor, Location::Whole);
-    let beyond = (mean.exp() - 1.0).abs() > table.gate;
-    beyond.then(|| finding.value(factor, "").limit(2.0 * std * factor))
+    let finding = finding.value(factor, "").limit(2.0 * std * factor);
+    Some(match wrong_unit(factor) {
+        Some(unit) => finding.detail(unit),
+        None => finding,
+    })
 }
 
 /// `ln(test / theory)` of the frequencies of all test modes that correlate with one root only.
@@ -120,6 +163,30 @@ mod tests {
             / finding.value.expect("the finding has a value");
         assert!((spread - 0.02).abs() < 1e-4, "{spread}");
         assert!(finding.to_string().contains("(2.778 ± 0.056)"), "{finding}");
+    }
+
+    #[test]
+    fn a_factor_of_a_wrong_unit_is_recognised() {
+        let detail = |stiffness: f64| {
+            let found = reported_factor(&modes(1.0, [0.0; 5]), &modes(stiffness, [0.0; 5]));
+            found.expect("a factor is reported").detail
+        };
+        let tau = std::f64::consts::TAU;
+        for (stiffness, part) in [
+            (1e-3, "N/mm"),
+            (1.2e-3, "N/mm"),
+            (0.8e-6, "MPa"),
+            (1e-9, "GPa"),
+            (1e3, "in t"),
+            (tau.powi(-2), "test in rad/s"),
+            (tau.powi(2), "model in rad/s"),
+        ] {
+            let found = detail(stiffness).unwrap_or_default();
+            assert!(found.contains(part), "{stiffness}: {found}");
+        }
+        for stiffness in [0.36, 1.0 / 300.0, 100.0] {
+            assert_eq!(detail(stiffness), None, "{stiffness}");
+        }
     }
 
     #[test]

@@ -156,6 +156,18 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
             let file = file.display().to_string();
             return Err(value_error(&file, "example_values", &got, expected));
         }
+        Err(error @ UpdateError::NothingPaired { .. }) => {
+            let theory = model.solve(&sensors, &ModeOptions::default())?;
+            let compared = compare_measured(scene, &measured, &tests, &theory)?;
+            let findings = compared.findings.iter().flat_map(|(_, findings)| findings);
+            let mut factors = findings.filter(|finding| finding.code == Code::CommonFactor);
+            let Some(factor) = factors.next() else {
+                return Err(error.into());
+            };
+            let expected = "a model whose frequencies are those of the test within a factor of 2";
+            let got = factor.to_string();
+            return Err(value_error(&scene.path, "[model]", &got, expected));
+        }
         problem => problem?,
     };
     check_always(&problem, &stated.always)?;

@@ -128,6 +128,37 @@ fn storey_modes(stiffness: &[f64]) -> Vec<(f64, Vec<f64>)> {
     (0..count).map(mode).collect()
 }
 
+/// Stiffnesses in N/mm under the heading N/m, and frequencies in rad/s as Hz.
+#[test]
+fn a_wrong_unit_of_stiffness_or_frequency_is_named() {
+    let truth = [1.3e4, 0.9e4, 1.1e4, 1.0e4, 1.2e4, 0.8e4];
+    let cases = [
+        (1.0e1, 1.0, "stiffnesses in N/mm"),
+        (
+            1.0e4,
+            std::f64::consts::TAU,
+            "frequencies of the test in rad/s",
+        ),
+    ];
+    for (nominal, per_hz, part) in cases {
+        let modes = storey_modes(&truth).into_iter();
+        let modes = modes.map(|(hz, shape)| (per_hz * hz, Some(1e-3 * hz), shape));
+        let modes = modes_json(&modes.collect::<Vec<_>>());
+        let folder = tempfile::tempdir().unwrap();
+        let text = scene("");
+        let model = frame(1.0, &[nominal; 6], (0.5, 2.0));
+        let files = [
+            ("scene.toml", text.as_str()),
+            ("model.toml", &model),
+            ("modes.json", &modes),
+        ];
+        write(folder.path(), &files);
+        let output = modalign(["update", folder.path().to_str().unwrap()]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
 #[test]
 fn a_scene_of_finished_modes_gets_its_stiffness_and_an_updated_model() {
     let model = frame(1.0, &[1.0e4], (0.1, 10.0));
