@@ -343,7 +343,8 @@ pub struct TheoryArgs {
     /// a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or
     /// a file of finished modes.
     pub model: PathBuf,
-    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz).
+    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz), or the figure of --sweep,
+    /// --response, --compare or --energies (.svg).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Set a parameter; may be repeated.

@@ -1,6 +1,7 @@
 //! `modalign theory`: natural frequencies and shapes of a model.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use crate::error::Error;
 use crate::finding::{Code, Finding, Location, Severity};
@@ -9,9 +10,10 @@ use crate::report::json::{
     TheoryResults, details_to_json, response_to_json, sweeps_to_json, with_theory,
 };
 use crate::report::{
-    Block, abridged, details_blocks, energies_block, parameters_block, quantities_block,
-    response_blocks, roots_block, roots_screen, sensitivities_block, simplest_details_block,
-    sweep_blocks, theory_block, without_whole_shares,
+    Block, abridged, details_blocks, details_svg, energies_block, energies_svg, parameters_block,
+    quantities_block, response_blocks, response_svg, roots_block, roots_screen,
+    sensitivities_block, simplest_details_block, sweep_blocks, sweeps_svg, theory_block,
+    without_whole_shares,
 };
 use crate::scene::{
     BeforeChanges, LoadedModel, ModelKind, ModesOptions, Scene, SceneError, Theory,
@@ -33,7 +35,8 @@ pub fn theory(
     format: Option<&str>,
     output: &mut Output,
 ) -> Result<Outcome, Error> {
-    check_extension(args.output.as_deref(), MODES_EXTENSIONS)?;
+    let draws = is_figure(args.output.as_deref());
+    check_output(args)?;
     check_targets(
         &targets([("-o", args.output.as_ref())]),
         &input_files(&args.model),
@@ -52,7 +55,7 @@ pub fn theory(
         result.modes.findings = undamped;
     }
     let json = modes_to_json(&result.modes, None);
-    if let Some(path) = &args.output {
+    if let Some(path) = args.output.as_ref().filter(|_| !draws) {
         output.add_modes(path, &result.modes, &result.geometry, &json)?;
     }
     let mut blocks: Vec<Block> = parameters_block(&result.parameters).into_iter().collect();
@@ -71,6 +74,7 @@ pub fn theory(
     }
     let basic_count = blocks.len();
     let mut is_missed = false;
+    let mut figure = None;
     let json = match &named {
         ModelInput::Model {
             model,
@@ -85,6 +89,12 @@ pub fn theory(
                 found.json
             });
             let separate = separate_results(args, model, *first_root, &mut blocks)?;
+            let (separate, drawn) =
+                separate.map_or((None, None), |found| (Some(found.json), found.figure));
+            if draws {
+                let energies = || energies_svg(&result.roots, args.band);
+                figure = drawn.or_else(|| energies().filter(|_| args.energies));
+            }
             let special = what_if.or(separate).unwrap_or(json);
             if part.is_empty() {
                 special
@@ -94,6 +104,14 @@ pub fn theory(
         }
         ModelInput::Finished(_) => json,
     };
+    if let Some(path) = args.output.as_ref().filter(|_| draws) {
+        let figure = figure.ok_or_else(|| Error::Argument {
+            argument: "-o",
+            got: "no natural frequency above 0 to draw".to_owned(),
+            expected: "a model with roots in the band".to_owned(),
+        })?;
+        output.add_file(path, figure);
+    }
     let requested = blocks[basic_count..].to_vec();
     output.add_result(
         |width| match (requested.is_empty(), result.roots.is_empty(), args.damped) {
@@ -135,6 +153,34 @@ pub fn theory(
             .collect::<Vec<_>>(),
     );
     Ok(Outcome::missed_if(result.partly_bad || is_missed))
+}
+
+/// Extension of a figure.
+const FIGURE_EXTENSION: &str = "svg";
+
+fn is_figure(path: Option<&Path>) -> bool {
+    let extension = path.and_then(Path::extension);
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(FIGURE_EXTENSION))
+}
+
+/// Checks that the file can hold what was requested.
+fn check_output(args: &TheoryArgs) -> Result<(), Error> {
+    let path = args.output.as_deref();
+    if !is_figure(path) {
+        let mut extensions = MODES_EXTENSIONS.to_vec();
+        extensions.push(FIGURE_EXTENSION);
+        return check_extension(path, &extensions);
+    }
+    let has_figure =
+        args.energies || args.response || args.compare.is_some() || !args.sweep.is_empty();
+    if has_figure {
+        return Ok(());
+    }
+    Err(Error::Argument {
+        argument: "-o",
+        got: path.unwrap_or(Path::new("")).display().to_string(),
+        expected: "--sweep, --response, --compare or --energies beside a figure".to_owned(),
+    })
 }
 
 /// The meaning of MODEL.
@@ -313,25 +359,37 @@ fn details<'a>(
     Ok(part)
 }
 
+/// A result with a separate JSON, and its figure where there is something to draw.
+struct SeparateResult {
+    json: String,
+    figure: Option<String>,
+}
+
 /// Responses, comparisons and sweeps, each with a separate JSON.
 fn separate_results(
     args: &TheoryArgs,
     model: &LoadedModel,
     first_root: usize,
     blocks: &mut Vec<Block>,
-) -> Result<Option<String>, SceneError> {
+) -> Result<Option<SeparateResult>, SceneError> {
     let name = &args.model.display().to_string();
     let within = args.compare.map(|percent| 0.01 * percent);
     if args.response || within.is_some() && model.model.nonlinear().is_some() {
         let found = model.response()?;
         blocks.extend(within.map(|within| simplest_details_block(name, &found, within)));
         blocks.extend(response_blocks(name, &found));
-        return Ok(Some(response_to_json(&found)));
+        return Ok(Some(SeparateResult {
+            json: response_to_json(&found),
+            figure: response_svg(name, &found),
+        }));
     }
     if let Some(within) = within {
         let found = model.compare_details()?;
         blocks.extend(details_blocks(name, &found, first_root, within));
-        return Ok(Some(details_to_json(&found, within)));
+        return Ok(Some(SeparateResult {
+            json: details_to_json(&found, within),
+            figure: details_svg(name, &found, args.band, within),
+        }));
     }
     let mut sweeps = Vec::new();
     for (parameter, range) in &args.sweep {
@@ -339,5 +397,8 @@ fn separate_results(
         blocks.extend(sweep_blocks(name, &swept, args.band));
         sweeps.push(swept);
     }
-    Ok((!sweeps.is_empty()).then(|| sweeps_to_json(&sweeps)))
+    Ok((!sweeps.is_empty()).then(|| SeparateResult {
+        json: sweeps_to_json(&sweeps),
+        figure: sweeps_svg(name, &sweeps, args.band),
+    }))
 }

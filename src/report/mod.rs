@@ -73,8 +73,9 @@ pub use modification::{
 pub use order::{order_blocks, order_table};
 pub use placement::placement_blocks;
 pub use plot::{
-    breakdown_svg, figure_files, figures_svg, order_figures, png_lacks_letters,
-    speed_accuracy_figures, stability_svg, update_figures_svg,
+    breakdown_svg, details_svg, energies_svg, figure_files, figures_svg, order_figures,
+    png_lacks_letters, response_svg, speed_accuracy_figures, stability_svg, sweeps_svg,
+    update_figures_svg,
 };
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,

@@ -223,3 +223,33 @@ fn a_number_that_needs_values_beyond_a_bound_is_left_out_and_said() {
         assert!(said.contains("[quantity-absent]"), "{said}");
     }
 }
+
+#[test]
+fn sweeps_comparisons_and_energies_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("figure.svg");
+    let file = path.to_str().unwrap();
+    let draw = |options: &[&str]| {
+        let arguments = ["theory", "cycloid-ball", "-o", file].into_iter();
+        succeed(arguments.chain(options.iter().copied()));
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.ends_with("</svg>\n") && !text.contains("NaN"));
+        text
+    };
+    // The mode jump of the paper is a crossing at 3.19e7 N/m; two loci veer.
+    let swept = draw(&["--sweep", "k_03y=1e7:9e7:9", "--band", "0:12000"]);
+    assert!(swept.contains("k_03y (10⁷ N/m)") && swept.contains("Natural frequency (Hz)"));
+    assert_eq!(swept.matches("<circle").count(), 2 * 4);
+    assert_eq!(
+        swept.matches("fill=\"none\" stroke=\"#1b1b1b\"").count(),
+        2 * 5
+    );
+    let compared = draw(&["--compare", "1", "--band", "0:12000"]);
+    assert!(compared.contains("every body with its mass, 37 coordinates"));
+    assert!(draw(&["--energies"]).contains("Fraction of the kinetic energy"));
+    let error = fail(["theory", "cycloid-ball", "-o", file]);
+    assert!(
+        error.contains("--sweep, --response, --compare or --energies"),
+        "{error}"
+    );
+}

@@ -17,12 +17,15 @@ mod png;
 mod shapes;
 mod speed_accuracy;
 mod stabilization;
+mod theory;
 mod update;
 
 use std::collections::BTreeSet;
 
+use crate::axis::Band;
 use crate::printable::file_name_part;
-use crate::scene::{Figures, TestFigures};
+use crate::scene::{Figures, TestFigures, energy_bars};
+use crate::theory::ModelRoot;
 
 use super::test_title::test_title;
 
@@ -31,6 +34,7 @@ pub use order::order_figures;
 #[cfg(feature = "png")]
 pub use png::png_lacks_letters;
 pub use speed_accuracy::speed_accuracy_figures;
+pub use theory::{details_svg, response_svg, sweeps_svg};
 pub use update::update_figures_svg;
 
 /// Every figure with its name, unique and made of letters, digits, points and hyphens.
@@ -46,6 +50,11 @@ pub fn figures_svg(figures: &Figures) -> Vec<(String, String)> {
     }
     number_repeated_names(&mut all);
     all
+}
+
+/// Kinetic energy of the roots of a model in a band by kind of body; `None` without a root.
+pub fn energies_svg(roots: &[ModelRoot], band: Option<Band>) -> Option<String> {
+    bars::energies(&energy_bars(roots, band))
 }
 
 /// The files of named figures: each `NAME.svg` as it is and, where PNG is wanted, `NAME.png`, drawn

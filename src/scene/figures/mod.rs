@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::Band;
 use crate::frf::FrfSet;
+use crate::theory::ModelRoot;
 
 use super::SceneError;
 use super::plan::Scene;
@@ -161,7 +162,7 @@ pub fn figures(
         overview: (result.table.as_ref()).map(overview::overview),
         tests,
         theory: motion,
-        energies: energies(result, band),
+        energies: energy_bars(&result.theory.roots, band),
     };
     Ok((figures, provenance::provenance(scene, result)?))
 }
@@ -178,10 +179,12 @@ fn marks(test: &TestResult) -> Vec<ModeMark> {
     mark.collect()
 }
 
-fn energies(result: &SceneResult, band: Option<Band>) -> Vec<EnergyBar> {
+/// Energy by body and by spring of the roots of a model in a band.
+pub fn energy_bars(roots: &[ModelRoot], band: Option<Band>) -> Vec<EnergyBar> {
     let hz = |omega: f64| omega / std::f64::consts::TAU;
-    let roots = result.theory.roots.iter();
-    let inside = roots.filter(|root| band.is_none_or(|band| band.contains(hz(root.omega_rad_s))));
+    let inside = roots
+        .iter()
+        .filter(|root| band.is_none_or(|band| band.contains(hz(root.omega_rad_s))));
     let shares = |parts: &[(String, f64)]| -> Vec<(String, f64)> {
         let visible = parts.iter().filter(|(_, share)| *share >= 5e-4);
         visible
