@@ -20,9 +20,9 @@ const EVENT_PX: f64 = 4.0;
 const MIN_ERROR_PERCENT: f64 = 1e-3;
 /// Harmonics are drawn up to the last one above this fraction of the largest.
 const MIN_HARMONIC: f64 = 0.01;
-/// Recorded periods that a panel of a signal shows, and most points of its curve: two to a pixel.
-const SHOWN_PERIODS: usize = 3;
-const MAX_POINTS: usize = 640;
+/// Recorded periods that a panel of a signal shows, and most points of its curve.
+const SHOWN_PERIODS: usize = 2;
+const MAX_POINTS: usize = 240;
 
 /// Natural frequencies over a parameter, one panel for each sweep, with crossings and veerings
 /// marked; `None` where no root is above 0 in the band.
