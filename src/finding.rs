@@ -209,7 +209,10 @@ codes! {
         "An HDF5 file can name an object by its path (soft link) or by another file and a path in it (external link). The object may be missing, the links may lead in a circle, or it lies in the other file, which is not opened. The detail says where the link leads. All other arrays are read. Copy the array into the file, or give the file that holds it.";
     /// Degrees of freedom matched by position.
     DofsByNode [AtMost]: "Test and model DOFs were matched by nearest node; the largest distance is given.",
-        "With --nearest-node the names are not used. A sensor of the test is matched to the model DOF of the same axis at the nearest node within the tolerance. Both geometries must be in one frame and in the same unit. Check the largest distance.";
+        "With --nearest-node the names are not used. A sensor of the test is matched to the model DOF of the same axis at the nearest node within the tolerance. Both geometries must be in one frame and in the same unit, or --align fits them. Sensors beyond the tolerance have no partner: this is then a warning, with their distances. Check the largest distance.";
+    /// Sensors that read one node.
+    NodeShared: "Several sensors at different positions were matched to one node of the model.",
+        "With --nearest-node each sensor reads the node nearest to it. Sensors that share a node read the same motion of the model, although they do not move alike in the test: the MAC becomes smaller. The value is the number of these sensors, the detail names the first. State a smaller tolerance, so that the farther sensor is left out, or refine the mesh of the model there.";
     /// Motions without mass.
     MasslessCondensed: "Some coordinates have no mass. They were condensed statically, which keeps every mode with a finite frequency exactly.",
         "Rotations of lumped-mass models and some nodes have no mass. Static equilibrium determines their motion, so the model has fewer modes than coordinates. Frequencies, shapes at all coordinates, energies and sensitivities are those of the whole model. The value is the number of independent motions without mass.";

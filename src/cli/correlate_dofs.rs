@@ -33,11 +33,12 @@ pub fn match_dofs(
     theory: Theory,
 ) -> Result<MatchedTheory, Error> {
     if let Some(path) = &args.dof_map {
-        return Ok(rename_theory(
-            read_dof_list(path, "--dof-map")?,
-            theory,
-            None,
-        ));
+        let has_shapes = has_shapes(&theory.modes);
+        let matched = rename_theory(read_dof_list(path, "--dof-map")?, theory, None);
+        if has_shapes {
+            check_list(path, &matched)?;
+        }
+        return Ok(matched);
     }
     let (Some(tolerance), Some((_, first))) = (args.nearest_node, tests.first_mut()) else {
         return Ok(MatchedTheory {
@@ -56,17 +57,17 @@ pub fn match_dofs(
         Some(list) => Some(fit_alignment(list.as_deref(), first, &theory, tolerance)?),
     };
     let frame = alignment.as_ref().map(Alignment::similarity);
-    let (names, finding) = DofNames::nearest(
+    let (names, findings) = DofNames::nearest(
         &located(first),
         &located(&theory),
         &frame.unwrap_or_else(Similarity::identity),
         tolerance,
-    );
+    )?;
     first
         .modes
         .findings
         .extend(alignment.as_ref().map(alignment_finding));
-    first.modes.findings.push(finding);
+    first.modes.findings.extend(findings);
     Ok(rename_theory(names, theory, alignment))
 }
 
@@ -97,6 +98,28 @@ fn read_dof_list(path: &Path, argument: &'static str) -> Result<DofNames, Error>
     })
 }
 
+fn has_shapes(model: &ModalModel) -> bool {
+    model.modes.iter().any(|mode| !mode.shape.is_empty())
+}
+
+/// Checks that a list names a degree of freedom at which a mode of the theory has a value.
+fn check_list(path: &Path, matched: &MatchedTheory) -> Result<(), Error> {
+    if has_shapes(&matched.theory.modes) {
+        return Ok(());
+    }
+    let names = matched.names.iter().flat_map(DofNames::points);
+    let points: Vec<&str> = names.map(|(_, theory)| theory).take(4).collect();
+    Err(Error::Argument {
+        argument: "--dof-map",
+        got: format!(
+            "{}, which names no degree of freedom of the model (its points: {}, ...)",
+            path.display(),
+            points.join(", ")
+        ),
+        expected: "lines TEST,THEORY with the names of the model second".to_owned(),
+    })
+}
+
 /// The test's frame fitted to the theory's by a list of partners, or by the nearest points.
 fn fit_alignment(
     path: Option<&Path>,
@@ -105,7 +128,8 @@ fn fit_alignment(
     tolerance_m: f64,
 ) -> Result<Alignment, Error> {
     let Some(path) = path else {
-        let (test, theory) = (point_positions(test), point_positions(theory));
+        let positions = |modes| located(modes).sensor_positions();
+        let (test, theory) = (positions(test), positions(theory));
         return Ok(align_nearest(&test, &theory, tolerance_m)?);
     };
     let names = read_dof_list(path, "--align")?;
@@ -118,17 +142,6 @@ fn fit_alignment(
     };
     let pairs: Vec<(Vector3, Vector3)> = names.points().iter().filter_map(both).collect();
     Ok(align_known(&pairs, tolerance_m)?)
-}
-
-/// Positions of the points at which a mode has a value, each once.
-fn point_positions(theory: &Theory) -> Vec<Vector3> {
-    let shapes = theory.modes.modes.iter().map(|mode| &mode.shape);
-    let points = shapes.flat_map(|shape| shape.iter().map(|(dof, _)| dof.point().to_owned()));
-    let points: std::collections::BTreeSet<String> = points.collect();
-    let nodes = points
-        .iter()
-        .filter_map(|point| theory.geometry.node(point));
-    nodes.map(|node| node.at_m).collect()
 }
 
 fn alignment_finding(alignment: &Alignment) -> Finding {

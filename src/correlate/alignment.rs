@@ -34,7 +34,7 @@ const MAX_REFINED_FITS: usize = 24;
 const MAX_RMS_OVER_BEST: f64 = 2.0;
 
 /// Maximum distance of equal points, over the extent of all points.
-const MAX_DISTANCE_OF_EQUAL_POINTS: f64 = 1e-6;
+pub(super) const MAX_DISTANCE_OF_EQUAL_POINTS: f64 = 1e-6;
 
 /// Maximum second extent of points on one line, over the first.
 const MAX_SECOND_EXTENT_OF_LINE: f64 = 1e-6;
@@ -383,11 +383,12 @@ fn distinct_fits(
     different
 }
 
-/// Root mean square distance from the centre, m.
-fn extent(points: &[Vector3]) -> f64 {
-    let centre = points.iter().sum::<Vector3>() / points.len() as f64;
+/// Root mean square distance from the centre, m; 0 without points.
+pub(super) fn extent(points: &[Vector3]) -> f64 {
+    let count = points.len().max(1) as f64;
+    let centre = points.iter().sum::<Vector3>() / count;
     let squares: f64 = points.iter().map(|p| (p - centre).norm_squared()).sum();
-    (squares / points.len() as f64).sqrt()
+    (squares / count).sqrt()
 }
 
 /// Centre and principal axes (columns, right-handed, longest first).

@@ -11,6 +11,8 @@ use crate::geometry::Geometry;
 use crate::linalg::Vector3;
 use crate::modal::{ModalModel, ModeShape};
 
+use super::alignment::{MAX_DISTANCE_OF_EQUAL_POINTS, extent};
+use super::error::Extents;
 use super::{CorrelateError, Similarity};
 
 /// Minimum component of a unit direction along an axis of the theory that the reading includes.
@@ -39,6 +41,15 @@ impl<'a> LocatedModes<'a> {
     fn positions(&self) -> BTreeMap<&'a str, Vector3> {
         let nodes = self.geometry.nodes.iter();
         nodes.map(|node| (node.point.as_str(), node.at_m)).collect()
+    }
+
+    /// Positions of the points at which a mode has a value, each once.
+    pub fn sensor_positions(&self) -> Vec<Vector3> {
+        let positions = self.positions();
+        let dofs = self.dofs();
+        let points: BTreeSet<&str> = dofs.iter().map(Dof::point).collect();
+        let located = points.iter().filter_map(|point| positions.get(point));
+        located.copied().collect()
     }
 
     /// Every degree of freedom at which a mode has a value, in order.
@@ -117,49 +128,68 @@ impl DofNames {
     /// oblique to the theory's axes, the reading is the sum of the components, all of which the
     /// node must have. Rotations match rotations, scalars match scalars.
     ///
-    /// The finding has the largest distance. Degrees of freedom without a position or a near node
-    /// have no partner.
+    /// The first finding has the largest distance, and is a warning where sensors have no node
+    /// within the tolerance; another one names the sensors at different positions that share a
+    /// node.
+    ///
+    /// # Errors
+    /// [`CorrelateError::NoNearNode`] where no sensor has a node within the tolerance, or less than
+    /// half of them while the extents of both geometries differ as units of length do;
+    /// [`CorrelateError::NoLocatedSensor`] where no sensor has a position and a node with its axis.
     pub fn nearest(
         test: &LocatedModes<'_>,
         theory: &LocatedModes<'_>,
         frame: &Similarity,
         tolerance_m: f64,
-    ) -> (Self, Finding) {
-        let test_nodes = test.positions();
-        let theory_nodes = theory.positions();
-        let mut of_point: BTreeMap<String, BTreeSet<Axis>> = BTreeMap::new();
-        for dof in theory.dofs() {
-            let axes = of_point.entry(dof.point().to_owned()).or_default();
-            axes.insert(dof.axis());
-        }
-        let mut names = Self::default();
-        let mut largest = 0.0_f64;
-        for dof in test.dofs() {
-            let Some(at) = test_nodes.get(dof.point()) else {
-                continue;
-            };
-            let at = frame.position(at);
-            let needed = axis_components(frame, dof.axis());
-            let full = of_point
-                .iter()
-                .filter(|(_, axes)| needed.iter().all(|(axis, _)| axes.contains(axis)));
-            let placed = full.filter_map(|(point, _)| {
-                let position = theory_nodes.get(point.as_str())?;
-                Some(((position - at).norm(), point))
+    ) -> Result<(Self, Vec<Finding>), CorrelateError> {
+        let nearest = nearest_nodes(test, theory, frame);
+        if nearest.is_empty() {
+            return Err(CorrelateError::NoLocatedSensor {
+                sensors: test.dofs().len(),
             });
-            let near = placed.filter(|(distance, _)| *distance <= tolerance_m);
-            if let Some((distance, point)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                largest = largest.max(distance);
-                let reading = needed
-                    .iter()
-                    .filter_map(|&(axis, part)| Some((Dof::new(point, axis, false).ok()?, part)));
-                names.pairs.insert(dof.positive(), reading.collect());
-            }
         }
-        let finding = Finding::new(Severity::Info, Code::DofsByNode, Location::Whole)
-            .value(largest, "m")
+        let (near, far): (Vec<&NearestNode>, Vec<&NearestNode>) =
+            (nearest.iter()).partition(|node| node.distance_m <= tolerance_m);
+        let test_extent_m = frame.scale * extent(&test.sensor_positions());
+        let extents = Extents {
+            test_m: test_extent_m,
+            theory_m: extent(&theory.sensor_positions()),
+        };
+        if near.is_empty() || (extents.differ_in_unit() && near.len() <= far.len()) {
+            return Err(CorrelateError::NoNearNode {
+                near: near.len(),
+                sensors: nearest.len(),
+                nearest_m: smallest_distance(&nearest),
+                farthest_m: largest_distance(&nearest),
+                tolerance_m,
+                extents,
+            });
+        }
+        let pairs = near
+            .iter()
+            .map(|node| (node.sensor.clone(), node.reading()));
+        let names = Self {
+            pairs: pairs.collect(),
+        };
+        let severity = match far.is_empty() {
+            true => Severity::Info,
+            false => Severity::Warning,
+        };
+        let finding = Finding::new(severity, Code::DofsByNode, Location::Whole)
+            .value(largest_distance(near.iter().copied()), "m")
             .limit(tolerance_m);
-        (names, finding)
+        let matched = match far.is_empty() {
+            true => finding,
+            false => finding.detail(format!(
+                "{} of {} sensors; the others are {:.3e} m to {:.3e} m off",
+                near.len(),
+                nearest.len(),
+                smallest_distance(far.iter().copied()),
+                largest_distance(far.iter().copied())
+            )),
+        };
+        let shared = shared_nodes(&near, extents.theory_m);
+        Ok((names, [matched].into_iter().chain(shared).collect()))
     }
 
     /// Number of pairs.
@@ -193,6 +223,93 @@ impl DofNames {
         }
         renamed
     }
+}
+
+/// The theory's node nearest to a sensor of the test, of those with all components of its axis.
+struct NearestNode {
+    /// The sensor, on its positive axis.
+    sensor: Dof,
+    /// Position of the sensor in the theory's frame, m.
+    at: Vector3,
+    /// Name of the node.
+    point: String,
+    distance_m: f64,
+    /// Components of the sensor's axis along the theory's axes.
+    components: Vec<(Axis, f64)>,
+}
+
+impl NearestNode {
+    fn reading(&self) -> Reading {
+        let parts = self.components.iter();
+        let parts = parts
+            .filter_map(|&(axis, part)| Some((Dof::new(&self.point, axis, false).ok()?, part)));
+        parts.collect()
+    }
+}
+
+/// The nearest node of each sensor that has a position, at any distance.
+fn nearest_nodes(
+    test: &LocatedModes<'_>,
+    theory: &LocatedModes<'_>,
+    frame: &Similarity,
+) -> Vec<NearestNode> {
+    let (test_nodes, theory_nodes) = (test.positions(), theory.positions());
+    let mut of_point: BTreeMap<String, BTreeSet<Axis>> = BTreeMap::new();
+    for dof in theory.dofs() {
+        let axes = of_point.entry(dof.point().to_owned()).or_default();
+        axes.insert(dof.axis());
+    }
+    let sensors: BTreeSet<Dof> = test.dofs().iter().map(Dof::positive).collect();
+    let nearest = |sensor: Dof| {
+        let at = frame.position(test_nodes.get(sensor.point())?);
+        let components = axis_components(frame, sensor.axis());
+        let full = of_point
+            .iter()
+            .filter(|(_, axes)| components.iter().all(|(axis, _)| axes.contains(axis)));
+        let placed = full.filter_map(|(point, _)| {
+            let position = theory_nodes.get(point.as_str())?;
+            Some(((position - at).norm(), point))
+        });
+        let (distance_m, point) = placed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(NearestNode {
+            sensor,
+            at,
+            point: point.clone(),
+            distance_m,
+            components,
+        })
+    };
+    sensors.into_iter().filter_map(nearest).collect()
+}
+
+fn smallest_distance<'a>(nodes: impl IntoIterator<Item = &'a NearestNode>) -> f64 {
+    let distances = nodes.into_iter().map(|node| node.distance_m);
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+fn largest_distance<'a>(nodes: impl IntoIterator<Item = &'a NearestNode>) -> f64 {
+    let distances = nodes.into_iter().map(|node| node.distance_m);
+    distances.fold(0.0, f64::max)
+}
+
+/// The finding on sensors at different positions that read the same node, where there are any.
+fn shared_nodes(near: &[&NearestNode], extent_m: f64) -> Option<Finding> {
+    let mut readers: BTreeMap<(&str, Axis), Vec<&NearestNode>> = BTreeMap::new();
+    for node in near {
+        let key = (node.point.as_str(), node.sensor.axis());
+        readers.entry(key).or_default().push(node);
+    }
+    let is_shared = |sensors: &&Vec<&NearestNode>| {
+        let apart = |node: &&NearestNode| (node.at - sensors[0].at).norm();
+        sensors.iter().map(apart).fold(0.0, f64::max) > MAX_DISTANCE_OF_EQUAL_POINTS * extent_m
+    };
+    let shared: Vec<&Vec<&NearestNode>> = readers.values().filter(is_shared).collect();
+    let first = shared.first()?;
+    let names: Vec<String> = first.iter().map(|node| node.sensor.to_string()).collect();
+    let detail = format!("{} at node {}", names.join(", "), first[0].point);
+    let count: usize = shared.iter().map(|sensors| sensors.len()).sum();
+    let finding = Finding::new(Severity::Warning, Code::NodeShared, Location::Whole);
+    Some(finding.value(count as f64, "").detail(detail))
 }
 
 /// Components of a test's positive axis along the theory's axes.
@@ -288,7 +405,7 @@ mod tests {
             ("12:+X", 7.0),
             ("13:+Z", 8.0),
         ]);
-        let (names, finding) = DofNames::nearest(
+        let (names, findings) = DofNames::nearest(
             &LocatedModes {
                 modes: &test,
                 geometry: &geometry(&[("1", 0.0), ("2", 0.104), ("3", 0.2)]),
@@ -299,10 +416,19 @@ mod tests {
             },
             &Similarity::identity(),
             0.01,
-        );
+        )
+        .expect("two near nodes");
         let expected = [("1:+Z".to_owned(), 5.0), ("2:+Z".to_owned(), 6.0)];
         assert_eq!(values(&names.rename(&theory)), expected);
-        assert!((finding.value.expect("a value") - 0.004).abs() < 1e-12);
+        assert_eq!((findings.len(), findings[0].code), (1, Code::DofsByNode));
+        assert!((findings[0].value.expect("a value") - 0.004).abs() < 1e-12);
+        // Sensor 3 is 50 mm off, and 9 has no position.
+        let text = findings[0].to_string();
+        assert_eq!(findings[0].severity, Severity::Warning);
+        assert!(
+            text.contains("2 of 3 sensors") && text.contains("5.000e-2"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -333,7 +459,7 @@ mod tests {
             modes: &theory,
             geometry: &other,
         };
-        let (names, _) = DofNames::nearest(&test, &located, &frame, 1e-6);
+        let (names, _) = DofNames::nearest(&test, &located, &frame, 1e-6).expect("a node");
         // Point 8 has no z component and cannot give the reading of 2:+X.
         let found = values(&names.rename(&theory));
         assert_eq!(found.len(), 2);
@@ -343,5 +469,67 @@ mod tests {
             "{found:?}"
         );
         assert!((found[1].1 - 3.0).abs() < 1e-12);
+    }
+
+    /// Matches the points of a line test with those of a theory within a tolerance.
+    fn line_match(
+        test: &[(&str, f64)],
+        theory: &[(&str, f64)],
+        tolerance_m: f64,
+    ) -> Result<(DofNames, Vec<Finding>), CorrelateError> {
+        let shape = |points: &[(&str, f64)]| {
+            let dofs: Vec<String> = points.iter().map(|(p, _)| format!("{p}:+Z")).collect();
+            let values: Vec<(&str, f64)> = dofs.iter().map(|dof| (dof.as_str(), 1.0)).collect();
+            model(&values)
+        };
+        let (test_modes, theory_modes) = (shape(test), shape(theory));
+        let (test_nodes, theory_nodes) = (geometry(test), geometry(theory));
+        let of = |modes, geometry| LocatedModes { modes, geometry };
+        let (test, theory) = (
+            of(&test_modes, &test_nodes),
+            of(&theory_modes, &theory_nodes),
+        );
+        DofNames::nearest(&test, &theory, &Similarity::identity(), tolerance_m)
+    }
+
+    #[test]
+    fn test_without_a_near_node_is_an_error_with_its_distances() {
+        let theory = [("11", 0.0), ("12", 0.1), ("13", 0.2)];
+        let error = line_match(&[("1", 0.02), ("2", 0.13)], &theory, 0.01).unwrap_err();
+        let text = error.to_string();
+        for part in ["2.000e-2", "3.000e-2", "1.000e-2", "--align"] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        assert!(!text.contains("millimetres"), "{text}");
+        // In millimetres the origin alone is near; the reason is the unit.
+        let millimetres = [("1", 0.0), ("2", 100.0), ("3", 200.0)];
+        let text = line_match(&millimetres, &theory, 0.01)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            text.contains("1 of 3") && text.contains("millimetres"),
+            "{text}"
+        );
+        // No position at all.
+        let error = line_match(&[], &theory, 0.01).unwrap_err();
+        assert_eq!(error, CorrelateError::NoLocatedSensor { sensors: 0 });
+    }
+
+    #[test]
+    fn sensors_at_different_positions_that_share_a_node_are_reported() {
+        let theory = [("11", 0.0), ("12", 0.1)];
+        let shared = |test: &[(&str, f64)]| {
+            let (_, findings) = line_match(test, &theory, 0.04).expect("near nodes");
+            let mut found = findings.into_iter();
+            found.find(|finding| finding.code == Code::NodeShared)
+        };
+        let finding = shared(&[("1", 0.0), ("2", 0.03), ("3", 0.1)]).expect("a shared node");
+        assert_eq!(finding.value, Some(2.0));
+        assert!(
+            finding.to_string().contains("1:+Z, 2:+Z at node 11"),
+            "{finding}"
+        );
+        // Two sensors at one position belong to one node.
+        assert_eq!(shared(&[("1", 0.0), ("2", 0.0), ("3", 0.1)]), None);
     }
 }

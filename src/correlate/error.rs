@@ -4,6 +4,47 @@ use crate::dof::Dof;
 use crate::linalg::LinalgError;
 use crate::theory::TheoryError;
 
+/// Minimum ratio of the extents of two geometries that is a matter of their units of length.
+/// Larger, at 2000: millimetres against metres are no unit. Smaller, at 10: a test of a part of a
+/// machine counts as one in another unit. Test
+/// `test_without_a_near_node_is_an_error_with_its_distances`.
+const MIN_EXTENT_RATIO_OF_UNITS: f64 = 100.0;
+
+/// Root mean square distances of the points of both geometries from their centres, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extents {
+    /// Of the test, in the frame of the theory.
+    pub test_m: f64,
+    /// Of the theory.
+    pub theory_m: f64,
+}
+
+impl Extents {
+    /// Whether they differ as units of length do.
+    pub fn differ_in_unit(&self) -> bool {
+        let larger = self.test_m.max(self.theory_m);
+        larger > MIN_EXTENT_RATIO_OF_UNITS * self.test_m.min(self.theory_m)
+    }
+}
+
+impl std::fmt::Display for Extents {
+    /// The probable cause of distances and the remedy.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { test_m, theory_m } = self;
+        let remedy = "--align fits rotation, translation and scale";
+        match self.differ_in_unit() {
+            true => write!(
+                f,
+                "the test extends over {test_m:.3e} m, the model over {theory_m:.3e} m: one is probably in millimetres; {remedy}"
+            ),
+            false => write!(
+                f,
+                "check frame and unit of both geometries, or state a larger --nearest-node; {remedy}"
+            ),
+        }
+    }
+}
+
 /// Why modes cannot be paired or compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -101,6 +142,32 @@ pub enum CorrelateError {
         scale: f64,
         /// Stated tolerance, m.
         tolerance_m: f64,
+    },
+    /// No sensor of the test near a node of the theory.
+    #[error(
+        "got {near} of {sensors} test sensors within {tolerance_m:.3e} m of a model node, expected more; the distances are {nearest_m:.3e} m to {farthest_m:.3e} m; {extents}"
+    )]
+    NoNearNode {
+        /// Sensors within the tolerance.
+        near: usize,
+        /// Sensors with a position.
+        sensors: usize,
+        /// Smallest distance of a sensor from its nearest node, m.
+        nearest_m: f64,
+        /// Largest one, m.
+        farthest_m: f64,
+        /// Stated tolerance, m.
+        tolerance_m: f64,
+        /// Extents of both geometries, for the cause.
+        extents: Extents,
+    },
+    /// Sensors without a position, or without a node that has their axes.
+    #[error(
+        "got {sensors} test sensors of which none has a position and a model node with its axis, expected nodes at the points of test and model, and motions along the same axes; name pairs with --dof-map FILE"
+    )]
+    NoLocatedSensor {
+        /// Sensors of the test.
+        sensors: usize,
     },
     /// Every fit gives several points one partner.
     #[error(

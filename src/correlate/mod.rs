@@ -54,7 +54,7 @@ pub use assignment::assign;
 pub use chance::ChanceLevel;
 pub use dof_map::{DofMap, DofPair};
 pub use dof_names::{DofNames, LocatedModes, Reading};
-pub use error::CorrelateError;
+pub use error::{CorrelateError, Extents};
 pub use expansion::expand_shapes;
 pub use footnote::Footnote;
 pub(crate) use model_roots::highest_rigid_hz;

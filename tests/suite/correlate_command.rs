@@ -414,6 +414,22 @@ fn a_test_in_another_frame_is_aligned_and_its_reversed_sensor_is_reported() {
 }
 
 #[test]
+fn match_of_no_sensor_is_an_error_that_names_distances_or_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [test, theory] = bracket(folder.path());
+    let files = ["correlate", "--test", &test, "--theory", &theory];
+    // The test is in millimetres, as its file does not say.
+    let error = fail(files.into_iter().chain(["--nearest-node", "0.002"]));
+    for part in ["of 33 test sensors", "2.000e-3 m", "millimetres", "--align"] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+    write(folder.path(), &[("map.csv", "1:+Z,901:+Z\n2:+Z,902:+Z\n")]);
+    let map = text(&folder.path().join("map.csv"));
+    let error = fail(files.into_iter().chain(["--dof-map", &map]));
+    assert!(error.contains("901, 902"), "{error}");
+}
+
+#[test]
 fn caption_digits_and_language_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let model = frame(1.0, &[1.0e4; 3], (0.1, 10.0));
