@@ -504,7 +504,7 @@ codes! {
         "SEREP replaces a test shape by the nearest combination of the modes that it keeps: as many of the lowest as the sensors separate. The value is the squared length of the remainder over that of the shape. Where it is large, the orthogonality looks better than the shape is. Check the MAC, use --orthogonality guyan, or measure at more points.";
     /// A test geometry that was fitted to that of the model.
     NodesAligned: "The points of the test were rotated, shifted and scaled onto those of the model.",
-        "The value is the scale, near 0.001 for millimetres read as metres. Several frames may fit equally well, because the points lie on a line or the machine is symmetric. This is then a warning, and the frame with the smallest rotation was taken. Check the distances and the MAC.";
+        "The value is the scale, near 0.001 for millimetres read as metres. Several frames may fit equally well, because the points lie on a line, cover a part of a grid, or the machine is symmetric. The detail says how many, and whether the shapes select one by their MAC. Where they do not, this is a warning, and the frame with the smallest rotation was taken. A scale that is no ratio of units of length is a warning, too: the fit is probably wrong. Check the distances and the MAC, or give a list of pairs with --align FILE.";
     /// Degrees of freedom without a counterpart.
     DofWithoutPartner: "A DOF of the test has no counterpart in the model and was left out of the comparison.",
         "MAC is computed on the DOFs that test and model have in common. State the missing ones as [[sensor]] in the scene.";

@@ -102,7 +102,7 @@ fn compare_with_theory(
         theory,
         names,
         alignment,
-    } = match_dofs(args, &mut tests, theory)?;
+    } = match_dofs(args, &mut tests, theory, &options)?;
     let states_no_sensors = model.as_ref().is_some_and(|model| model.sensors.is_empty());
     let mut without_sensors = false;
     let mut reversed = Vec::new();

@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use crate::correlate::{
-    Alignment, DofMap, DofNames, LocatedModes, Similarity, align_known, align_nearest,
+    Alignment, DofMap, DofNames, LocatedModes, PairOptions, Similarity, align_known, align_nearest,
+    mean_largest_mac,
 };
 use crate::error::Error;
 use crate::finding::{Code, Finding, Location, Severity};
@@ -31,6 +32,7 @@ pub fn match_dofs(
     args: &CorrelateArgs,
     tests: &mut [(String, Theory)],
     theory: Theory,
+    options: &PairOptions,
 ) -> Result<MatchedTheory, Error> {
     if let Some(path) = &args.dof_map {
         let has_shapes = has_shapes(&theory.modes);
@@ -54,7 +56,13 @@ pub fn match_dofs(
     )?;
     let alignment = match &args.align {
         None => None,
-        Some(list) => Some(fit_alignment(list.as_deref(), first, &theory, tolerance)?),
+        Some(list) => Some(fit_alignment(
+            list.as_deref(),
+            first,
+            &theory,
+            tolerance,
+            options,
+        )?),
     };
     let frame = alignment.as_ref().map(Alignment::similarity);
     let (names, findings) = DofNames::nearest(
@@ -126,11 +134,15 @@ fn fit_alignment(
     test: &Theory,
     theory: &Theory,
     tolerance_m: f64,
+    options: &PairOptions,
 ) -> Result<Alignment, Error> {
     let Some(path) = path else {
-        let positions = |modes| located(modes).sensor_positions();
-        let (test, theory) = (positions(test), positions(theory));
-        return Ok(align_nearest(&test, &theory, tolerance_m)?);
+        let (test, theory) = (located(test), located(theory));
+        let positions = [test, theory].map(|modes| modes.sensor_positions());
+        let fitted = align_nearest(&positions[0], &positions[1], tolerance_m)?;
+        return Ok(fitted.selected_by_shapes(|frame| {
+            mean_largest_mac(&test, &theory, frame, tolerance_m, options)
+        }));
     };
     let names = read_dof_list(path, "--align")?;
     let position = |geometry: &Geometry, point: &str| geometry.node(point).map(|node| node.at_m);
@@ -144,13 +156,39 @@ fn fit_alignment(
     Ok(align_known(&pairs, tolerance_m)?)
 }
 
+/// The fitted frame as a finding: a warning where its scale is no ratio of units, and where shapes
+/// do not select among frames that fit equally well.
 fn alignment_finding(alignment: &Alignment) -> Finding {
-    let severity = if alignment.as_good > 0 {
-        Severity::Warning
-    } else {
-        Severity::Info
+    let others = alignment.as_good_by_shape();
+    let is_undecided = match alignment.mean_mac {
+        Some(_) => others > 0,
+        None => alignment.as_good > 0,
     };
-    Finding::new(severity, Code::NodesAligned, Location::Whole).value(alignment.scale, "")
+    let is_odd = !alignment.has_unit_scale() && !alignment.known;
+    let severity = match is_undecided || is_odd {
+        true => Severity::Warning,
+        false => Severity::Info,
+    };
+    let finding = Finding::new(severity, Code::NodesAligned, Location::Whole);
+    let finding = finding.value(alignment.scale, "");
+    let mut details = Vec::new();
+    if is_odd {
+        details.push("no ratio of units of length".to_owned());
+    }
+    if alignment.as_good > 0 && !alignment.known {
+        details.push(format!("{} other frames fit as well", alignment.as_good));
+    }
+    let next = alignment.others.first().and_then(|other| other.mean_mac);
+    if let (Some(mac), Some(next)) = (alignment.mean_mac, next) {
+        details.push(match others {
+            0 => format!("the shapes select this one, mean MAC {mac:.3}, next {next:.3}"),
+            _ => format!("{others} of them with the same mean MAC, {mac:.3}"),
+        });
+    }
+    match details.is_empty() {
+        true => finding,
+        false => finding.detail(details.join("; ")),
+    }
 }
 
 fn check_nodes(path: &Path, geometry: &Geometry) -> Result<(), Error> {

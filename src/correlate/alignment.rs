@@ -9,7 +9,9 @@ use serde::Serialize;
 use crate::linalg::{Matrix3, Vector3, sort_ascending_by};
 
 use super::CorrelateError;
+use super::alignment_search::{frames_onto_nodes, is_unit_ratio};
 use super::nearest::PointTree;
+use super::similarity::{Similarity, extent, fit_similarity, fit_with_line_limit};
 
 /// Maximum number of iterations of closest points from one start.
 const MAX_ITERATIONS: usize = 60;
@@ -36,42 +38,13 @@ const MAX_RMS_OVER_BEST: f64 = 2.0;
 /// Maximum distance of equal points, over the extent of all points.
 pub(super) const MAX_DISTANCE_OF_EQUAL_POINTS: f64 = 1e-6;
 
-/// Maximum second extent of points on one line, over the first.
-const MAX_SECOND_EXTENT_OF_LINE: f64 = 1e-6;
+/// Maximum difference of equal mean MACs. Larger, at 0.1: a frame is kept although another one
+/// fits the shapes better. Smaller, at 0: noise of the shapes selects among the frames of a
+/// symmetric machine. Test `shapes_select_among_frames_that_fit_equally_well`.
+const MAX_DIFFERENCE_OF_EQUAL_MACS: f64 = 0.02;
 
-/// `x' = s R x + t`: points of the test in the theory's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Similarity {
-    /// `s`, above 0: 0.001 for a test in millimetres that counts them as metres.
-    pub scale: f64,
-    /// `R`, a rotation without reflection.
-    pub rotation: Matrix3,
-    /// `t`, m.
-    pub shift_m: Vector3,
-}
-
-impl Similarity {
-    /// The identity.
-    pub fn identity() -> Self {
-        Self {
-            scale: 1.0,
-            rotation: Matrix3::identity(),
-            shift_m: Vector3::zeros(),
-        }
-    }
-
-    /// A point of the test in the theory's frame, m.
-    pub fn position(&self, point: &Vector3) -> Vector3 {
-        self.rotation * point * self.scale + self.shift_m
-    }
-
-    /// Angle of the rotation, rad.
-    pub fn angle(&self) -> f64 {
-        ((self.rotation.trace() - 1.0) / 2.0)
-            .clamp(-1.0, 1.0)
-            .acos()
-    }
-}
+/// Maximum number of other frames in a result.
+const MAX_OTHERS: usize = 63;
 
 /// A fitted frame with its residual distances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -90,10 +63,17 @@ pub struct Alignment {
     pub points: usize,
     /// Whether the partners were known; else they are the closest points.
     pub known: bool,
-    /// Number of equally good fits with other frames; this one has the smallest rotation. More than
-    /// 0 for points that a rotation maps onto one another, and 1 for points on one line, whose
-    /// rotation about it is arbitrary.
+    /// Number of equally good fits with other frames; of these and this one the shapes select, then
+    /// the smallest rotation. More than 0 for points that a rotation maps onto one another, and 1
+    /// for points on one line, whose rotation about it is arbitrary.
     pub as_good: usize,
+    /// Mean of the largest MAC of each test mode in this frame, where shapes selected it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_mac: Option<f64>,
+    /// Equally good fits with other frames, up to 63, the largest mean MAC first where it is known;
+    /// none where the partners were known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<Alignment>,
     #[serde(skip)]
     similarity: Similarity,
 }
@@ -111,6 +91,8 @@ impl Alignment {
             points: pairs.len(),
             known,
             as_good: 0,
+            mean_mac: None,
+            others: Vec::new(),
             similarity: fit,
         }
     }
@@ -118,6 +100,43 @@ impl Alignment {
     /// The fitted frame.
     pub fn similarity(&self) -> Similarity {
         self.similarity
+    }
+
+    /// Whether the scale is a ratio of common units of length.
+    pub fn has_unit_scale(&self) -> bool {
+        is_unit_ratio(self.scale)
+    }
+
+    /// Number of the other frames with a mean MAC as large as that of this one.
+    pub fn as_good_by_shape(&self) -> usize {
+        let largest = self.mean_mac.unwrap_or(0.0);
+        let macs = self.others.iter().filter_map(|other| other.mean_mac);
+        macs.filter(|mac| *mac >= largest - MAX_DIFFERENCE_OF_EQUAL_MACS)
+            .count()
+    }
+
+    /// The frame of the largest mean MAC among this one and [`Self::others`]; of those that differ
+    /// by less than 0.02 the one with the smallest rotation. Unchanged where a frame has none.
+    pub fn selected_by_shapes(mut self, mean_mac: impl Fn(&Similarity) -> Option<f64>) -> Self {
+        if self.others.is_empty() {
+            return self;
+        }
+        let others = std::mem::take(&mut self.others);
+        let as_good = self.as_good;
+        let mut all = Vec::with_capacity(others.len() + 1);
+        for mut fit in std::iter::once(self).chain(others) {
+            fit.mean_mac = mean_mac(&fit.similarity);
+            all.push(fit);
+        }
+        let mac = |fit: &Alignment| fit.mean_mac.unwrap_or(0.0);
+        let largest = all.iter().map(mac).fold(0.0, f64::max);
+        let equal = |fit: &Alignment| mac(fit) >= largest - MAX_DIFFERENCE_OF_EQUAL_MACS;
+        // The frames are in the order of their rotation.
+        let selected = all.iter().position(equal).unwrap_or(0);
+        let mut selected = all.remove(selected);
+        all.sort_by(|a, b| mac(b).total_cmp(&mac(a)));
+        (selected.as_good, selected.others) = (as_good, all);
+        selected
     }
 
     /// This fit where no distance exceeds `tolerance_m`.
@@ -143,68 +162,6 @@ fn distances(fit: &Similarity, pairs: &[(Vector3, Vector3)]) -> (f64, f64) {
     let squares: f64 = pairs.iter().map(|pair| apart(pair).powi(2)).sum();
     let rms = (squares / pairs.len().max(1) as f64).sqrt();
     (rms, pairs.iter().map(apart).fold(0.0, f64::max))
-}
-
-/// The similarity that brings points `x` nearest to their partners `y` in the sense of least
-/// squares.
-///
-/// With the means taken out, `Σ y x^T / n = U D V^T`: `R = U S V^T`, `s = tr(D S)/σ_x² = tr(R^T
-/// Σ)/σ_x²`, `t = ȳ − s R x̄`, where `S = diag(1, 1, det U det V)` keeps `R` from being a
-/// reflection. For points on one line it is the smallest rotation. `None` for fewer than two
-/// distinct points.
-///
-/// # Reference
-/// Umeyama (1991), Least-squares estimation of transformation parameters between two point
-/// patterns, IEEE PAMI 13(4), eq. 39 to 43; Kabsch (1976), Acta Crystallographica A32, 922.
-pub fn fit_similarity(pairs: &[(Vector3, Vector3)]) -> Option<Similarity> {
-    fit_with_line_limit(pairs, MAX_SECOND_EXTENT_OF_LINE)
-}
-
-/// [`fit_similarity`] with the smallest rotation where the second extent is at most `on_a_line` of
-/// the first.
-fn fit_with_line_limit(pairs: &[(Vector3, Vector3)], on_a_line: f64) -> Option<Similarity> {
-    let count = pairs.len() as f64;
-    let mean = |of: fn(&(Vector3, Vector3)) -> Vector3| {
-        pairs.iter().map(of).sum::<Vector3>() / count.max(1.0)
-    };
-    let (x_mean, y_mean) = (mean(|pair| pair.0), mean(|pair| pair.1));
-    let centred = || pairs.iter().map(|(x, y)| (x - x_mean, y - y_mean));
-    let spread = centred().map(|(x, _)| x.norm_squared()).sum::<f64>() / count.max(1.0);
-    let covariance = centred().map(|(x, y)| y * x.transpose()).sum::<Matrix3>() / count.max(1.0);
-    let svd = covariance.svd(true, true);
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let values = svd.singular_values;
-    if pairs.len() < 2 || values[0] <= 0.0 {
-        return None;
-    }
-    let sign = (u.determinant() * v_t.determinant()).signum();
-    let rotation = if values[1] <= on_a_line * values[0] {
-        least_rotation(v_t.row(0).transpose(), u.column(0).into_owned())
-    } else {
-        u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t
-    };
-    let scale = (rotation.transpose() * covariance).trace() / spread;
-    Some(Similarity {
-        scale,
-        rotation,
-        shift_m: y_mean - rotation * x_mean * scale,
-    })
-}
-
-/// The smallest rotation that brings one unit vector onto another: by Rodrigues' formula with `c =
-/// a · b`, `w = a × b`, `R = I + [w] + [w]²/(1 + c)`; half a turn about a perpendicular axis where
-/// they point against each other.
-fn least_rotation(a: Vector3, b: Vector3) -> Matrix3 {
-    let (cosine, w) = (a.dot(&b), a.cross(&b));
-    if cosine < -1.0 + 1e-12 {
-        let least = (0..3).min_by(|&i, &j| a[i].abs().total_cmp(&a[j].abs()));
-        let mut other = Vector3::zeros();
-        other[least.unwrap_or(0)] = 1.0;
-        let axis = a.cross(&other).normalize();
-        return axis * axis.transpose() * 2.0 - Matrix3::identity();
-    }
-    let cross = w.cross_matrix();
-    Matrix3::identity() + cross + cross * cross / (1.0 + cosine)
 }
 
 /// The frame fitted to points whose partners are known.
@@ -250,23 +207,30 @@ fn are_on_one_line(fit: &Similarity, pairs: &[(Vector3, Vector3)], tolerance_m: 
     })
 }
 
-/// The frame fitted to points whose partners are not known: each point's nearest one, fitted again
-/// until nothing changes, from several starts (the frames as they are, and the principal axes of
-/// both in every order and direction; at the scale as it is, and at that of both extents).
+/// The frame fitted to points whose partners are not known.
 ///
-/// Equal points count once. With more than 200 points of the test, the fits use 200 that lie far
-/// apart, and up to 24 of the best are refined with all points. A fit counts when it maps the
-/// points one-to-one to partners. The smallest root mean square distance wins. Of equally good fits
-/// the one with the smallest rotation wins, and the result has their number. Points that cover
-/// another part than the theory's may need a list of partners.
+/// First, triangles of three test points are compared with triangles of the theory's points, at the
+/// ratios of common units of length; frames that map all points near partners are fitted to these.
+/// Where no frame does, each point's nearest one is its partner, fitted again until nothing
+/// changes, from several starts (the frames as they are, and the principal axes of both in every
+/// order and direction; at the scale as it is, and at that of both extents).
+///
+/// Equal points count once. With more than 200 points of the test, the iterated fits use 200 that
+/// lie far apart, and up to 24 of the best are refined with all points. A fit counts when it maps
+/// the points one-to-one to partners. The smallest root mean square distance wins. Of equally good
+/// fits the one with the smallest rotation wins, then that of the smallest translation; the result
+/// has the others. Points that cover another part than the theory's may need a list of partners.
 ///
 /// # Errors
 /// [`CorrelateError::FewPoints`] for fewer than three points on either side or fewer partners than
-/// points; [`CorrelateError::NoDistinctPartners`] where no fit counts;
-/// [`CorrelateError::NotAligned`] where none is within the tolerance.
+/// points; [`CorrelateError::Mirrored`] where a reflection fits and no rotation;
+/// [`CorrelateError::NoDistinctPartners`] where no fit counts; [`CorrelateError::NotAligned`] where
+/// none is within the tolerance.
 ///
 /// # Reference
-/// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2).
+/// Besl and McKay (1992), A method for registration of 3-D shapes, IEEE PAMI 14(2); Aiger, Mitra
+/// and Cohen-Or (2008), 4-points congruent sets for robust pairwise surface registration, ACM
+/// Transactions on Graphics 27(3) (congruent bases of few points).
 pub fn align_nearest(
     test: &[Vector3],
     theory: &[Vector3],
@@ -279,21 +243,80 @@ pub fn align_nearest(
         let expected = needed;
         return Err(CorrelateError::FewPoints { got, expected });
     }
-    let fits = best_fits(test, theory);
-    let Some(best) = fits.first() else {
-        return Err(CorrelateError::NoDistinctPartners {
+    let tree = PointTree::new(theory.iter().map(|&p| p.into()).collect());
+    let onto_nodes = fits_onto_nodes(test, theory, &tree, tolerance_m);
+    if !onto_nodes.is_empty() {
+        return Ok(smallest_rotation(onto_nodes));
+    }
+    let fits = best_fits(test, theory, &tree);
+    let fitted = match fits.first() {
+        None => Err(CorrelateError::NoDistinctPartners {
             points: test.len(),
             partners: theory.len(),
-        });
+        }),
+        Some(best) => {
+            let limit = best.rms_m + MAX_RMS_DIFFERENCE_OVER_EXTENT * extent(theory);
+            let as_good = fits.into_iter().filter(|fit| fit.rms_m <= limit);
+            let different = distinct_fits(as_good, test, extent(theory));
+            smallest_rotation(different).check_tolerance(tolerance_m)
+        }
     };
-    let limit = best.rms_m + MAX_RMS_DIFFERENCE_OVER_EXTENT * extent(theory);
-    let as_good = fits.into_iter().filter(|fit| fit.rms_m <= limit);
-    let mut different = distinct_fits(as_good, test, extent(theory));
-    let angle = |fit: &Alignment| fit.similarity.angle();
-    sort_ascending_by(&mut different, angle);
-    let as_good = different.len() - 1;
-    let chosen = different.swap_remove(0);
-    Alignment { as_good, ..chosen }.check_tolerance(tolerance_m)
+    let mirrored = || -> bool {
+        let mirrored: Vec<Vector3> = test.iter().map(|p| Vector3::new(p.x, p.y, -p.z)).collect();
+        !fits_onto_nodes(&mirrored, theory, &tree, tolerance_m).is_empty()
+    };
+    match fitted {
+        Err(_) if mirrored() => Err(CorrelateError::Mirrored { tolerance_m }),
+        fitted => fitted,
+    }
+}
+
+/// Fits within the tolerance that map all points near nodes, each set of partners once; of these
+/// those with a root mean square distance as small as the best.
+fn fits_onto_nodes(
+    test: &[Vector3],
+    theory: &[Vector3],
+    tree: &PointTree,
+    tolerance_m: f64,
+) -> Vec<Alignment> {
+    let frames = frames_onto_nodes(test, theory, tree, tolerance_m);
+    let refine = |frame| iterate_closest_points(frame, test, theory, tree);
+    let refined: Vec<Option<PartnerFit>> = frames.into_par_iter().map(refine).collect();
+    let mut known = BTreeSet::new();
+    let mut fits: Vec<Alignment> = refined
+        .into_iter()
+        .flatten()
+        .filter(|fit| fit.alignment.largest_m <= tolerance_m)
+        .filter(|fit| known.insert(fit.partners.clone()))
+        .map(|fit| fit.alignment)
+        .collect();
+    sort_ascending_by(&mut fits, |fit| fit.rms_m);
+    let best = fits.first().map_or(0.0, |fit| fit.rms_m);
+    let limit = MAX_RMS_OVER_BEST * best + MAX_RMS_DIFFERENCE_OVER_EXTENT * extent(theory);
+    fits.retain(|fit| fit.rms_m <= limit);
+    fits
+}
+
+/// The fit of the smallest rotation, then of the smallest translation of the points, with the
+/// others.
+///
+/// # Panics
+/// Without a fit.
+fn smallest_rotation(mut fits: Vec<Alignment>) -> Alignment {
+    let steps = |value: f64| (value * 1e6).round();
+    let rank = |fit: &Alignment| {
+        let shift = Vector3::from(fit.shift_m).norm();
+        [fit.similarity.angle(), shift].map(steps)
+    };
+    fits.sort_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+    });
+    let as_good = fits.len() - 1;
+    let mut chosen = fits.remove(0);
+    fits.truncate(MAX_OTHERS);
+    (chosen.as_good, chosen.others) = (as_good, fits);
+    chosen
 }
 
 /// The distinct points, of equal ones the first.
@@ -306,14 +329,14 @@ fn distinct_points(points: &[Vector3]) -> Vec<Vector3> {
 }
 
 /// Fits that map the points one-to-one to partners, the one with the smallest distance first.
-fn best_fits(test: &[Vector3], theory: &[Vector3]) -> Vec<Alignment> {
-    let tree = PointTree::new(theory.iter().map(|&p| p.into()).collect());
+fn best_fits(test: &[Vector3], theory: &[Vector3], tree: &PointTree) -> Vec<Alignment> {
     let from = |starts: Vec<Similarity>, points: &[Vector3]| {
         let runs = starts.into_par_iter();
-        let fits: Vec<Option<Alignment>> = runs
-            .map(|start| iterate_closest_points(start, points, theory, &tree))
+        let fits: Vec<Option<PartnerFit>> = runs
+            .map(|start| iterate_closest_points(start, points, theory, tree))
             .collect();
-        let mut fits: Vec<Alignment> = fits.into_iter().flatten().collect();
+        let fits = fits.into_iter().flatten().map(|fit| fit.alignment);
+        let mut fits: Vec<Alignment> = fits.collect();
         sort_ascending_by(&mut fits, |fit| fit.rms_m);
         fits
     };
@@ -383,14 +406,6 @@ fn distinct_fits(
     different
 }
 
-/// Root mean square distance from the centre, m; 0 without points.
-pub(super) fn extent(points: &[Vector3]) -> f64 {
-    let count = points.len().max(1) as f64;
-    let centre = points.iter().sum::<Vector3>() / count;
-    let squares: f64 = points.iter().map(|p| (p - centre).norm_squared()).sum();
-    (squares / count).sqrt()
-}
-
 /// Centre and principal axes (columns, right-handed, longest first).
 fn principal_axes(points: &[Vector3]) -> (Vector3, Matrix3) {
     let centre = points.iter().sum::<Vector3>() / points.len() as f64;
@@ -447,13 +462,19 @@ fn start_frames(test: &[Vector3], theory: &[Vector3]) -> Vec<Similarity> {
     found
 }
 
+/// A fit with the index of the partner of each test point.
+struct PartnerFit {
+    alignment: Alignment,
+    partners: Vec<usize>,
+}
+
 /// Iterates closest points and fit from a start; `None` where two points have the same partner.
 fn iterate_closest_points(
     start: Similarity,
     test: &[Vector3],
     theory: &[Vector3],
     tree: &PointTree,
-) -> Option<Alignment> {
+) -> Option<PartnerFit> {
     let mut fit = start;
     let mut partners: Vec<usize> = Vec::new();
     for _ in 0..MAX_ITERATIONS {
@@ -467,7 +488,10 @@ fn iterate_closest_points(
     }
     let distinct: BTreeSet<usize> = partners.iter().copied().collect();
     let pairs = partner_pairs(test, theory, &partners);
-    (distinct.len() == test.len()).then(|| Alignment::new(fit, &pairs, false))
+    (distinct.len() == test.len()).then(|| PartnerFit {
+        alignment: Alignment::new(fit, &pairs, false),
+        partners,
+    })
 }
 
 fn partner_pairs(

@@ -1,10 +1,19 @@
 //! Frames fitted to points, known and found.
 
+use num_complex::Complex64;
 use proptest::prelude::*;
+use rand::seq::SliceRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
-use super::CorrelateError;
-use super::alignment::{Similarity, align_known, align_nearest, fit_similarity};
+use super::alignment::{Alignment, align_known, align_nearest};
+use super::alignment_shapes::mean_largest_mac;
+use super::similarity::{Similarity, fit_similarity};
+use super::{CorrelateError, LocatedModes, PairOptions};
+use crate::dof::Dof;
+use crate::geometry::{Geometry, Node};
 use crate::linalg::{Matrix3, Vector3};
+use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 
 fn turn(axis: [f64; 3], angle: f64) -> Matrix3 {
     let axis = Vector3::from(axis).normalize();
@@ -257,4 +266,207 @@ fn too_few_points_are_refused() {
         }
     );
     assert!(align_nearest(&bracket(), &bracket()[..4], 1.0).is_err());
+}
+
+/// A structure of which some nodes carry sensors, in another frame and unit.
+struct Drawn {
+    theory: Vec<Vector3>,
+    test: Vec<Vector3>,
+    /// The node of each sensor.
+    nodes: Vec<usize>,
+    /// From the test's unit to metres.
+    scale: f64,
+    /// Largest error of a position, m.
+    error_m: f64,
+    tolerance_m: f64,
+}
+
+/// Structures with their nodes, most of them symmetric: a rectangular plate, a square one, a ring
+/// and a tower.
+const KINDS: [&str; 4] = ["plate", "square plate", "ring", "tower"];
+
+fn structure(kind: usize, random: &mut ChaCha8Rng) -> (Vec<Vector3>, f64) {
+    let grid = |columns: u32, rows: u32, pitch: f64| {
+        let at = move |i: u32, j: u32| Vector3::new(f64::from(i), f64::from(j), 0.0) * pitch;
+        (0..columns).flat_map(move |i| (0..rows).map(move |j| at(i, j)))
+    };
+    match kind {
+        0 => (
+            grid(random.random_range(8..20), random.random_range(5..8), 0.05).collect(),
+            0.05,
+        ),
+        1 => {
+            let side = random.random_range(6..14);
+            (grid(side, side, 0.08).collect(), 0.08)
+        }
+        2 => {
+            let count = random.random_range(12..48);
+            let at = |i: u32| f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+            let node = |i: u32| Vector3::new(at(i).cos(), at(i).sin(), 0.0) * 0.4;
+            let pitch = 0.8 * (std::f64::consts::PI / f64::from(count)).sin();
+            ((0..count).map(node).collect(), pitch)
+        }
+        _ => {
+            let storeys = random.random_range(4..12);
+            let corner = |i: u32, (x, y): (f64, f64)| Vector3::new(x, y, 3.0 * f64::from(i));
+            let corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)];
+            let storey = move |i: u32| corners.map(|at| corner(i, at));
+            ((0..storeys).flat_map(storey).collect(), 3.0)
+        }
+    }
+}
+
+fn draw(kind: usize, seed: u64) -> Drawn {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (theory, pitch) = structure(kind, &mut random);
+    let mut nodes: Vec<usize> = (0..theory.len()).collect();
+    nodes.shuffle(&mut random);
+    nodes.truncate(random.random_range(6..theory.len().clamp(7, 60)));
+    let error_m = pitch * [0.0, 0.01, 0.04][random.random_range(0..3)];
+    let scale = [1.0, 1e-3, 1e3][random.random_range(0..3)];
+    let mut number = || random.random_range(-1.0..1.0);
+    let axis = [number(), number(), number()];
+    let truth = Similarity {
+        scale,
+        rotation: turn(axis, std::f64::consts::PI * number()),
+        shift_m: Vector3::new(number(), number(), number()),
+    };
+    let mut sensor = |node: &usize| {
+        let off = Vector3::new(number(), number(), number()) * (error_m / 3f64.sqrt());
+        truth.rotation.transpose() * (theory[*node] + off - truth.shift_m) / truth.scale
+    };
+    let test = nodes.iter().map(&mut sensor).collect();
+    Drawn {
+        theory,
+        test,
+        nodes,
+        scale,
+        error_m,
+        tolerance_m: 0.15 * pitch,
+    }
+}
+
+impl Drawn {
+    /// Why an alignment is wrong: it is none, its scale is no unit's, a sensor is farther from a
+    /// node than its position is known, or the frame of the truth is not among those that fit.
+    fn fault(&self) -> Option<String> {
+        let found = match align_nearest(&self.test, &self.theory, self.tolerance_m) {
+            Ok(found) => found,
+            Err(error) => return Some(error.to_string()),
+        };
+        if (found.scale / self.scale - 1.0).abs() > 0.02 {
+            return Some(format!("scale {} for {}", found.scale, self.scale));
+        }
+        if found.largest_m > 2.0 * self.error_m + 1e-9 {
+            return Some(format!("{} m off", found.largest_m));
+        }
+        let is_truth = |fit: &Alignment| {
+            let mut both = self.test.iter().zip(&self.nodes);
+            let near = |at: Vector3, node: usize| (at - self.theory[node]).norm();
+            both.all(|(x, node)| {
+                near(fit.similarity().position(x), *node) <= 2.0 * self.error_m + 1e-9
+            })
+        };
+        let mut all = std::iter::once(&found).chain(&found.others);
+        let listed = all.any(is_truth) || found.as_good > found.others.len();
+        (!listed).then(|| format!("truth is none of {} frames", found.as_good + 1))
+    }
+}
+
+#[test]
+fn sensors_on_nodes_in_another_frame_and_unit_find_an_exact_fit() {
+    for (kind, name) in KINDS.iter().enumerate() {
+        let faults: Vec<(u64, String)> = (0..60)
+            .filter_map(|seed| Some((seed, draw(kind, seed).fault()?)))
+            .collect();
+        assert!(faults.is_empty(), "{name}: {faults:?}");
+    }
+}
+
+/// Modes of a plate of 6 by 4 points that move across it, and their positions.
+fn plate_modes(points: &[Vector3], shapes: [fn(f64, f64) -> f64; 2]) -> ModalModel {
+    let mode = |(hz, shape): (f64, fn(f64, f64) -> f64)| {
+        let value = |(i, p): (usize, &Vector3)| {
+            let dof: Dof = format!("{}:+Z", i + 1).parse().unwrap();
+            (dof, Complex64::from(shape(p.x, p.y)))
+        };
+        let shape = ModeShape::new(points.iter().enumerate().map(value));
+        Mode::new(hz, None, shape, Scaling::Unknown)
+    };
+    ModalModel {
+        modes: [100.0, 210.0].into_iter().zip(shapes).map(mode).collect(),
+        ..ModalModel::default()
+    }
+}
+
+/// The alignment of a plate half a turn about x, selected by these shapes.
+fn plate_selected_by(shapes: [fn(f64, f64) -> f64; 2]) -> Alignment {
+    let at = |i: i32, j: i32| Vector3::new(0.1 * f64::from(i), 0.13 * f64::from(j), 0.0);
+    let theory: Vec<Vector3> = (0..6).flat_map(|i| (0..4).map(move |j| at(i, j))).collect();
+    let half_turn = turn([1.0, 0.0, 0.0], std::f64::consts::PI);
+    let test: Vec<Vector3> = theory.iter().map(|p| half_turn.transpose() * p).collect();
+    let geometry = |points: &[Vector3]| Geometry {
+        nodes: (1..)
+            .zip(points)
+            .map(|(n, p): (usize, _)| Node::new(n.to_string(), *p))
+            .collect(),
+        ..Geometry::default()
+    };
+    // Both have the motion across the plate at the same points, with the opposite sign.
+    let modes = plate_modes(&theory, shapes);
+    let nodes = [geometry(&test), geometry(&theory)];
+    let [test_modes, theory_modes] = nodes.each_ref().map(|geometry| LocatedModes {
+        modes: &modes,
+        geometry,
+    });
+    let options = PairOptions::default();
+    let fitted = align_nearest(&test, &theory, 0.005).unwrap();
+    fitted.selected_by_shapes(|frame| {
+        mean_largest_mac(&test_modes, &theory_modes, frame, 0.005, &options)
+    })
+}
+
+#[test]
+fn shapes_select_among_frames_that_fit_equally_well() {
+    let selected = plate_selected_by([|x, y| 1.0 + 3.0 * x - 9.0 * y * x, |x, y| x - 4.0 * y * y]);
+    assert_eq!((selected.as_good, selected.as_good_by_shape()), (3, 0));
+    assert!(selected.mean_mac.unwrap() > 0.999, "{selected:?}");
+    let half_turn = turn([1.0, 0.0, 0.0], std::f64::consts::PI);
+    assert!((selected.similarity().rotation - half_turn).norm() < 1e-9);
+    let next = selected.others[0].mean_mac.unwrap();
+    assert!(next < 0.95, "{next}");
+    // Shapes with the symmetry of the plate select none; the smallest rotation is taken.
+    let symmetric = plate_selected_by([
+        |x, y| (x - 0.25) * (y - 0.195),
+        |x, y| (x - 0.25).powi(2) - (y - 0.195).powi(2),
+    ]);
+    assert_eq!((symmetric.as_good, symmetric.as_good_by_shape()), (3, 3));
+    assert!(symmetric.similarity().angle() < 1e-9, "{symmetric:?}");
+}
+
+#[test]
+fn points_that_only_a_reflection_fits_are_an_error_that_says_so() {
+    let mut theory = bracket();
+    theory.push(Vector3::new(0.3, 0.1, -0.25));
+    let test: Vec<Vector3> = theory
+        .iter()
+        .map(|p| Vector3::new(-p.x, p.y, p.z))
+        .collect();
+    let error = align_nearest(&test, &theory, 0.005).unwrap_err();
+    assert_eq!(error, CorrelateError::Mirrored { tolerance_m: 0.005 });
+}
+
+#[test]
+fn scale_that_is_no_ratio_of_units_is_found_and_marked() {
+    let theory = bracket();
+    let test: Vec<Vector3> = theory.iter().map(|p| p / 0.786).collect();
+    let alignment = align_nearest(&test, &theory, 0.005).unwrap();
+    assert!((alignment.scale - 0.786).abs() < 1e-9, "{alignment:?}");
+    assert!(!alignment.has_unit_scale());
+    let inches: Vec<Vector3> = theory.iter().map(|p| p / 0.0254).collect();
+    assert!(
+        align_nearest(&inches, &theory, 0.005)
+            .unwrap()
+            .has_unit_scale()
+    );
 }

@@ -11,9 +11,10 @@ use crate::geometry::Geometry;
 use crate::linalg::Vector3;
 use crate::modal::{ModalModel, ModeShape};
 
-use super::alignment::{MAX_DISTANCE_OF_EQUAL_POINTS, extent};
+use super::CorrelateError;
+use super::alignment::MAX_DISTANCE_OF_EQUAL_POINTS;
 use super::error::Extents;
-use super::{CorrelateError, Similarity};
+use super::similarity::{Similarity, extent};
 
 /// Minimum component of a unit direction along an axis of the theory that the reading includes.
 const MIN_DIRECTION_COMPONENT: f64 = 1e-3;

@@ -143,6 +143,14 @@ pub enum CorrelateError {
         /// Stated tolerance, m.
         tolerance_m: f64,
     },
+    /// Points that only a reflection maps to the theory's.
+    #[error(
+        "got test points that a reflection maps onto the model within {tolerance_m:.3e} m and no rotation, expected right-handed axes on both sides; reverse one coordinate of the test and the motions along it"
+    )]
+    Mirrored {
+        /// Stated tolerance, m.
+        tolerance_m: f64,
+    },
     /// No sensor of the test near a node of the theory.
     #[error(
         "got {near} of {sensors} test sensors within {tolerance_m:.3e} m of a model node, expected more; the distances are {nearest_m:.3e} m to {farthest_m:.3e} m; {extents}"

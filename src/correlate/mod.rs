@@ -7,6 +7,8 @@
 //! paper with its tables. This module must not compute modes, and must not print or write results.
 
 mod alignment;
+mod alignment_search;
+mod alignment_shapes;
 mod assignment;
 mod candidates;
 mod chance;
@@ -31,6 +33,7 @@ pub mod published;
 mod reversed_sensors;
 mod shape_match;
 mod shapes;
+mod similarity;
 mod subspace;
 mod table;
 mod table_cell;
@@ -49,7 +52,8 @@ mod table_tests;
 #[cfg(test)]
 mod verdict_tests;
 
-pub use alignment::{Alignment, Similarity, align_known, align_nearest, fit_similarity};
+pub use alignment::{Alignment, align_known, align_nearest};
+pub use alignment_shapes::mean_largest_mac;
 pub use assignment::assign;
 pub use chance::ChanceLevel;
 pub use dof_map::{DofMap, DofPair};
@@ -68,6 +72,7 @@ pub use partner::{Basis, Competitor, NearMiss, Pair, PairVerdict, Partner, Unpai
 pub use placement::{Placement, PlannedRoot, RankedHit, Step, placement};
 pub use placement_candidates::Candidates;
 pub use shape_match::{ShapeMatch, mean_ratio};
+pub use similarity::{Similarity, fit_similarity};
 pub use subspace::{principal_angles_deg, subspace_mac};
 pub use table::{ComparisonTable, SummedCell, TestSummary, compare, summary_of_cells};
 pub use table_row::{PairedTest, Row, Status, TestCell, TheoryCell};

@@ -1,7 +1,7 @@
 //! A tree of boxes finds the nearest of many points; each box is halved along its longest side.
 
 use std::cmp::Ordering;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Maximum number of points of a box that is not halved.
 const MAX_LEAF_POINTS: usize = 8;
@@ -50,6 +50,34 @@ impl PointTree {
         };
         self.search(0, at, &mut best);
         best.index
+    }
+
+    /// Distance of a position from the nearest point; 0 without points.
+    pub fn distance(&self, at: [f64; 3]) -> f64 {
+        let nearest = self.points.get(self.nearest(at));
+        nearest.map_or(0.0, |point| squared_distance(*point, at).sqrt())
+    }
+
+    /// Indices of the points whose distance from a position is in a range, ascending.
+    pub fn at_distance(&self, at: [f64; 3], range: RangeInclusive<f64>) -> Vec<usize> {
+        let (mut found, mut open) = (Vec::new(), vec![0]);
+        while let Some(number) = open.pop() {
+            let here = &self.boxes[number];
+            let (nearest, farthest) = (here.squared(at).sqrt(), here.farthest_squared(at).sqrt());
+            if nearest > *range.end() || farthest < *range.start() {
+                continue;
+            }
+            if let Some(halves) = here.halves {
+                open.extend(halves);
+                continue;
+            }
+            let indices = self.order[here.range.clone()].iter().copied();
+            let in_range =
+                |&index: &usize| range.contains(&squared_distance(self.points[index], at).sqrt());
+            found.extend(indices.filter(in_range));
+        }
+        found.sort_unstable();
+        found
     }
 
     /// Adds the box of a range and those of its halves; returns the index of the box.
@@ -128,6 +156,15 @@ impl PointBox {
         let nearest = [0, 1, 2].map(|i| at[i].max(self.lowest[i]).min(self.highest[i]));
         squared_distance(nearest, at)
     }
+
+    /// Squared distance of a position from the farthest corner, an upper bound for the points.
+    fn farthest_squared(&self, at: [f64; 3]) -> f64 {
+        let farther = |i: usize| match at[i] - self.lowest[i] > self.highest[i] - at[i] {
+            true => self.lowest[i],
+            false => self.highest[i],
+        };
+        squared_distance([0, 1, 2].map(farther), at)
+    }
 }
 
 fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -153,8 +190,12 @@ mod tests {
             let at = point(at, 0.5);
             let all = 0..points.len();
             let apart = |i: &usize| squared_distance(points[*i], at);
-            let expected = all.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            prop_assert_eq!(PointTree::new(points.clone()).nearest(at), expected.unwrap());
+            let tree = PointTree::new(points.clone());
+            let within: Vec<usize> = all.clone().filter(|i| (1.0..=9.0).contains(&apart(i))).collect();
+            prop_assert_eq!(tree.at_distance(at, 1.0..=3.0), within);
+            let expected = all.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            prop_assert_eq!(tree.nearest(at), expected);
+            prop_assert_eq!(tree.distance(at), apart(&expected).sqrt());
         }
     }
 }

@@ -58,7 +58,7 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
     let partners = if alignment.known {
         "with the partners that were given (Umeyama 1991)"
     } else {
-        "with unknown partners: the nearest point of each, from several starts (Umeyama 1991; Besl and McKay 1992)"
+        "with unknown partners: triangles of points, then the nearest point of each (Umeyama 1991; Besl and McKay 1992)"
     };
     let mut footnotes = vec![
         format!(
@@ -75,10 +75,7 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
             "Points on a line within the tolerance determine no rotation about it.".to_owned(),
         );
     } else if alignment.as_good > 0 {
-        let others = alignment.as_good;
-        footnotes.push(format!(
-            "{others} other frames fit equally well; this one has the smallest rotation."
-        ));
+        footnotes.push(other_frames_note(alignment));
     }
     Block::Table(Table {
         caption: "The test's points in the theory's frame".to_owned(),
@@ -86,6 +83,34 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
         rows: (0..3).map(row).collect(),
         footnotes,
     })
+}
+
+/// The frames that fit as well as the one that was taken, and why this one.
+fn other_frames_note(alignment: &Alignment) -> String {
+    /// Number of frames that are named; the JSON has all.
+    const NAMED: usize = 4;
+    let others = alignment.others.iter().take(NAMED).map(|other| {
+        let [x, y, z] = other.shift_m;
+        let angle = other.similarity().angle().to_degrees();
+        let mac = other.mean_mac.map(|mac| format!(", mean MAC {mac:.3}"));
+        format!(
+            "{angle:.1}° and ({x:.4}, {y:.4}, {z:.4}) m{}",
+            mac.unwrap_or_default()
+        )
+    });
+    let others: Vec<String> = others.collect();
+    let reason = match (alignment.mean_mac, alignment.as_good_by_shape()) {
+        (Some(mac), 0) => format!("the shapes select this one, mean MAC {mac:.3}"),
+        (Some(mac), count) => format!(
+            "{count} of them with the same mean MAC, {mac:.3}; this one has the smallest rotation"
+        ),
+        (None, _) => "this one has the smallest rotation".to_owned(),
+    };
+    format!(
+        "{} other frames fit equally well, {reason}. Others: rotation and shift {}.",
+        alignment.as_good,
+        others.join("; ")
+    )
 }
 
 /// Sign-reversed sensors compared with the theory; `None` without any.
