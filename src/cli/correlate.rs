@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::correlate::measures::{
     AutoMac, DuplicateLimits, Measures, Orthogonality, ReducedMass, Reduction, ReversedSensor,
-    auto_mac, measures, orthogonality, orthogonality_dofs, reverse_sensors, reversed_findings,
-    reversed_sensors, serep_modes,
+    auto_mac, expansion_modes, measures, orthogonality, orthogonality_dofs, reverse_sensors,
+    reversed_findings, reversed_sensors, serep_modes,
 };
 use crate::correlate::{
     CorrelateError, DofNames, ErrorReference, PairOptions, Pairing, Reading, expand_shapes,
@@ -301,12 +301,20 @@ impl RequestedResults<'_> {
         if let Some(path) = &args.expand {
             let reduction = self.reduction.unwrap_or(Reduction::Serep);
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
-            let (model, mass) = self.reduced_mass(dofs, reduction, &paired)?;
+            let kept = match reduction {
+                Reduction::Serep => {
+                    let modes = expansion_modes(self.theory, &dofs, &paired);
+                    output.add_findings(modes.finding().as_slice());
+                    modes.kept
+                }
+                Reduction::Guyan => paired.clone(),
+            };
+            let (model, mass) = self.reduced_mass(dofs, reduction, &kept)?;
             let all = model.model.coordinate_dofs()?;
             let expanded_modes = expand_shapes(test, &pairing.map, &mass, &all)?;
             let json = modes_to_json(&expanded_modes, None);
             output.add_modes(path, &expanded_modes, &Geometry::default(), &json)?;
-            mass_of_expansion = Some(mass);
+            mass_of_expansion = Some((kept, mass));
         }
         if !args.measures && self.reduction.is_none() {
             return Ok(None);
@@ -314,22 +322,25 @@ impl RequestedResults<'_> {
         let mut measured = measures(test, self.theory, pairing, self.options)?;
         if let Some(reduction) = self.reduction {
             let dofs = orthogonality_dofs(test, self.theory, &pairing.map);
-            let columns = match reduction {
-                Reduction::Serep => serep_modes(self.theory, &dofs, &paired),
-                Reduction::Guyan => (0..self.theory.modes.len()).collect(),
+            let selection = match reduction {
+                Reduction::Serep => Some(serep_modes(self.theory, &dofs, &paired)),
+                Reduction::Guyan => None,
             };
-            let kept = reduction == Reduction::Guyan || columns == paired;
-            let mass = match mass_of_expansion.filter(|_| kept) {
-                Some(mass) => mass,
+            let columns = match &selection {
+                Some(selection) => selection.kept.clone(),
+                None => (0..self.theory.modes.len()).collect(),
+            };
+            let reusable =
+                mass_of_expansion.filter(|(kept, _)| selection.is_none() || *kept == columns);
+            let mass = match reusable {
+                Some((_, mass)) => mass,
                 None => self.reduced_mass(dofs, reduction, &columns)?.1,
             };
-            measured.orthogonality = Some(orthogonality(
-                test,
-                self.theory,
-                &pairing.map,
-                &mass,
-                &columns,
-            )?);
+            let found = orthogonality(test, self.theory, &pairing.map, &mass, &columns)?;
+            measured.orthogonality = Some(match selection {
+                Some(selection) => found.with_selection(selection),
+                None => found,
+            });
         }
         Ok(Some(measured))
     }

@@ -504,7 +504,16 @@ fn cluster_table(test: &str, clusters: &[ClusterMac]) -> Table {
 fn orthogonality_tables(test: &str, orthogonality: &Orthogonality) -> [Table; 2] {
     let how = match (orthogonality.reduction, orthogonality.reduction_modes) {
         (Reduction::Serep, Some(modes)) => format!(
-            "by SEREP through {modes} modes of the theory, the paired ones and the lowest others (O'Callahan, Avitabile and Riemer 1989)"
+            "by SEREP through {modes} modes of the theory, the paired ones and the lowest others{} (O'Callahan, Avitabile and Riemer 1989)",
+            orthogonality
+                .selection
+                .as_ref()
+                .map_or(String::new(), |selection| {
+                    format!(
+                        " that keep the condition number of their readings, {:.1}, at most {:.0}",
+                        selection.condition_number, selection.max_condition_number
+                    )
+                })
         ),
         _ => "statically (Guyan 1965)".to_owned(),
     };

@@ -46,7 +46,7 @@ pub use orthogonality::{
 pub use super::reversed_sensors::{
     ReversedSensor, reverse_sensors, reversed_findings, reversed_sensors,
 };
-pub use serep_modes::serep_modes;
+pub use serep_modes::{SerepModes, expansion_modes, serep_modes};
 
 use auto_mac::theory_auto_mac;
 use cluster::clusters;

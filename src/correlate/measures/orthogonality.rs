@@ -14,6 +14,7 @@ use super::super::shapes::without_rounding;
 use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
 use super::mac_matrix::ModeName;
+use super::serep_modes::SerepModes;
 
 /// Maximum fraction of a test shape outside the modes of a SEREP reduction; more is a finding.
 const MAX_OUTSIDE_FRACTION: f64 = 0.05;
@@ -158,10 +159,21 @@ pub struct Orthogonality {
     pub outside: Vec<Option<f64>>,
     /// Degrees of freedom used.
     pub dofs: usize,
+    /// Selection of the modes of a SEREP reduction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selection: Option<SerepModes>,
 }
 
 impl Orthogonality {
-    /// Each test shape of which more than 5 % lies outside the modes of a SEREP reduction, as a
+    /// This orthogonality with the selection of the modes of its reduction.
+    pub fn with_selection(self, selection: SerepModes) -> Self {
+        Self {
+            selection: Some(selection),
+            ..self
+        }
+    }
+
+    /// The paired modes that the reduction leaves out, and each test shape of which more than 5 % lies outside the modes of a SEREP reduction, as a
     /// finding at its mode.
     pub fn findings(&self) -> Vec<Finding> {
         let parts = self.test.iter().zip(&self.outside);
@@ -177,7 +189,8 @@ impl Orthogonality {
             .value(part, "")
             .limit(MAX_OUTSIDE_FRACTION)
         };
-        large.map(finding).collect()
+        let left_out = self.selection.iter().filter_map(SerepModes::finding);
+        left_out.chain(large.map(finding)).collect()
     }
 }
 
@@ -247,6 +260,7 @@ pub fn orthogonality(
         test: of_test.iter().map(|mode| mode.name).collect(),
         theory: of_theory.iter().map(|mode| mode.name).collect(),
         dofs: pairs.len(),
+        selection: None,
     })
 }
 

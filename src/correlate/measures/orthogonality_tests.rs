@@ -1,6 +1,9 @@
 //! Orthogonality through reduced mass matrices of chains of masses.
 
 use num_complex::Complex64;
+use rand::seq::SliceRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use super::super::subspace::subspace_mac;
 use super::super::{CorrelateError, DofMap};
@@ -160,7 +163,7 @@ fn serep_and_guyan_detect_shape_errors_and_serep_reports_the_part_outside() {
         let reduced = reduced_mass(&matrices, &sensors, reduction, &modes).unwrap();
         orthogonality(&test, &theory, &map, &reduced, kept).unwrap()
     };
-    let kept = serep_modes(&theory, &names, &[0, 1]);
+    let kept = serep_modes(&theory, &names, &[0, 1]).kept;
     assert_eq!(kept, [0, 1, 2, 3]);
     let (serep, guyan) = (of(Reduction::Serep, &kept), of(Reduction::Guyan, &kept));
     // With all coordinates measured both are exact; modes of unit modal mass.
@@ -231,4 +234,61 @@ fn sensors_without_a_value_in_one_mode_are_not_reduced_to() {
     assert_eq!(orthogonality_dofs(&test, &theory, &map), [dof(1), dof(2)]);
     test.modes.pop();
     assert_eq!(orthogonality_dofs(&test, &theory, &map).len(), 3);
+}
+
+#[test]
+fn errors_of_shapes_hardly_lower_the_cross_orthogonality() {
+    // A chain of 40 masses with 14 sensors at drawn places; 14 modes are paired.
+    let matrices = chain(40);
+    for seed in 0..8 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut places: Vec<usize> = (0..40).collect();
+        places.shuffle(&mut random);
+        let at: Vec<(usize, f64)> = places[..14].iter().map(|place| (*place, 1.0)).collect();
+        let sensors = sensors(40, &at);
+        let (mut theory, vectors) = readings(&matrices, &sensors);
+        theory.modes.truncate(20);
+        // Errors of 6 % of the shape: a MAC of 0.996.
+        let mut test = theory.clone();
+        test.modes.truncate(14);
+        for mode in &mut test.modes {
+            let values: Vec<(Dof, Complex64)> = mode
+                .shape
+                .iter()
+                .map(|(dof, value)| (dof.clone(), value))
+                .collect();
+            let squares: f64 = values.iter().map(|(_, value)| value.norm_sqr()).sum();
+            let error = 0.063 * (squares / 14.0).sqrt();
+            let mut noise = || error * 3f64.sqrt() * random.random_range(-1.0..1.0);
+            mode.shape = ModeShape::new(values.into_iter().map(|(dof, v)| (dof, v + noise())));
+        }
+        let map = DofMap::of_models(&test, &theory);
+        let names = orthogonality_dofs(&test, &theory, &map);
+        let sensors: Vec<SensorRow> = (names.iter())
+            .map(|dof| {
+                sensors
+                    .iter()
+                    .find(|sensor| sensor.dof == *dof)
+                    .unwrap()
+                    .clone()
+            })
+            .collect();
+        let paired: Vec<usize> = (0..14).collect();
+        let cross = |kept: &[usize]| {
+            let modes = real_matrix(40, kept.len(), |i, j| vectors[(i, kept[j])]);
+            let reduced = reduced_mass(&matrices, &sensors, Reduction::Serep, &modes).unwrap();
+            let found = orthogonality(&test, &theory, &map, &reduced, kept).unwrap();
+            let of_pairs = kept.iter().enumerate();
+            let values = of_pairs.filter_map(|(j, mode)| *found.cross.get(*mode)?.get(j)?);
+            values.fold(1.0, f64::min)
+        };
+        let selection = serep_modes(&theory, &names, &paired);
+        assert!(selection.condition_number <= 10.0, "{selection:?}");
+        assert!(selection.kept.len() >= 6, "{selection:?}");
+        let (all, kept) = (cross(&paired), cross(&selection.kept));
+        assert!(
+            kept > 0.9 && kept > all + 0.1,
+            "{seed}: {kept} {all} {selection:?}"
+        );
+    }
 }
