@@ -1,7 +1,8 @@
 //! The statistical tests cover the committed family of synthetic hammer tests: its consistency, its
 //! H1 and its found modes; the identification of known systems from FRFs in white noise of known
-//! variance; the pairing of modes with models of wrong stiffnesses; the update of models to
-//! synthetic twins of their machines; and every reader on damaged files.
+//! variance; the pairing of modes with models of wrong stiffnesses, of machines and of plates,
+//! rings and towers; the update of models to synthetic twins of their machines; and every reader on
+//! damaged files.
 
 mod close_pairs;
 mod deviations;
@@ -23,6 +24,7 @@ mod mutants;
 mod mutation;
 mod packing;
 mod pairing;
+mod pairing_of_structures;
 mod pipeline;
 #[path = "../support/population/mod.rs"]
 mod population;
@@ -30,6 +32,7 @@ mod recording;
 mod scene_updates;
 mod seeds;
 mod structure;
+mod structures;
 mod systems;
 mod twins;
 mod updating;

@@ -173,8 +173,8 @@ impl Orthogonality {
         }
     }
 
-    /// The paired modes that the reduction leaves out, and each test shape of which more than 5 % lies outside the modes of a SEREP reduction, as a
-    /// finding at its mode.
+    /// The paired modes that the reduction leaves out, and each test shape of which more than 5 %
+    /// lies outside the modes of a SEREP reduction, as findings.
     pub fn findings(&self) -> Vec<Finding> {
         let parts = self.test.iter().zip(&self.outside);
         let large = parts.filter_map(|(name, part)| {
