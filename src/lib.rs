@@ -122,6 +122,7 @@
 //! | [`correlate::measures::Measures`] | MAC, COMAC, scale factors, subspaces, orthogonality of the pairs | `correlate` |
 //! | [`correlate::measures::FrfCorrelation`] | FRFs against FRFs, by function and by line | `correlate` |
 //! | [`correlate::Placement`] | where to hit or put a sensor next | `correlate` |
+//! | [`correlate::SensorSet`] | the fewest sensors that separate the modes | `correlate` |
 //! | [`correlate::published::RootMatch`] | printed frequencies against a model | `correlate` |
 //! | [`correlate::ComparisonTable`] | the table that a validation section prints | `correlate` |
 //! | [`update::UpdateProblem`] | a model whose parameters are updated to measured modes | `update` |

@@ -323,7 +323,7 @@ fn columns_near(rows: &[ModeName], columns: &[ModeName]) -> Vec<usize> {
 }
 
 /// A matrix over pairs of modes; rows and columns have mode numbers and frequencies as heads.
-fn matrix_table(
+pub(super) fn matrix_table(
     caption: String,
     rows: &[ModeName],
     columns: &[ModeName],

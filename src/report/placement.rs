@@ -1,14 +1,15 @@
 //! The placement tables recommend further excitation points and sensors for a test.
 
-use crate::correlate::{ComparisonTable, Placement, PlannedRoot, RankedHit, Step};
+use crate::correlate::{ComparisonTable, Placement, PlannedRoot, RankedHit, SensorSet, Step};
 use crate::scene::PlacedTest;
 
+use super::measures::matrix_table;
 use super::{Block, Cell, Column, Table};
 
 /// The recommended points of a test, the observability of every natural frequency with them, and a
 /// ranking of all possible excitation points.
 pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) -> Vec<Block> {
-    match &placed.placement {
+    let mut blocks = match &placed.placement {
         Ok(placement) => vec![
             steps_block(placed, placement, table),
             roots_block(placed, placement, table),
@@ -18,7 +19,47 @@ pub fn placement_blocks(placed: &PlacedTest, table: Option<&ComparisonTable>) ->
             "Recommended excitation points of {}: unknown, {why}.",
             placed.test
         ))],
+    };
+    let set = placed.sensor_set.as_ref();
+    blocks.extend(set.map(|set| sensor_set_block(&placed.test, set)));
+    blocks
+}
+
+/// The fewest sensors with a diagonal AutoMAC, and that AutoMAC.
+fn sensor_set_block(test: &str, set: &SensorSet) -> Block {
+    let values = |row: &Vec<f64>| row.iter().copied().map(Some).collect();
+    let values: Vec<Vec<Option<f64>>> = set.auto_mac.iter().map(values).collect();
+    let caption = format!("AutoMAC at the fewest sensors: {test}");
+    let mut table = matrix_table(caption, &set.modes, &set.modes, &values);
+    let [first, second] = set.largest_at.map(|at| set.modes[at].mode);
+    let names: Vec<String> = set.sensors.iter().map(|dof| dof.to_string()).collect();
+    table.footnotes.push(match set.is_met() {
+        true => format!(
+            "{} of {} possible sensors: {}.",
+            names.len(),
+            set.candidates,
+            names.join(", ")
+        ),
+        false => format!(
+            "No set of the {} possible sensors meets the limit; the values are those of all.",
+            set.candidates
+        ),
+    });
+    table.footnotes.push(format!(
+        "Largest value between modes of different natural frequencies: {:.3} (modes {first} and {second}), limit {} (max_auto_mac).",
+        set.largest, set.limit
+    ));
+    if !set.at_nodes.is_empty() {
+        let modes: Vec<String> = (set.at_nodes.iter())
+            .map(|name| name.mode.to_string())
+            .collect();
+        table.footnotes.push(format!(
+            "Not compared, as they move no possible sensor: modes {}.",
+            modes.join(", ")
+        ));
     }
+    table.footnotes.push("Sensors are added one by one, each time the one that lowers the MAC above the limit most; unneeded ones are removed, others exchanged. Each mode has at least a tenth of its mean square at all possible sensors.".to_owned());
+    Block::Table(table)
 }
 
 /// Label of the natural frequency in the comparison, such as `f9`.

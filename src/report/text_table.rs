@@ -97,6 +97,7 @@ pub(super) static TEXTS: Texts = Texts {
         status: "status", "来源";
         mac: "MAC of {} and theory", "{} 与理论的 MAC";
         auto_mac: "AutoMAC of {}", "{} 的自 MAC";
+        auto_mac_at_fewest_sensors: "AutoMAC at the fewest sensors: {}", "最少测点处的自 MAC：{}";
         auto_mac_of_theory: "AutoMAC of the theory at the sensors of {}", "理论在 {} 测点处的自 MAC";
         similar_modes: "Similar modes of {}", "{} 中相似的模态";
         fmac: "MAC over both frequencies (FMAC) of {} and theory", "{} 与理论的频率 MAC (FMAC)";

@@ -1,6 +1,6 @@
 //! Proposal of points that tests of a scene should measure in addition.
 
-use crate::correlate::{Candidates, NotAssessed, Placement, placement};
+use crate::correlate::{Candidates, NotAssessed, Placement, SensorSet, fewest_sensors, placement};
 use crate::dof::Dof;
 use crate::geometry::Sensor;
 use crate::modal::ModalModel;
@@ -17,6 +17,8 @@ pub struct PlacementPlan {
     pub test: String,
     /// The candidates.
     pub candidates: Candidates,
+    /// Largest AutoMAC between modes of different roots.
+    pub max_auto_mac: f64,
 }
 
 /// Effect of additional points on a test.
@@ -28,6 +30,8 @@ pub struct PlacedTest {
     pub candidates: Candidates,
     /// The selected points, or the reason why they are not known.
     pub placement: Result<Placement, NotAssessed>,
+    /// The fewest sensors whose AutoMAC is diagonal; `None` for fewer than two roots in the band.
+    pub sensor_set: Option<SensorSet>,
 }
 
 /// The plans of `[[placement]]` tables: tests by name, and candidates among the scene's sensors.
@@ -46,7 +50,18 @@ pub(super) fn placement_plans(
             let got = format!("{:?}", table.test);
             return Err(value_error(path, "[[placement]] test", &got, &expected));
         }
+        let max_auto_mac = table.max_auto_mac;
+        if !(max_auto_mac > 0.0 && max_auto_mac < 1.0) {
+            let key = "[[placement]] max_auto_mac";
+            return Err(value_error(
+                path,
+                key,
+                &max_auto_mac.to_string(),
+                "above 0 and below 1",
+            ));
+        }
         Ok(PlacementPlan {
+            max_auto_mac,
             test: table.test,
             candidates: Candidates {
                 hits: points(&table.hits, sensors, path, "[[placement]] hits")?,
@@ -97,6 +112,12 @@ pub(super) fn placed_tests(
         Some(PlacedTest {
             test: plan.test.clone(),
             candidates: plan.candidates.clone(),
+            sensor_set: fewest_sensors(
+                theory,
+                test.modes.band,
+                &plan.candidates.sensors,
+                plan.max_auto_mac,
+            ),
             placement: placement(
                 theory,
                 &test.modes,

@@ -67,6 +67,14 @@ pub struct PlacementTable {
     /// Sensors of the scene that a test can put there.
     #[serde(default = "every_point")]
     pub sensors: Vec<String>,
+    /// Largest AutoMAC between modes of different roots at the fewest sensors.
+    #[serde(default = "customary_auto_mac")]
+    pub max_auto_mac: f64,
+}
+
+/// The customary limit of an AutoMAC outside its diagonal.
+fn customary_auto_mac() -> f64 {
+    0.1
 }
 
 fn every_point() -> Vec<String> {

@@ -298,8 +298,8 @@ fn of_theory(
     theory
 }
 
-/// Modes as measured: noise, up to a tenth of the sensors missing, up to a twentieth or two reversed
-/// and up to two pairs exchanged.
+/// Modes as measured: noise, up to a tenth of the sensors missing, some of them reversed
+/// and some exchanged.
 fn measured_modes(
     body: &Body,
     tested: &SymmetricModes,

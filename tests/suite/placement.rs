@@ -125,6 +125,14 @@ fn the_points_that_are_proposed_show_every_mode_that_disc_points_can_show() {
         plan.steps
     );
     assert!(seen < planned, "{seen} {planned}");
+    // Modes of the balls alone move no disc and are not compared.
+    let set = first.placements[0].sensor_set.as_ref().unwrap();
+    assert_eq!(set.at_nodes.len(), 12);
+    assert!(
+        set.sensors.len() < set.candidates || !set.is_met(),
+        "{set:?}"
+    );
+    assert_eq!(set.auto_mac.len(), set.modes.len());
     // The first test finds its observable modes and no others.
     assert!(paired(&first) <= seen, "{} {seen}", paired(&first));
 
@@ -154,6 +162,12 @@ fn unknown_tests_and_points_are_reported() {
     let error = scene("test = \"a\"");
     assert!(
         error.contains("[[placement]] test") && error.contains("\"a\""),
+        "{error}"
+    );
+    let test = "[[test]]\nname = \"a\"\nfrfs = [\"a.uff\"]\n";
+    let error = scene(&format!("test = \"a\"\nmax_auto_mac = 1.5\n{test}"));
+    assert!(
+        error.contains("max_auto_mac") && error.contains("1.5"),
         "{error}"
     );
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::correlate::{Placement, PlannedRoot, RankedHit, Step};
+use crate::correlate::{Placement, PlannedRoot, RankedHit, SensorSet, Step};
 use crate::dof::Dof;
 use crate::scene::{LimitCheck, PlacedTest};
 
@@ -35,7 +35,23 @@ fn placed_test(placed: &PlacedTest) -> Value {
         "hits": names(&placed.candidates.hits),
         "sensors": names(&placed.candidates.sensors),
     });
+    if let Some(set) = &placed.sensor_set {
+        value["sensor_set"] = sensor_set(set);
+    }
     value
+}
+
+fn sensor_set(set: &SensorSet) -> Value {
+    json!({
+        "max_auto_mac": set.limit,
+        "met": set.is_met(),
+        "sensors": names(&set.sensors),
+        "largest_auto_mac": set.largest,
+        "largest_at": set.largest_at.map(|at| set.modes[at].mode),
+        "modes": set.modes,
+        "auto_mac": set.auto_mac,
+        "at_nodes": set.at_nodes,
+    })
 }
 
 fn placement(placement: &Placement) -> Value {
@@ -87,6 +103,7 @@ fn names(dofs: &[Dof]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correlate::measures::ModeName;
     use crate::correlate::{Candidates, NotAssessed};
 
     #[test]
@@ -120,9 +137,23 @@ mod tests {
                     independence: None,
                 }],
             }),
+            sensor_set: Some(SensorSet {
+                sensors: vec![dof("1:+Z")],
+                modes: vec![
+                    ModeName { mode: 3, hz: 80.0 },
+                    ModeName { mode: 5, hz: 90.0 },
+                ],
+                auto_mac: vec![vec![1.0, 0.04], vec![0.04, 1.0]],
+                largest: 0.04,
+                largest_at: [0, 1],
+                limit: 0.1,
+                candidates: 3,
+                at_nodes: Vec::new(),
+            }),
         };
         let unknown = PlacedTest {
             placement: Err(NotAssessed::ModalMass),
+            sensor_set: None,
             ..placed.clone()
         };
         let value = placements_value(&[placed, unknown]).unwrap();
@@ -136,6 +167,16 @@ mod tests {
             [&json!(false), &json!(true)]
         );
         assert_eq!(value[0]["ranking"][0]["shown"], 1);
+        let set = &value[0]["sensor_set"];
+        assert_eq!(
+            [&set["met"], &set["auto_mac"][0][1]],
+            [&json!(true), &json!(0.04)]
+        );
+        assert_eq!(
+            [&set["largest_at"], &set["sensors"]],
+            [&json!([3, 5]), &json!(["1:+Z"])]
+        );
+        assert!(value[1].get("sensor_set").is_none());
         assert_eq!(value[1]["not_known"], "the model has no modal mass");
         assert_eq!(placements_value(&[]), None);
     }
