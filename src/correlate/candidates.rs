@@ -131,12 +131,15 @@ impl CandidateTable {
                     .collect()
             })
             .collect();
+        let macs = shapes.mac_matrix();
         let candidate = |i: usize, r: usize| {
             let root = &roots[r];
             let hz = test.modes[i].frequency_hz;
-            let mac = shapes.mac(i, &root.modes);
-            let dofs = shapes.common_dofs(&[i], &root.modes);
-            let evidence = match shapes.distinct_count(dofs) {
+            let mac = match root.modes[..] {
+                [single] => macs[i][single],
+                _ => shapes.mac(i, &root.modes),
+            };
+            let evidence = match shapes.distinct_common_count(i, &root.modes) {
                 // Nothing that the test measures can be a mode of the theory.
                 _ if map.is_still_in_theory() => ShapeEvidence::Known(None, None),
                 MIN_DOFS_OF_SHAPE.. => ShapeEvidence::Known(mac, contributions[r].get(&i).copied()),
@@ -256,10 +259,11 @@ impl CandidateTable {
         }
         let gate = chosen_pairs.options.max_frequency_error;
         let comparable = |(root, candidate): (&Root, &Candidate)| {
-            let shapes = chosen_pairs.shapes;
-            let dofs = || shapes.common_dofs(&[self.modes[i]], &root.modes);
-            candidate.frequency_distance <= gate
-                && shapes.distinct_count(dofs()) >= MIN_DOFS_OF_SHAPE
+            let dofs = || {
+                let shapes = chosen_pairs.shapes;
+                shapes.distinct_common_count(self.modes[i], &root.modes)
+            };
+            candidate.frequency_distance <= gate && dofs() >= MIN_DOFS_OF_SHAPE
         };
         let mut candidates = self.roots.iter().zip(&self.candidates[i]);
         candidates.any(comparable).then_some(false)
@@ -283,8 +287,9 @@ impl CandidateTable {
         chosen_pairs: &ChosenPairs<'_>,
     ) -> Option<ChanceLevel> {
         let root = &self.roots[r].modes;
-        let dofs = chosen_pairs.shapes.common_dofs(&[self.modes[i]], root);
-        let dofs = chosen_pairs.shapes.distinct_count(dofs);
+        let dofs = chosen_pairs
+            .shapes
+            .distinct_common_count(self.modes[i], root);
         let [test, root] = chosen_pairs.shapes.common_values(&[self.modes[i]], root);
         let row = &self.candidates[i];
         let within = |limit: f64| {

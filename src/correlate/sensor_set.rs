@@ -308,8 +308,8 @@ impl Search {
         starts.filter_map(|start| self.improved(start)).next()
     }
 
-    /// A set with single sensors exchanged, each time the exchange that lowers the cost most; `None`
-    /// where it never meets the limit. Ascending.
+    /// A set with single sensors exchanged, each time the exchange that lowers the cost most;
+    /// `None` where it never meets the limit. Ascending.
     fn improved(&self, mut chosen: Vec<usize>) -> Option<Vec<usize>> {
         let mut cost = self.cost(&self.sums(&chosen));
         while !self.is_met(&self.sums(&chosen)) {

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use num_complex::Complex64;
 
-use crate::linalg::{ComplexMatrix, adjoint_product, complex_matrix, singular_values};
-use crate::modal::ModalModel;
+use crate::linalg::{ComplexMatrix, complex_matrix, singular_values};
+use crate::modal::{ModalModel, mac_matrix};
 
 use super::model_roots::Root;
 use super::subspace::{principal_angles_deg, subspace_mac};
@@ -36,6 +36,8 @@ pub(super) struct Shapes {
     /// Number of the group of each degree of freedom: those of one group move alike in every
     /// mode of the theory.
     groups: Vec<usize>,
+    /// Number of groups, where every mode has a value at each degree of freedom.
+    distinct_of_full: Option<usize>,
 }
 
 impl Shapes {
@@ -50,13 +52,19 @@ impl Shapes {
         let of_theory = theory.modes.iter();
         let theory = of_theory.map(|m| map.theory_values(&m.shape, &weights));
         let theory = without_rounding(theory.collect());
-        Ok(Self {
-            test: of_test
-                .map(|m| map.test_values(&m.shape, &weights))
-                .collect(),
-            groups: groups_that_move_alike(&theory),
+        let test: Vec<_> = of_test
+            .map(|m| map.test_values(&m.shape, &weights))
+            .collect();
+        let groups = groups_that_move_alike(&theory);
+        let mut shapes = Self {
+            test,
             theory,
-        })
+            groups,
+            distinct_of_full: None,
+        };
+        let is_full = shapes.full_dof_count().is_some();
+        shapes.distinct_of_full = is_full.then(|| shapes.all_distinct_count());
+        Ok(shapes)
     }
 
     /// These shapes with the test's values multiplied by signs.
@@ -71,6 +79,7 @@ impl Shapes {
             test: self.test.iter().map(signed).collect(),
             theory: self.theory.clone(),
             groups: self.groups.clone(),
+            distinct_of_full: self.distinct_of_full,
         }
     }
 
@@ -78,6 +87,13 @@ impl Shapes {
     pub fn distinct_count(&self, dofs: impl IntoIterator<Item = usize>) -> usize {
         let groups = dofs.into_iter().filter_map(|dof| self.groups.get(dof));
         groups.collect::<BTreeSet<_>>().len()
+    }
+
+    /// [`Self::distinct_count`] of the degrees of freedom at which a test mode and the modes of a
+    /// root have values.
+    pub fn distinct_common_count(&self, test: usize, theory: &[usize]) -> usize {
+        let counted = || self.distinct_count(self.common_dofs(&[test], theory));
+        self.distinct_of_full.unwrap_or_else(counted)
     }
 
     /// Number of all common degrees of freedom that differ.
@@ -191,7 +207,7 @@ impl Shapes {
     /// all values.
     pub fn mac_matrix(&self) -> Vec<Vec<Option<f64>>> {
         if let (Some(test), Some(theory)) = (full_matrix(&self.test), full_matrix(&self.theory)) {
-            return mac_of_product(&test, &theory);
+            return mac_matrix(&test, &theory);
         }
         let row = |i| (0..self.theory.len()).map(|j| self.mac(i, &[j])).collect();
         (0..self.test.len()).map(row).collect()
@@ -233,22 +249,6 @@ fn full_matrix(shapes: &[Vec<Option<Complex64>>]) -> Option<ComplexMatrix> {
     let value = |p: usize, c: usize| shapes[c][p].unwrap_or_default();
     (points >= MIN_SHAPE_DOFS && shapes.iter().all(full))
         .then(|| complex_matrix(points, shapes.len(), value))
-}
-
-/// `|a^H b|²/(a^H a · b^H b)` of every column `a` of `rows` and `b` of `columns`.
-fn mac_of_product(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Option<f64>>> {
-    let squares = |of: &ComplexMatrix| -> Vec<f64> {
-        let column = |c: usize| (0..of.nrows()).map(|p| of[(p, c)].norm_sqr()).sum();
-        (0..of.ncols()).map(column).collect()
-    };
-    let (a, b) = (squares(rows), squares(columns));
-    let products = adjoint_product(rows, columns.as_ref());
-    let mac = |i: usize, j: usize| {
-        let known = a[i] > 0.0 && b[j] > 0.0;
-        known.then(|| (products[(i, j)].norm_sqr() / a[i] / b[j]).min(1.0))
-    };
-    let row = |i: usize| (0..b.len()).map(|j| mac(i, j)).collect();
-    (0..a.len()).map(row).collect()
 }
 
 /// A theory's values with zeros at the nodes of modes: a value below 1e-10 of the largest of any

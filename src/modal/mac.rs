@@ -2,6 +2,8 @@
 
 use num_complex::Complex64;
 
+use crate::linalg::{ComplexMatrix, adjoint_product};
+
 fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(x, y)| x.conj() * y).sum()
 }
@@ -24,6 +26,31 @@ fn inner(a: &[Complex64], b: &[Complex64]) -> Complex64 {
 pub fn mac(a: &[Complex64], b: &[Complex64]) -> Option<f64> {
     let norms = inner(a, a).re * inner(b, b).re;
     (a.len() == b.len() && norms > 0.0).then(|| (inner(a, b).norm_sqr() / norms).min(1.0))
+}
+
+/// [`mac`] of every column of `rows` with every column of `columns`, from one product of matrices;
+/// `None` where a column is zero. Both have the same degrees of freedom as rows.
+///
+/// ```
+/// use modalign::linalg::complex_matrix;
+/// use modalign::modal::mac_matrix;
+/// let shapes = complex_matrix(3, 2, |dof, mode| ((dof + 1).pow(mode as u32) as f64).into());
+/// let macs = mac_matrix(&shapes, &shapes);
+/// assert!((macs[0][1].unwrap() - 36.0 / (3.0 * 14.0)).abs() < 1e-15);
+/// ```
+pub fn mac_matrix(rows: &ComplexMatrix, columns: &ComplexMatrix) -> Vec<Vec<Option<f64>>> {
+    let squares = |of: &ComplexMatrix| -> Vec<f64> {
+        let column = |c: usize| (0..of.nrows()).map(|p| of[(p, c)].norm_sqr()).sum();
+        (0..of.ncols()).map(column).collect()
+    };
+    let (a, b) = (squares(rows), squares(columns));
+    let products = adjoint_product(rows, columns.as_ref());
+    let value = |i: usize, j: usize| {
+        let known = a[i] > 0.0 && b[j] > 0.0;
+        known.then(|| (products[(i, j)].norm_sqr() / a[i] / b[j]).min(1.0))
+    };
+    let row = |i: usize| (0..b.len()).map(|j| value(i, j)).collect();
+    (0..a.len()).map(row).collect()
 }
 
 /// Modal scale factor of `a` to `b`: the complex `s` that makes `|s a - b|` smallest, `a^H b / a^H

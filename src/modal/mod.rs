@@ -10,7 +10,7 @@ mod shape;
 mod unmeasured;
 
 pub use complexity::{mean_phase, mean_phase_deviation, modal_phase_collinearity};
-pub use mac::{mac, modal_scale_factor};
+pub use mac::{mac, mac_matrix, modal_scale_factor};
 pub use model::{InputFile, ModalModel, Mode, Scaling};
 pub use pole::Pole;
 pub use quality::{Grade, Quality};
