@@ -225,6 +225,13 @@ impl Dof {
     }
 }
 
+/// Whether a name is a number without leading zeros that `u64` holds.
+fn is_plain_number(name: &str) -> bool {
+    let bytes = name.as_bytes();
+    let starts = bytes.first().is_some_and(|byte| *byte != b'0');
+    starts && bytes.len() <= 19 && bytes.iter().all(u8::is_ascii_digit)
+}
+
 impl PartialOrd for Dof {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
@@ -233,7 +240,11 @@ impl PartialOrd for Dof {
 
 impl Ord for Dof {
     fn cmp(&self, other: &Self) -> Ordering {
-        let points = || self.point_key().cmp(&other.point_key());
+        let points = || match is_plain_number(&self.point) && is_plain_number(&other.point) {
+            // As the keys, without reading numbers: most points are named so.
+            true => (self.point.len().cmp(&other.point.len())).then(self.point.cmp(&other.point)),
+            false => self.point_key().cmp(&other.point_key()),
+        };
         let key = |dof: &Self| (dof.axis, dof.negative, dof.repeat);
         let same = self.point == other.point;
         let points = if same { Ordering::Equal } else { points() };
@@ -314,6 +325,37 @@ mod tests {
             "", "1", "1:", ":+Z", "1:+Q", "1:++Z", "a b:+Z", "1:+Z#0", "é:+X",
         ] {
             assert!(text.parse::<Dof>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn order_of_points_is_that_of_their_keys() {
+        let names = [
+            "0",
+            "1",
+            "2",
+            "9",
+            "10",
+            "007",
+            "07",
+            "99",
+            "100",
+            "18446744073709551615",
+            "18446744073709551616",
+            "9999999999999999999",
+            "1000000000000000000",
+            "a",
+            "1a",
+            "a.2",
+            "a.10",
+            "b.1",
+            "1.2",
+            "2.1",
+            "10.1",
+        ];
+        let dofs = names.map(|name| Dof::new(name, Axis::Z, false).unwrap());
+        for (a, b) in dofs.iter().flat_map(|a| dofs.iter().map(move |b| (a, b))) {
+            assert_eq!(a.cmp(b), a.point_key().cmp(&b.point_key()), "{a} {b}");
         }
     }
 

@@ -176,7 +176,10 @@ fn alignment_finding(alignment: &Alignment) -> Finding {
         details.push("no ratio of units of length".to_owned());
     }
     if alignment.as_good > 0 && !alignment.known {
-        details.push(format!("{} other frames fit as well", alignment.as_good));
+        details.push(format!(
+            "other frames that fit as well: {}",
+            alignment.as_good
+        ));
     }
     let next = alignment.others.first().and_then(|other| other.mean_mac);
     if let (Some(mac), Some(next)) = (alignment.mean_mac, next) {

@@ -107,7 +107,7 @@ fn other_frames_note(alignment: &Alignment) -> String {
         (None, _) => "this one has the smallest rotation".to_owned(),
     };
     format!(
-        "{} other frames fit equally well, {reason}. Others: rotation and shift {}.",
+        "Other frames that fit equally well: {}; {reason}. Rotation and shift: {}.",
         alignment.as_good,
         others.join("; ")
     )
