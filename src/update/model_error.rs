@@ -33,8 +33,16 @@ const ROUNDS: usize = 4;
 /// Smallest growth of deviations that is solved again.
 const MIN_GROWTH: f64 = 1.01;
 /// Probability that one of the modes of a right model is taken for an outlier.
+///
+/// Larger (0.1): right modes are named in 15 of 50 draws of a coarse model (5 here), which loses a
+/// quarter of its verdicts. Smaller (0.001): 45 of 50 wrong frequencies are named (47 here), and a
+/// wrong class of model has more verdicts, of which 75 % hold (79 % here). Test:
+/// `verdicts_on_parameters_have_grounds` of the population, as for the limits below.
 const OUTLIER_PROBABILITY: f64 = 0.01;
 /// Fewest degrees of freedom of the others that predict a group of residuals.
+///
+/// Larger (3): one of ten exchanged frequencies is not named. Smaller (0.75): right modes are named
+/// in 19 of 50 draws with mirrored sensors (13 here), where no mode is to blame.
 const MIN_PREDICTING_FREEDOM: f64 = 1.5;
 /// Smallest variance of the others over that of a group: below it is rounding.
 const MIN_VARIANCE_RATIO: f64 = 1e-9;
