@@ -576,7 +576,7 @@ codes! {
         "Either the bound is too narrow, or the parameter compensates for another error of the model. The value is where it ended. Look at the single changes before widening the bound.";
     /// Misfit of the updated model.
     MisfitRemains [AtMost]: "The updated model does not fit the test within the stated uncertainties.",
-        "The value is chi-square per degree of freedom, the limit the level that noise alone reaches. The standard deviations of the parameters assume a correct model, apart from the stated model errors. Multiply them by the square root of the value to include the remaining misfit. Look at the single changes, at effects that the model neglects, and at the stated model errors.";
+        "The value is chi-square per degree of freedom with the stated deviations, the limit the level that noise alone reaches. Where frequencies and shapes count, both are of the kind that exceeds noise most, which the detail names. The standard deviations of the parameters include the misfit as model error: do not enlarge them again. Look at the single changes, at effects that the model neglects, and at the stated model errors.";
     /// A test mode without a counterpart after the update.
     PartnerLost: "This test mode has no counterpart in the updated model.",
         "It had one in the initial model. Its frequency and shape count as wholly unexplained, and the table of errors leaves it out. Check its shape, the pairing gates, and bounds that keep the parameters near their start.";

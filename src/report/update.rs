@@ -6,8 +6,8 @@ use crate::finding::Code;
 use crate::printable::counted;
 use crate::scene::{SceneUpdate, Theory};
 use crate::update::{
-    Alternative, Explanation, Fit, FitRow, ModelError, ParameterVerdict, ResidualKind, Residuals,
-    ShapeWeights, SubsetFit, UpdateResult, measured_mode,
+    Alternative, Explanation, Fit, FitRow, MAX_POSTERIOR_OVER_PRIOR, ModelError, ParameterVerdict,
+    Residuals, ShapeWeights, SubsetFit, UpdateResult, UpdatedParameter, measured_mode,
 };
 
 use super::comparison::{comparison_of_all_tests, error_head};
@@ -93,6 +93,7 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     footnotes.extend(shape_footnotes(scene_update));
     footnotes.extend(residual_footnote(scene_update));
     footnotes.push(misfit_footnote(&scene_update.result));
+    footnotes.extend(reasons_without_support(&scene_update.result));
     footnotes.extend(alternatives_text(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
     Block::Table(Table {
@@ -168,38 +169,85 @@ fn residual_footnote(scene_update: &SceneUpdate) -> Option<String> {
     }
 }
 
-/// Reduced chi-square, and its consequence for the standard deviations.
+/// Reduced chi-square of all residuals and of the kinds that exceed noise, and its consequence for
+/// the standard deviations.
 pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
-    let ratio = result.reduced_chi_square();
-    let figures = format!(
-        "Chi-square per degree of freedom {ratio:.3} ({:.1} degrees; noise alone reaches {:.2})",
-        result.degrees_of_freedom(),
-        result.largest_reduced_chi_square()
-    );
-    if result.fits() {
-        return figures + ".";
-    }
-    let grown = result
-        .model_errors
-        .iter()
-        .filter(|error| error.growth > 1.0);
-    let of_kind = |error: &ModelError| {
+    let figures = |of_what: &str| {
         format!(
-            "{} {:.1} times the stated ones ({:.1} degrees of freedom)",
-            match error.kind {
-                ResidualKind::Frequency => "of frequencies",
-                ResidualKind::Shape => "of shapes",
-                ResidualKind::Other => "of all residuals",
-            },
+            "Chi-square per degree of freedom{of_what} {} ({:.0} degrees of freedom; noise alone reaches {:.2})",
+            significant(result.reduced_chi_square(), 4),
+            result.degrees_of_freedom(),
+            result.largest_reduced_chi_square()
+        )
+    };
+    if result.fits() {
+        return figures("") + ".";
+    }
+    let grown = || {
+        let errors = result.model_errors.iter();
+        errors.filter(|error| error.growth > 1.0)
+    };
+    let figures = match result.model_errors.len() {
+        0 | 1 => figures(""),
+        _ => {
+            let of_kind = |error: &ModelError| {
+                format!(
+                    ", {} {} (noise: {:.2})",
+                    error.kind.of_what(),
+                    significant(error.reduced_chi_square, 4),
+                    error.largest_reduced_chi_square
+                )
+            };
+            let kinds: Vec<String> = grown().map(of_kind).collect();
+            figures(" of all residuals") + &kinds.concat()
+        }
+    };
+    let growth = |error: &ModelError| {
+        format!(
+            "{} {:.1} times the stated ones (from {:.1} degrees of freedom)",
+            error.kind.of_what(),
             error.growth,
             error.degrees_of_freedom
         )
     };
-    let kinds: Vec<String> = grown.map(of_kind).collect();
-    format!(
-        "{figures}: noise does not explain the residuals. Their deviations are taken as larger, {}; std and verdicts include this model error.",
-        kinds.join(" and ")
-    )
+    let growths: Vec<String> = grown().map(growth).collect();
+    let consequence = match growths.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Deviations are taken as larger, {}; std and verdicts include this model error.",
+            growths.join(" and ")
+        ),
+    };
+    format!("{figures}: noise does not explain the residuals.{consequence}")
+}
+
+/// Why parameters are not supported: their standard deviation, or the modes and residuals that put
+/// all in question; `None` where the standard deviation is the only reason.
+pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
+    let of_verdict =
+        |parameter: &&UpdatedParameter| parameter.verdict == ParameterVerdict::NotSupported;
+    let (by_std, others): (Vec<_>, Vec<_>) = result
+        .parameters
+        .iter()
+        .filter(of_verdict)
+        .partition(|parameter| parameter.posterior_over_prior > MAX_POSTERIOR_OVER_PRIOR);
+    let all = result.parameters.len();
+    let lost = result.after.rows.len() - result.after.paired();
+    let reason = match (result.unpredicted.len(), lost) {
+        (0, 0) => "the model error is estimated from fewer than 3 degrees of freedom".to_owned(),
+        (0, lost) => format!("{} lost the partner", counted(lost, "mode")),
+        (count, _) => format!("{} not predicted from the others", counted(count, "mode")),
+    };
+    let by_std = match by_std.len() {
+        0 => String::new(),
+        count => format!("{count} of {all} because of their std, "),
+    };
+    (!others.is_empty()).then(|| {
+        format!(
+            "Not supported by the data: {by_std}{} of {all} because of {reason} (--explain mode-not-predicted).",
+            others.len()
+        )
+    })
 }
 
 /// The other optima of about the same objective, each with what separates it from the best.
@@ -347,46 +395,48 @@ pub(super) fn fit_summary(name: &str, fit: &Fit) -> String {
         fit.rows.len(),
         percent(fit.largest_percent),
         percent(fit.rms_percent),
-        significant(fit.chi_square, 5),
+        significant(fit.chi_square, 4),
         fit.data_count
     )
 }
 
+/// How the best start ended, how many starts ended there, and where the others did.
 pub(super) fn convergence_text(result: &UpdateResult) -> String {
+    let starts = &result.starts;
     let mut text = format!(
         "{} after {}. {} of {} (seed {}) reach {}",
         result.stop_reason.sentence(),
         counted(result.history.len(), "iteration"),
-        result.starts.reached,
-        counted(result.starts.count, "start"),
-        result.starts.seed,
+        starts.reached,
+        counted(starts.count, "start"),
+        starts.seed,
         if result.frfs.is_some() {
             "the optimum of the modes from which the FRFs were fitted; starts and optima are those of the modes"
         } else {
             "this optimum"
         }
     );
-    if result.starts.failed > 0 {
+    if let Some(first) = starts.others.first() {
+        let count: usize = starts.others.iter().map(|other| other.count).sum();
+        let which = match starts.others.len() {
+            1 => "another, of".to_owned(),
+            others => format!("{others} others, the lowest of"),
+        };
+        text += &format!(
+            ", the lowest, of objective {}; {count} reach {which} {}",
+            significant(starts.lowest_objective, 4),
+            significant(first.objective, 4)
+        );
+    }
+    if starts.failed > 0 {
         text += &format!(
             "; from {} the model had no modes or no derivatives",
-            result.starts.failed
+            starts.failed
         );
     }
     text += ".";
-    if let Some(first) = result.starts.others.first() {
-        text += &format!(
-            " Others end in {}; the lowest has an objective (chi-square of data and prior) of {:.4} ({})",
-            match result.starts.others.len() {
-                1 => "another optimum".to_owned(),
-                count => format!("{count} other optima"),
-            },
-            first.objective,
-            counted(first.count, "start")
-        );
-        let best = result.history.last().filter(|_| result.frfs.is_none());
-        text += &best.map_or(".".to_owned(), |step| {
-            format!(", against {:.4}.", step.objective)
-        });
+    if !starts.others.is_empty() {
+        text += " Objective: chi-square of data and prior, with the stated deviations.";
     }
     for (label, hz) in &result.left_out {
         text += &format!(

@@ -16,9 +16,13 @@ impl UpdateResult {
         let findings = parameters.filter_map(|(j, parameter)| self.of_parameter(j, parameter));
         let mut findings: Vec<Finding> = findings.collect();
         if !self.fits() {
-            let (value, limit) = self.worst_reduced_chi_square();
+            let (value, limit, kind) = self.worst_reduced_chi_square();
             let finding = warn(Code::MisfitRemains, Location::Whole);
-            findings.push(finding.value(value, "").limit(limit));
+            let finding = finding.value(value, "").limit(limit);
+            findings.push(match kind.filter(|_| self.model_errors.len() > 1) {
+                Some(kind) => finding.detail(kind.of_what()),
+                None => finding,
+            });
         }
         findings.extend(self.unpredicted.iter().map(|mode| {
             let finding = warn(Code::ModeNotPredicted, Location::Mode(mode.hz));

@@ -61,6 +61,17 @@ pub enum ResidualKind {
     Other,
 }
 
+impl ResidualKind {
+    /// The kind behind a statistic of it.
+    pub fn of_what(self) -> &'static str {
+        match self {
+            ResidualKind::Frequency => "of frequencies",
+            ResidualKind::Shape => "of shapes",
+            ResidualKind::Other => "of all residuals",
+        }
+    }
+}
+
 /// Model error of one kind of residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelError {

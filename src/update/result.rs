@@ -12,7 +12,7 @@ use super::history::{Iteration, PairingChange, StopReason};
 use super::identifiability::{
     Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict, TWO_SIDED_95,
 };
-use super::model_error::{Grown, ModelError, UnpredictedMode, grow};
+use super::model_error::{Grown, ModelError, ResidualKind, UnpredictedMode, grow};
 use super::solve::{MAX_OPTIMUM_DIFFERENCE, MultiStart, solve, solve_from_starts};
 use super::trust_region::Solution;
 use super::{Evaluation, ReversedSensors, ShapeWeights, UpdateError, UpdateProblem};
@@ -127,6 +127,9 @@ pub struct Starts {
     pub failed: usize,
     /// Seed.
     pub seed: u64,
+    /// Objective of the best optimum with the stated deviations; that of modes, where FRFs were
+    /// compared.
+    pub lowest_objective: f64,
     /// Where the others ended, lowest objective first.
     pub others: Vec<OtherOptimum>,
 }
@@ -200,14 +203,17 @@ impl UpdateResult {
         max_chi_square(nu) / nu
     }
 
-    /// `chi^2/nu` of the kind of residuals that exceeds its limit most, else of all, with the
-    /// limit.
-    pub fn worst_reduced_chi_square(&self) -> (f64, f64) {
-        let over = |(value, limit): &(f64, f64)| value / limit;
+    /// `chi^2/nu` of the kind of residuals that exceeds its limit most, with the limit and the
+    /// kind; of all residuals where none exceeds it more than these.
+    pub fn worst_reduced_chi_square(&self) -> (f64, f64, Option<ResidualKind>) {
+        let over = |(value, limit, _): &(f64, f64, Option<ResidualKind>)| value / limit;
         let kinds = self.model_errors.iter();
-        let kinds = kinds.map(|e| (e.reduced_chi_square, e.largest_reduced_chi_square));
-        let all = (self.reduced_chi_square(), self.largest_reduced_chi_square());
-        kinds.fold(all, |worst, kind| {
+        let kinds = kinds.map(|error| {
+            let limit = error.largest_reduced_chi_square;
+            (error.reduced_chi_square, limit, Some(error.kind))
+        });
+        let (value, limit) = (self.reduced_chi_square(), self.largest_reduced_chi_square());
+        kinds.fold((value, limit, None), |worst, kind| {
             if over(&kind) > over(&worst) {
                 kind
             } else {
@@ -469,6 +475,7 @@ fn starts(problem: &UpdateProblem<'_>, found: &MultiStart) -> Result<Starts, Upd
         reached,
         failed: found.ends.len() - count,
         seed: problem.options.seed,
+        lowest_objective: found.best.at.objective(),
         others: others.into_iter().map(|(_, optimum)| optimum).collect(),
     })
 }

@@ -199,8 +199,23 @@ fn an_update_that_does_not_fit_says_what_to_check() {
     let model = stated_values(&read(folder, "bar/model.toml"));
     write(folder, &[("bar/model.toml", &model)]);
     let (screen, findings, _) = said(folder, "update bar");
-    assert!(findings.contains("[misfit-remains]"), "{findings}");
+    let misfit = findings
+        .lines()
+        .find(|line| line.contains("[misfit-remains]"));
+    let misfit = misfit.unwrap_or_else(|| panic!("{findings}"));
     let text = unwrapped(&screen);
+    // The chi-square of the finding is that of the screen.
+    let value = misfit
+        .split('(')
+        .nth(1)
+        .and_then(|rest| rest.split(',').next());
+    let value = value.unwrap_or_else(|| panic!("{misfit}"));
+    assert!(
+        text.contains(&format!("Chi-square per degree of freedom {value} ("))
+            || text.contains(&format!(", of frequencies {value} ("))
+            || text.contains(&format!(", of shapes {value} (")),
+        "{misfit}\n{screen}"
+    );
     let next =
         "Next, as the updated model does not fit: support, positions and directions of sensors";
     assert!(text.contains(next), "{screen}");

@@ -3,7 +3,7 @@
 use crate::report::table::significant;
 use crate::report::update::{
     alternatives_text, convergence_text, fit_before, fit_summary, misfit_footnote,
-    parameter_verdict,
+    parameter_verdict, reasons_without_support,
 };
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
@@ -33,10 +33,14 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     let parameters = Table {
         columns,
         rows: result.parameters.iter().map(row).collect(),
-        footnotes: [Some(misfit_footnote(result)), alternatives_text(result)]
-            .into_iter()
-            .flatten()
-            .collect(),
+        footnotes: [
+            Some(misfit_footnote(result)),
+            reasons_without_support(result),
+            alternatives_text(result),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         ..Table::default()
     };
     let fits = [
