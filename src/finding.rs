@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 
 pub use limit_kind::LimitKind;
 pub use location::Location;
-use numbers::{format_number, format_with_std};
+use numbers::format_with_std;
+pub(crate) use numbers::{format_hz, format_number};
 pub use severity::Severity;
 
 /// Declares the codes with the kind of their limit, where they have one, their sentence and their
@@ -375,7 +376,7 @@ codes! {
         "The value is the modal phase collinearity (MPC) of the shape: 1 for a real shape, 0 for phases all around the circle. A pole that fits noise, misfit or a part of a neighbour has such a shape; so has a mode that close modes with much damping make complex, or a travelling wave in a rotating part. The mode is doubtful. Compare it with the modes beside it.";
     /// Residual above the noise near a mode.
     ModelMisfit [AtMost]: "The residual near this mode exceeds the noise; its standard deviations were enlarged accordingly.",
-        "The value is the root mean square of the residual over the noise within a half-power bandwidth of the mode. Above the limit the model misses the data. The detail has the residual over the response (|R|/|H|), the factor on the standard deviations (σ), the standard deviation of the frequency over the half-power bandwidth (Δf), that of the damping over the damping, and the expected loss of MAC of the shape. It names the FRFs with the largest residual over noise, and how many of all exceed the limit. A misfit is reported where the residual is more than 4 % of the response, the damping uncertain by more than 10 %, the frequency by more than a twentieth of the bandwidth, or the MAC by more than 0.01. All are lower bounds where the misfit is systematic; damping tends to be too high. Causes: noise correlated between lines, a nonlinear or varying structure, truncated records, a variance that is too small. Check the named FRFs, measure at one level of force, or leave these FRFs out.";
+        "The value is the root mean square of the residual over the noise within a half-power bandwidth of the mode. Above the limit the model misses the data. The detail has the residual over the response, the factor on the standard deviations (std ×), the standard deviation of the frequency over the half-power bandwidth (Δf), that of the damping over the damping, and the expected loss of MAC of the shape. It names the FRFs with the largest residual over noise, and how many of all exceed the limit. A misfit is reported where the residual is more than 4 % of the response, the damping uncertain by more than 10 %, the frequency by more than a twentieth of the bandwidth, or the MAC by more than 0.01. All are lower bounds where the misfit is systematic; damping tends to be too high. Causes: noise correlated between lines, a nonlinear or varying structure, truncated records, a variance that is too small. Check the named FRFs, measure at one level of force, or leave these FRFs out.";
     /// A pole with a small modal contribution.
     RootMinor [AtLeast]: "A pole with a small contribution to the response was rejected.",
         "Where the residual exceeds the noise, poles near the modes can fit parts of the response that are no resonance (spurious modes). The pole may be a local or weakly excited mode all the same. The value is its modal contribution: the fraction of the response in its half-power band that no other pole explains. Below 3e-4 it is rejected whatever the noise, because no structure is linear enough. Look at the FRFs there, or choose another reference.";
@@ -515,7 +516,7 @@ codes! {
     FewDofs [AtLeast]: "Test and model have few DOFs in common for a MAC.",
         "With few DOFs different modes look the same. The value is their number; sensors that move alike in every mode of the model, as those at one position, count once. With fewer than three, modes are paired by frequency alone. Measure at more points.";
     /// Shapes that agree where no mode is paired.
-    ShapesAgree: "No mode is paired, but mode shapes agree at other frequencies.",
+    ShapesAgree: "No mode is paired, but mode shapes agree where frequencies differ by this factor.",
         "Modes of test and model have a MAC of 0.9 or more with each other and 0.6 or less with all others. Their frequencies differ by more than the frequency gate (`max_frequency_error`, --max-frequency-error). The value is the mean ratio of the frequencies of the test to those of the model. One ratio for all modes has a common cause: a dimension, the material, or the unit of a value. Check dimensions and material of the model.";
     /// A synthetic recording.
     Synthetic: "This recording is synthetic: computed from a model, not measured.",
@@ -601,6 +602,7 @@ impl Code {
         Code::SuspensionStiff,
         Code::MassDiffers,
         Code::CommonFactor,
+        Code::ShapesAgree,
     ];
 
     /// Its rank among the findings of one severity: those on the verdict come first.
@@ -689,10 +691,18 @@ impl Finding {
             return Some(format_with_std(value, std));
         }
         let unit = self.unit.as_deref().unwrap_or_default();
+        let is_rounded_away = match (self.value, self.limit) {
+            (Some(value), Some(limit)) => {
+                value != limit && format_number(value) == format_number(limit)
+            }
+            _ => false,
+        };
         let number = |value: f64| {
-            format!("{} {unit}", format_number(value))
-                .trim_end()
-                .to_owned()
+            let text = match is_rounded_away {
+                true => value.to_string(),
+                false => format_number(value),
+            };
+            format!("{text} {unit}").trim_end().to_owned()
         };
         let limit = self.limit.map(|limit| in_words(kind, &number(limit)));
         let parts: Vec<String> = self.value.map(number).into_iter().chain(limit).collect();

@@ -45,6 +45,15 @@ pub(crate) fn counted(number: usize, noun: &str) -> String {
     }
 }
 
+/// Names in a list; in quotation marks where one of them has a comma or a semicolon.
+pub(crate) fn listed(names: &[&str]) -> String {
+    if !names.iter().any(|name| name.contains([',', ';'])) {
+        return names.join(", ");
+    }
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    quoted.join(", ")
+}
+
 /// The text with blanks in place of the ends of its lines: a title prints no line behind it.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     match text.contains(['\n', '\r']) {

@@ -695,6 +695,8 @@ fn language(text: &str) -> Result<Language, String> {
 const CODE_LIST_WIDTH: usize = 100;
 
 fn code(text: &str) -> Result<Code, String> {
+    // As findings print it.
+    let text = text.trim_start_matches('[').trim_end_matches(']');
     let found = Code::ALL.iter().copied().find(|code| code.name() == text);
     found.ok_or_else(|| {
         let all: Vec<String> = Code::ALL.iter().map(|code| code.name()).collect();

@@ -126,14 +126,17 @@ fn baseline_path(args: &CheckArgs) -> Result<PathBuf, Error> {
     if result.is_dir()
         && let Some(file) = first_result(result)
     {
-        let against = scene_of_results(result).unwrap_or_else(|| "SCENE".to_owned());
+        let file = file.display();
+        let expected = match scene_of_results(result) {
+            Some(scene) if states_limits(&scene) => {
+                format!("one of its results: `modalign check {file} --against {scene}`")
+            }
+            scene => without_limits(&file.to_string(), scene),
+        };
         return Err(Error::Argument {
             argument: "RESULT",
             got: format!("{scene}, the folder of results"),
-            expected: format!(
-                "one of its results: `modalign check {} --against {against}`",
-                file.display()
-            ),
+            expected,
         });
     }
     if is_toml || result.is_dir() {
@@ -145,17 +148,44 @@ fn baseline_path(args: &CheckArgs) -> Result<PathBuf, Error> {
             ),
         });
     }
-    let against = args.against.as_ref().ok_or_else(|| Error::Argument {
-        argument: "--against",
-        got: "none".to_owned(),
-        expected: format!(
-            "limits or a baseline: `modalign check {scene} --against SCENE`, or an earlier result of the same kind"
-        ),
+    let against = args.against.as_ref().ok_or_else(|| {
+        let folder = result.parent().and_then(scene_of_results);
+        let expected = match folder {
+            Some(folder) if !states_limits(&folder) => {
+                without_limits(&scene.to_string(), Some(folder))
+            }
+            _ => format!(
+                "limits or a baseline: `modalign check {scene} --against SCENE`, or an earlier result of the same kind"
+            ),
+        };
+        Error::Argument {
+            argument: "--against",
+            got: "none".to_owned(),
+            expected,
+        }
     })?;
     Ok(match against.is_dir() {
         true => against.join("scene.toml"),
         false => against.clone(),
     })
+}
+
+/// Whether the scene in a folder has a table of limits.
+fn states_limits(folder: &str) -> bool {
+    let text = read_text(&Path::new(folder).join(SCENE_FILE));
+    let scene = text.ok().and_then(|text| text.parse::<toml::Table>().ok());
+    scene.is_some_and(|scene| scene.contains_key("limits"))
+}
+
+/// What a result is checked against where no scene states limits.
+fn without_limits(result: &str, scene: Option<String>) -> String {
+    let file = scene.map_or_else(
+        || "a TOML file".to_owned(),
+        |scene| Path::new(&scene).join(SCENE_FILE).display().to_string(),
+    );
+    format!(
+        "an earlier result as baseline: `modalign check {result} --against EARLIER.json` (a copy of it, kept before a change), or limits: [limits] with `min_mac = 0.9` in {file}"
+    )
 }
 
 /// The first result in a folder: of a comparison, else of an update, else the first modes.

@@ -2,9 +2,10 @@
 //! warning and one for all notes.
 
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::finding::{Code, Finding, Location, Severity};
+use crate::finding::{Code, Finding, Location, Severity, format_hz, format_number};
+use crate::printable::listed;
 use crate::report::Language;
 
 /// Characters in a line of the screen's findings.
@@ -161,12 +162,46 @@ impl Kind<'_> {
         let count = self.findings.len();
         let places = match places(self.findings.iter().map(|(named, _)| *named)) {
             none if none.is_empty() => none,
-            places => format!(": {places}"),
+            places => match language {
+                Language::English => format!(": {places}"),
+                Language::Chinese => format!("：{places}"),
+            },
         };
-        let line = |sentence: &str| format!("{severity}: {count}× {sentence}{places}");
+        let range = self.range_text(language);
+        let line = |sentence: &str| format!("{severity}: {count}× {sentence}{range}{places}");
         match line(sentence) {
             text if is_line(&text, &self.tag()) => format!("{text}{}", self.tag()),
             _ => cut_before(&line(first_sentence(sentence)), &self.tag()),
+        }
+    }
+}
+
+impl Kind<'_> {
+    /// The smallest and the largest value of the findings, in parentheses; nothing where one of
+    /// them has no value or another unit.
+    fn range_text(&self, language: Language) -> String {
+        let findings = || self.findings.iter().map(|(named, _)| &named.1);
+        let values: Option<Vec<f64>> = findings().map(|finding| finding.value).collect();
+        let units: BTreeSet<_> = findings().map(|finding| &finding.unit).collect();
+        let Some(values) = values.filter(|_| units.len() == 1) else {
+            return String::new();
+        };
+        let lowest = values.iter().copied().reduce(f64::min);
+        let highest = values.iter().copied().reduce(f64::max);
+        let Some((lowest, highest)) = lowest.zip(highest) else {
+            return String::new();
+        };
+        let unit = units.into_iter().next().and_then(Option::as_deref);
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let (lowest, highest) = (format_number(lowest), format_number(highest));
+        let range = match (lowest == highest, language) {
+            (true, _) => lowest,
+            (false, Language::English) => format!("{lowest} to {highest}"),
+            (false, Language::Chinese) => format!("{lowest} 至 {highest}"),
+        };
+        match language {
+            Language::English => format!(" ({range}{unit})"),
+            Language::Chinese => format!("（{range}{unit}）"),
         }
     }
 }
@@ -176,7 +211,8 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
     let mut tests: Vec<(&str, Vec<String>)> = Vec::new();
     for (test, finding) in findings {
         let place = match &finding.location {
-            Location::Mode(hz) => format!("{hz:.2} Hz"),
+            Location::Mode(hz) => format_hz(*hz),
+            Location::Parameter(name) => name.clone(),
             Location::Whole => String::new(),
             location => location.to_string(),
         };
@@ -185,10 +221,19 @@ fn places<'f>(findings: impl Iterator<Item = &'f NamedFinding>) -> String {
             None => tests.push((test, vec![place])),
         }
     }
+    let names: Vec<&str> = tests.iter().map(|(test, _)| *test).collect();
+    if tests
+        .iter()
+        .all(|(_, places)| places.iter().all(String::is_empty))
+    {
+        return listed(&names);
+    }
     let texts = tests.into_iter().map(|(test, mut places)| {
         places.retain(|place| !place.is_empty());
         places.dedup();
-        format!("{test} {}", places.join(", ")).trim().to_owned()
+        format!("{} {}", listed(&[test]), places.join(", "))
+            .trim()
+            .to_owned()
     });
     let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
     texts.join("; ")
@@ -273,7 +318,9 @@ mod tests {
         let close = lines.iter().find(|line| line.contains("close-modes"));
         let close = close.expect("a line for close modes");
         assert!(close.starts_with("warning: 3× "), "{close}");
-        assert!(close.contains(": disc 10.00 Hz, 20.00 Hz; ring 30.00 Hz [close-modes]"));
+        assert!(
+            close.contains(" (5 to 15 Hz): disc 10.00 Hz, 20.00 Hz; ring 30.00 Hz [close-modes]")
+        );
         let few = lines.iter().find(|line| line.contains("few-lines"));
         assert!(few.is_some_and(|line| line.contains("ring: mode at 40.00 Hz")));
         assert_eq!(
@@ -308,7 +355,7 @@ mod tests {
         let lines = screen_lines(&[named], Language::English);
         assert!(lines[0].starts_with("warning: …"), "{}", lines[0]);
         let expected = "test.modes.json: mode at 12.00 Hz: This pair is ambiguous \
-                        (0.01000, limit at least 0.05000) [ambiguous]";
+                        (0.0100, limit at least 0.0500) [ambiguous]";
         assert!(lines[0].ends_with(expected), "{}", lines[0]);
         assert!(lines[0].chars().count() <= MAX_LINE_CHARS);
     }

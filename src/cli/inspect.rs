@@ -168,6 +168,12 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     let mut text = String::new();
     if arrays {
         text += "The files do not state what arrays and columns mean; the scene asks for it.\n";
+        // Arrays name no point, unit or time step.
+        for (what, option) in OF_ARRAYS {
+            if options.iter().all(|(_, known)| *known != option) {
+                options.push((what, option));
+            }
+        }
     }
     let (names, flags): (Vec<&str>, Vec<&str>) = options.into_iter().unzip();
     if !names.is_empty() {
@@ -177,6 +183,14 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     text += &channels_text(entries().filter(is_test));
     Some(text + &format!("Next: modalign new DIR FILE...{flags}"))
 }
+
+/// What arrays do not state, and the options of `new` that do.
+const OF_ARRAYS: [(&str, &str); 4] = [
+    ("the response of functions or records", "--response DOF"),
+    ("the reference of FRFs", "--reference DOF"),
+    ("units", "--unit UNIT"),
+    ("the sampling rate", "--sampling-rate HZ"),
+];
 
 /// The channels that stand in the place of points, and the options that name the points.
 fn channels_text<'e>(entries: impl Iterator<Item = &'e Entry>) -> String {

@@ -14,7 +14,7 @@ use crate::io::{
 };
 use crate::modal::ModalModel;
 use crate::printable::{printable_json, printable_message};
-use crate::report::{Block, Language, Renderer, Terminal, abridged, png_lacks_letters};
+use crate::report::{Block, Language, Renderer, Terminal, abridged, png_lacks_letters, wrapping};
 use crate::scene::Observer;
 
 use super::args::Global;
@@ -387,10 +387,7 @@ impl Output {
                 };
                 // A terminal breaks long lines within words.
                 let line = match width {
-                    Some(width) => {
-                        let wrapping = textwrap::Options::new(width);
-                        textwrap::fill(&line, wrapping.subsequent_indent("  "))
-                    }
+                    Some(width) => textwrap::fill(&line, wrapping(width).subsequent_indent("  ")),
                     None => line,
                 };
                 // A closed standard error is no failure.

@@ -11,7 +11,7 @@ use crate::report::json::{
     order_from_json, report_from_json, report_to_json, speed_accuracy_from_json,
 };
 use crate::report::{
-    Block, CompanionResults, Language, TableGroup, before_you_leave_blocks, claims_block,
+    Block, CompanionResults, Language, Table, TableGroup, before_you_leave_blocks, claims_block,
     comparison_blocks, energies_block, figure_files, figures_svg, hits_block, limits_block,
     modes_block, parameters_block, placement_blocks, published_comparison_block,
     published_roots_block, quantities_block, report_page, states_block, update_figures_svg,
@@ -294,7 +294,7 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
     let tests = result.tests.iter();
     let mut modes: Vec<Block> = tests
         .clone()
-        .map(|test| modes_block(&test.name, &test.modes))
+        .map(|test| with_quality_first(modes_block(&test.name, &test.modes)))
         .collect();
     if result.tests.is_empty() {
         modes.extend(parameters_block(&result.theory.parameters));
@@ -325,4 +325,26 @@ fn sections(scene: &Scene, result: &SceneResult) -> Vec<Section> {
         Section::new("energies", energies),
         Section::new("hits", hits),
     ]
+}
+
+/// The modes with their quality and remarks beside frequency and damping, where a page shows them.
+fn with_quality_first(block: Block) -> Block {
+    let Block::Table(mut table) = block else {
+        return block;
+    };
+    let index = |table: &Table, head: &str| table.columns.iter().position(|c| c.head == head);
+    let Some(mut to) = index(&table, "std damping (%)") else {
+        return Block::Table(table);
+    };
+    for head in ["quality", "remark"] {
+        let Some(from) = index(&table, head) else {
+            continue;
+        };
+        to += 1;
+        table.columns[to..=from].rotate_right(1);
+        for row in &mut table.rows {
+            row[to..=from].rotate_right(1);
+        }
+    }
+    Block::Table(table)
 }

@@ -57,15 +57,17 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     }
     output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
-        Some(_) => {
-            "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE."
-        }
+        Some(folder) => format!(
+            "All tables, columns and notes: --full, or {}; a [code]: --explain CODE.",
+            folder.join("report.html").display()
+        ),
         None => {
             "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE."
+                .to_owned()
         }
     };
     let lines = [earlier, left_out, next.clone()];
-    output.add_closing(lines.into_iter().flatten().collect(), Some(rest));
+    output.add_closing(lines.into_iter().flatten().collect(), Some(&rest));
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result, next.as_deref())),
         None if result.tests.is_empty() => {

@@ -1,5 +1,7 @@
 //! Texts of the command line in lines of the width of the terminal.
 
+use crate::report::wrapping;
+
 /// Width of a text for a reader that is no terminal.
 pub const DEFAULT_WIDTH: usize = 100;
 /// Width of the narrowest terminal that is used as it is.
@@ -32,8 +34,7 @@ fn usable(size: Option<(terminal_size::Width, terminal_size::Height)>) -> Option
 pub fn wrapped(text: &str, width: usize) -> String {
     let lines = text.lines().map(|line| {
         let indent = &line[..line.len() - line.trim_start().len()];
-        let options = textwrap::Options::new(width).subsequent_indent(indent);
-        textwrap::fill(line, options.break_words(false))
+        textwrap::fill(line, wrapping(width).subsequent_indent(indent))
     });
     lines.collect::<Vec<_>>().join("\n")
 }

@@ -104,17 +104,20 @@ pub(super) fn shapes_agree_finding(matches: &[ShapeMatch]) -> Option<Finding> {
     let ratio = mean_ratio(matches)?;
     let named = |one: &ShapeMatch| {
         format!(
-            "{:.2} Hz has the shape of {:.2} Hz of the model (MAC {:.3})",
+            "{:.2} Hz as {:.2} Hz of the model (MAC {:.3})",
             one.test_hz, one.root_hz, one.mac
         )
     };
-    let named: Vec<String> = matches.iter().take(MAX_NAMED).map(named).collect();
+    let mut named: Vec<String> = matches.iter().map(named).collect();
+    let further = named.len().saturating_sub(MAX_NAMED);
+    named.truncate(MAX_NAMED);
+    named.extend((further > 0).then(|| format!("{further} more")));
     let finding = Finding::new(Severity::Warning, Code::ShapesAgree, Location::Whole);
     Some(finding.value(ratio, "").detail(named.join(", ")))
 }
 
 /// Maximum number of modes that a detail names.
-const MAX_NAMED: usize = 4;
+const MAX_NAMED: usize = 1;
 
 #[cfg(test)]
 mod tests {
@@ -141,7 +144,7 @@ mod tests {
         let finding = findings.find(|finding| finding.code == Code::ShapesAgree);
         let detail = finding.unwrap().detail.as_deref().unwrap();
         assert!(
-            detail.starts_with("250.00 Hz has the shape of 100.00 Hz of the model (MAC 1.000)"),
+            detail.starts_with("250.00 Hz as 100.00 Hz of the model (MAC 1.000), 2 more"),
             "{detail}"
         );
         // One of several is no evidence; the only one is.

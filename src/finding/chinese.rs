@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use super::{Code, Finding, LimitKind, Location, Severity};
+use super::{Code, Finding, LimitKind, Location, Severity, format_hz};
 
 /// Chinese texts of a code.
 #[derive(Deserialize)]
@@ -78,7 +78,7 @@ fn location_text(location: &Location) -> String {
             format!("通道 {name}")
         }
         Location::Sensors(group) => format!("传感器组 {group}"),
-        Location::Mode(hz) => format!("{hz:.2} Hz 处的模态"),
+        Location::Mode(hz) => format!("{} 处的模态", format_hz(*hz)),
         Location::Parameter(name) => format!("参数 {name}"),
         Location::Quantity(name) => format!("量 {name}"),
     }

@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::dof::Dof;
 
+use super::format_hz;
+
 /// Location of a finding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -72,7 +74,7 @@ impl fmt::Display for Location {
                 }
             }
             Location::Sensors(group) => write!(f, "sensors of {group}"),
-            Location::Mode(hz) => write!(f, "mode at {hz:.2} Hz"),
+            Location::Mode(hz) => write!(f, "mode at {}", format_hz(*hz)),
             Location::Parameter(name) => write!(f, "parameter {name}"),
             Location::Quantity(name) => write!(f, "quantity {name}"),
         }

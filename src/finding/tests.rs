@@ -28,7 +28,10 @@ fn the_sentence_has_location_value_and_limit() {
     );
     assert!(text.ends_with("(2.500, limit at least 5)"), "{text}");
     let pure = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0)).value(0.3, "1");
-    assert!(pure.to_string().ends_with("(0.3000)"), "{pure}");
+    assert!(pure.to_string().ends_with("(0.300)"), "{pure}");
+    // A missed limit never reads as met.
+    let near = pure.value(0.49996, "").limit(0.5).to_string();
+    assert!(near.ends_with("(0.49996, limit at least 0.5)"), "{near}");
     let bare = Finding::new(Severity::Info, Code::FewLines, Location::Mode(1.0));
     assert!(bare.to_string().ends_with("a damping value."), "{bare}");
     let detailed = bare.detail("one line").to_string();

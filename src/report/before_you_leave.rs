@@ -51,7 +51,7 @@ pub fn before_you_leave_blocks(list: &BeforeYouLeave) -> Vec<Block> {
 /// One line for a test of a scene.
 pub fn before_you_leave_line(test: &str, list: &BeforeYouLeave) -> String {
     let listed = points(list).map(|points| match points.listed().next() {
-        None => "no point to hit again".to_owned(),
+        None => "enough good hits at every point".to_owned(),
         Some(_) => format!("hit again {}", points_with_reason(points)),
     });
     let with = |state: State, words: &str| {
@@ -109,8 +109,11 @@ fn headline(list: &BeforeYouLeave) -> String {
     let all = points.points.len();
     match points.listed().count() {
         0 => format!(
-            "Before you leave: no point to hit again, of {}.",
-            counted(all, "point")
+            "Before you leave: enough good hits at {}.",
+            match all {
+                1 => "the 1 point".to_owned(),
+                all => format!("all {all} points"),
+            }
         ),
         listed => format!(
             "Before you leave: hit again {listed} of {}.",
@@ -292,7 +295,7 @@ fn points_table(points: &HitAgain) -> Block {
         columns: columns.chain([Column::text("why")]).collect(),
         rows: points.points.iter().map(row).collect(),
         footnotes: vec![
-            "Standard deviation of the magnitude of the FRF over the magnitude, at the resonance where it is largest; it falls as one over the square root of the number of hits. In brackets: limits.".to_owned(),
+            "Standard deviation of the magnitude of the FRF over the magnitude, at the resonance where it is largest; it falls as one over the square root of the number of hits.".to_owned(),
         ],
     })
 }

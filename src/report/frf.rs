@@ -93,7 +93,9 @@ pub fn hits_block(caption: &str, hits: &[HitReport]) -> Block {
 }
 
 fn verdict(hit: &HitReport) -> Verdict {
+    let is_noted = |check: &Check| check.outcome == Outcome::Noted;
     match (hit.used, hit.stated) {
+        (true, false) if hit.checks.iter().any(is_noted) => Verdict::UsedWithRemark,
         (true, false) => Verdict::Used,
         (true, true) => Verdict::UsedAsStated,
         (false, false) => Verdict::Rejected,

@@ -84,7 +84,7 @@ fn block_text(block: &Block) -> String {
             .map(escaped_line)
             .collect::<Vec<_>>()
             .join("\n"),
-        Block::Table(table) => table_text(table),
+        Block::Table(table) => table_text(&table.without_missing_columns()),
         Block::Findings { findings, language } => findings
             .iter()
             .map(|finding| {

@@ -153,6 +153,11 @@ pub fn reversed_sensors_block(
 
 /// AutoMAC of a set of modes, with its duplicates.
 pub fn auto_mac_blocks(name: &str, auto_mac: &AutoMac) -> Vec<Block> {
+    if auto_mac.matrix.dofs.most == 1 {
+        return vec![Block::Text(format!(
+            "AutoMAC of {name}: shapes of one degree of freedom cannot be compared."
+        ))];
+    }
     let mut table = mac_table(format!("AutoMAC of {name}"), &auto_mac.matrix);
     let (mac, percent) = (
         auto_mac.limits.min_mac,

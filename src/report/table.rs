@@ -44,6 +44,8 @@ impl Column {
 const MAX_STD_DECIMALS: i32 = 9;
 /// The last printed digit of a value is at least this part of it.
 const FINEST_RELATIVE_DIGIT: f64 = 1e-5;
+/// The same of a damping ratio, which is known less well.
+const FINEST_DAMPING_DIGIT: f64 = 1e-4;
 /// Normalised deviations beyond this are all the same to a reader.
 const LARGEST_NORMALISED: f64 = 1000.0;
 
@@ -118,6 +120,13 @@ impl Cell {
     /// 0.001 % of the value; without a standard deviation with as many as that allows.
     pub fn measured(value: Option<f64>, std: Option<f64>) -> Self {
         let decimals = value.map_or(0, |value| measured_decimals(value, std));
+        Cell::number(value, decimals)
+    }
+
+    /// A damping ratio as [`Cell::measured`], but none finer than 0.01 % of the value.
+    pub fn damping(value: Option<f64>, std: Option<f64>) -> Self {
+        let finest = |value: f64| decimals_not_finer_than(FINEST_DAMPING_DIGIT * value.abs());
+        let decimals = value.map_or(0, |value| measured_decimals(value, std).min(finest(value)));
         Cell::number(value, decimals)
     }
 
@@ -239,6 +248,28 @@ pub struct Table {
 }
 
 impl Table {
+    /// The table without the columns of which no row has a value.
+    pub(super) fn without_missing_columns(&self) -> Self {
+        let mut table = self.clone();
+        let is_missing = |cell: &Cell| match cell {
+            Cell::Missing => true,
+            Cell::Text(text) => text.trim().is_empty(),
+            _ => false,
+        };
+        for index in (1..table.columns.len()).rev() {
+            let is_empty = |row: &Vec<Cell>| row.get(index).is_none_or(is_missing);
+            if !table.rows.is_empty() && table.rows.iter().all(is_empty) {
+                table.columns.remove(index);
+                for row in table.rows.iter_mut().filter(|row| row.len() > index) {
+                    row.remove(index);
+                }
+            }
+        }
+        table
+    }
+}
+
+impl Table {
     /// The same table with this many digits after the point of every number.
     pub fn with_decimals(mut self, wanted: usize) -> Self {
         for cell in self.rows.iter_mut().flatten() {
@@ -334,5 +365,38 @@ mod tests {
         ] {
             assert_eq!(significant(value, digits), expected);
         }
+    }
+
+    #[test]
+    fn columns_without_a_value_are_left_out() {
+        let table = Table {
+            columns: ["mode", "MPC", "remark", "f (Hz)"]
+                .map(Column::text)
+                .to_vec(),
+            rows: vec![
+                vec![
+                    Cell::text("1"),
+                    Cell::Missing,
+                    Cell::text(""),
+                    Cell::Missing,
+                ],
+                vec![
+                    Cell::text("2"),
+                    Cell::Missing,
+                    Cell::text(" "),
+                    Cell::count(3),
+                ],
+            ],
+            ..Table::default()
+        };
+        let shown = table.without_missing_columns();
+        let heads: Vec<&str> = shown.columns.iter().map(|c| c.head.as_str()).collect();
+        assert_eq!(heads, ["mode", "f (Hz)"]);
+        assert!(shown.rows.iter().all(|row| row.len() == 2));
+        let empty = Table {
+            rows: Vec::new(),
+            ..table
+        };
+        assert_eq!(empty.without_missing_columns().columns.len(), 4);
     }
 }

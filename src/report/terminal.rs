@@ -1,7 +1,7 @@
 //! The terminal renderer writes plain text with aligned columns, whose paragraphs may be wrapped at
 //! the width of the terminal.
 
-use unicode_width::UnicodeWidthStr;
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::printable::{printable, printable_message};
 
@@ -93,11 +93,55 @@ impl Terminal {
     }
 }
 
-/// Words, such as paths and commands, stay whole, even where they are longer than a line.
-pub(super) fn wrapping(width: usize) -> textwrap::Options<'static> {
+/// Words, such as paths, commands and codes, stay whole, even where they are longer than a line,
+/// and numbers with their units.
+pub(crate) fn wrapping(width: usize) -> textwrap::Options<'static> {
     textwrap::Options::new(width)
         .break_words(false)
+        .word_separator(textwrap::WordSeparator::Custom(whole_words))
         .word_splitter(textwrap::WordSplitter::NoHyphenation)
+}
+
+/// Units that follow a number behind a blank.
+const UNITS: [&str; 16] = [
+    "%", "Hz", "kHz", "dB", "kg", "g", "N", "m", "mm", "s", "ms", "rad", "rad/s", "Pa", "°C", "MiB",
+];
+
+/// The words of a line, as they are broken at blanks and beside wide characters, such as Chinese
+/// ones; a number and its unit are one word.
+fn whole_words(line: &str) -> Box<dyn Iterator<Item = textwrap::core::Word<'_>> + '_> {
+    let mut starts = vec![0];
+    let breaks = line.char_indices().map(|(at, _)| at).skip(1);
+    starts.extend(breaks.filter(|at| may_break(line, *at)));
+    let ends: Vec<usize> = starts.iter().copied().skip(1).chain([line.len()]).collect();
+    let words = starts.into_iter().zip(ends);
+    Box::new(words.map(|(start, end)| textwrap::core::Word::from(&line[start..end])))
+}
+
+fn is_wide(c: char) -> bool {
+    c.width().unwrap_or(0) > 1
+}
+
+/// Whether a line may end at this byte: behind blanks and beside wide characters, but neither
+/// between a number and its unit nor before a closing mark.
+fn may_break(line: &str, at: usize) -> bool {
+    let (before, after) = line.split_at(at);
+    let (Some(last), Some(first)) = (before.chars().last(), after.chars().next()) else {
+        return false;
+    };
+    if first.is_whitespace() || "，。；：、）”".contains(first) || "（“".contains(last) {
+        return false;
+    }
+    if !last.is_whitespace() {
+        return is_wide(last) || is_wide(first);
+    }
+    let is_number = before.trim_end().ends_with(|c: char| c.is_ascii_digit());
+    let next = after
+        .split(|c: char| c.is_whitespace() || is_wide(c))
+        .next();
+    let unit = next.unwrap_or_default();
+    let unit = unit.trim_end_matches([',', ';', ':', '.', ')', '?', '!']);
+    !(is_number && (UNITS.contains(&unit) || is_wide(first)))
 }
 
 /// Characters in the widest line of a table.
@@ -169,6 +213,25 @@ fn push_row<T: AsRef<str>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn codes_file_names_and_numbers_with_units_stay_whole() {
+        let text = "at -0.60 % of f1 in a-long/file-name.uff: 4.319 %, 12 Hz [near-band-edge] 28、4 个不可观测";
+        for width in 10..60 {
+            let printed = Terminal { width: Some(width) }.render(&[Block::Text(text.to_owned())]);
+            for whole in [
+                "-0.60 %",
+                "a-long/file-name.uff:",
+                "4.319 %,",
+                "12 Hz",
+                "[near-band-edge]",
+                "4 个",
+            ] {
+                let is_whole = printed.lines().any(|line| line.contains(whole));
+                assert!(is_whole, "{whole} at {width}:\n{printed}");
+            }
+        }
+    }
 
     #[test]
     fn a_path_longer_than_the_line_stays_whole() {

@@ -71,6 +71,27 @@ pub(super) static TEXTS: Texts = Texts {
         normalised_deviation: "normalised deviation", "(试验−理论)/标准差";
         damping_percent: "damping (%)", "阻尼比 (%)";
         verdict: "verdict", "结论";
+        before: "before", "修正前";
+        after: "after", "修正后";
+        modes_of_worst_test: "Modes of {}, the test with the largest error", "{} 的模态，误差最大的试验";
+        number: "no.", "序号";
+        shape_of_array: "shape", "维数";
+        kind: "kind", "类型";
+        count: "count", "数目";
+        type_of_function: "type", "种类";
+        responses: "responses", "响应";
+        references: "references", "参考";
+        axis: "axis", "坐标轴";
+        names: "names", "文件";
+        format: "format", "格式";
+        contents: "contents", "内容";
+        inspected_frequency: "frequency [Hz]", "频率 [Hz]";
+        inspected_damping: "damping [%]", "阻尼比 [%]";
+        inspected_mass: "modal mass [kg]", "模态质量 [kg]";
+        points: "points", "点数";
+        values: "values", "数值数";
+        title: "title", "标题";
+        arrays: "{} arrays", "{} 个数组";
         hz_in_test: "{}\n(Hz)", "{}\n(Hz)";
         error_hz_in_test: "{}\nerror (Hz)", "{}\n误差 (Hz)";
         error_percent_in_test: "{}\nerror (%)", "{}\n误差 (%)";
@@ -305,17 +326,6 @@ pub(super) static TEXTS: Texts = Texts {
         pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";
         pairs_with_ambiguous: "{} paired: {} by shape, {} by frequency alone; {} ambiguous", "{} 个已配对：{} 个按振型，{} 个仅按频率；{} 个不明确";
         pairs_of_test: "{}: {} paired: {} by shape, {} by frequency alone", "{}：{} 个已配对：{} 个按振型，{} 个仅按频率";
-        all_synthetic: "The recordings are synthetic, not measured: computed from {}.", "记录为合成，并非实测：由 {} 计算。";
-        synthetic_recordings: "Synthetic recordings, not measured: {}; computed from {}.", "合成记录，并非实测：{}；由 {} 计算。";
-        assumed_in_model: "Assumed in the model: {}.", "模型中的假定：{}。";
-        published_frequencies: "Published frequencies: {} compared, rms error {} %, largest {} % at {}.", "文献频率：比较 {}，均方根误差 {} %，最大 {} % (位于 {})。";
-        published_statements: "Published statements: {} reproduced, {} not reproduced, {} not checkable.", "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。";
-        statements_not_reproduced: "Not reproduced: {}.", "未复现：{}。";
-        next_points: "Further points of {}: {}.", "可增加的测点，{}：{}。";
-        rest_of_run: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.", "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。";
-        rest_of_run_in_folder: "All tables, columns and notes: --full, or report.html in the folder; a [code]: --explain CODE.", "全部表格、列与说明：--full，或文件夹中的 report.html；[] 中的代码：--explain CODE。";
-        near_band_edge: "Near the edge of the band: {}. Widen the band: --band LO:HI, or band_hz of the scene.", "靠近频带边缘：{}。请加宽频带：--band LO:HI，或场景中的 band_hz。";
-        peaks_without_mode: "Peaks without a mode: {}. Reasons: --explain peak-without-mode.", "没有模态的峰：{}。原因：--explain peak-without-mode。";
         rest_of_modes: "All columns and notes: --full; modes with shapes to a file: -o modes.json.", "全部列与说明：--full；模态与振型写入文件：-o modes.json。";
         rest: "All columns and notes: --full.", "全部列与说明：--full。";
         rest_of_comparison: "All columns and notes: --full; tables to a file: -o FILE.", "全部列与说明：--full；表格写入文件：-o FILE。";
@@ -326,13 +336,12 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
         rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
         counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
-        no_model: "The scene has no model, so that nothing is compared.", "场景中没有模型，因此没有比较。";
-        chi_square: "Chi-square per degree of freedom {} ({} degrees; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
+        chi_square: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
         hits_rejected: "Hits: {} of {} used; rejected: {}.", "锤击：采用 {} / {} 次；剔除：{}。";
         leaving_shaker: "Before you leave: excitation by a shaker, no hits to repeat.", "离开之前：激振器激励，没有需要重复的锤击。";
-        leaving_complete: "Before you leave: no point to hit again, of {}.", "离开之前：没有需要重新锤击的点，共 {}。";
+        leaving_complete: "Before you leave: enough good hits at {}.", "离开之前：{} 的合格锤击数足够。";
         leaving_listed: "Before you leave: hit again {} of {}.", "离开之前：需要重新锤击 {} / {}。";
         leaving_test: "Before you leave, {}: {}.", "离开之前，{}：{}。";
         leaving_other_reasons: "- {}: for other reasons, see --full.", "- {}：其他原因，见 --full。";
@@ -429,10 +438,10 @@ pub(super) static TEXTS: Texts = Texts {
                 paired_by_frequency: "paired by frequency", "按频率配对";
                 near_a_paired_mode: "near a paired mode", "漏检(预期)";
                 should_have_been_seen: "should have been seen", "漏检(非预期)";
-                observability_unknown: "observability unknown", "漏检(未判定)";
-                not_observable_mode: "not observable", "不可观测";
+                                not_observable_mode: "not observable", "不可观测";
                 outside_the_band: "outside the band", "频带外";
                 used: "used", "采用";
+                used_with_remark: "used, with a remark", "采用(有备注)";
                 used_stated: "used (stated)", "采用(指定)";
                 rejected: "rejected", "剔除";
                 rejected_stated: "rejected (stated)", "剔除(指定)";
@@ -442,6 +451,7 @@ pub(super) static TEXTS: Texts = Texts {
                 not_reproduced: "NOT reproduced", "未复现";
                 not_checkable: "not checkable", "无法核对";
                 identified: "identified", "可识别";
+                identified_within_model_error: "identified within model error", "在模型误差内可识别";
                 at_bound: "at bound", "位于边界";
                 not_supported: "not supported by the data", "数据不支持";
                 not_supported_and_held: "not supported by the data; held", "数据不支持；保持不变";
@@ -468,6 +478,17 @@ pub(super) static TEXTS: Texts = Texts {
                 max_error: "max |error|", "最大 |误差|";
                 mean_error: "mean |error|", "平均 |误差|";
                 rms_error: "rms error", "均方根误差";
+                repeated_root: "{} ({}-fold)", "{} ({} 重)";
+            },
+        ),
+        (
+            "error_percent",
+            group! {
+                unmatched: "unmatched", "未配对";
+                unknown: "unknown", "未知";
+                near: "near", "邻近";
+                not_observable: "not obs.", "不可观测";
+                test_only: "test only", "仅试验";
             },
         ),
     ],

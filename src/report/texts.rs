@@ -48,7 +48,8 @@ mod tests {
     use super::*;
 
     /// Headings and labels that the code composes of several literals.
-    const COMPOSED: [&str; 8] = [
+    const COMPOSED: [&str; 9] = [
+        "{} arrays",
         "Hits: {}",
         "Points to hit again: {}",
         "{}: (test−theory)/theory (%)",

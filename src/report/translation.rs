@@ -1,10 +1,10 @@
-//! Translation of captions, column heads, row labels and verdicts. Definitions and reasons under
-//! the tables remain English.
+//! Translation of sentences, captions, column heads, row labels and verdicts. What has no
+//! translation, such as a reason under a table, remains English.
 
 use crate::finding::{Code, Severity};
 
 use super::phrase_texts::{OF_WORDS, PHRASES, WORDS};
-use super::texts::{TEXTS, Text, labels_of, translate};
+use super::texts::{TEXTS, Text, labels_of};
 use super::verdict_texts::VERDICT_TEXTS;
 use super::{Block, Cell, Language, Table};
 
@@ -50,7 +50,9 @@ fn warning(line: &str) -> Option<String> {
     let translated = |code: &Code| {
         let places = line.strip_prefix(code.sentence().trim_end_matches('.'))?;
         let (severity, sentence) = (Severity::Warning.chinese(), code.chinese_sentence());
-        Some(format!("{severity}：{sentence}{places}"))
+        let places = places.strip_suffix('.').unwrap_or(places);
+        let places = places.replacen(": ", "：", 1);
+        Some(format!("{severity}：{sentence}{places}。"))
     };
     Code::ON_THE_VERDICT.iter().find_map(translated)
 }
@@ -64,6 +66,9 @@ fn translated_table(mut table: Table) -> Table {
         }
     }
     table.caption = heading(&table.caption);
+    for note in &mut table.footnotes {
+        *note = Language::Chinese.translated_text(std::mem::take(note));
+    }
     for column in &mut table.columns {
         column.head = heading(&column.head);
     }
@@ -78,20 +83,60 @@ fn label(head: &str, text: &str) -> String {
     let column = heads.find(|(_, head)| head.english == kind);
     let labels = column.map_or(&[][..], |(key, _)| labels_of(key));
     let unwrapped = text.replace('\n', " ");
-    match translate(labels, Language::Chinese, &unwrapped) {
-        same if same == unwrapped => text.to_owned(),
-        translated => translated.to_owned(),
+    match best_match(labels.iter().map(|(_, text)| text), &unwrapped) {
+        Some((label, names)) => label.filled(Language::Chinese, &names),
+        None => text.to_owned(),
     }
 }
 
-/// The translation of a line of a paragraph, with the phrases that are its values.
+/// The translation of a line of a paragraph: as a whole, or of its sentences.
 fn sentence(line: &str) -> String {
+    let parts = sentences(line);
+    let translated: Vec<Option<String>> = parts.iter().map(|part| whole(part)).collect();
+    let is_complete = parts.len() > 1 && translated.iter().all(Option::is_some);
+    if let Some(text) = whole(line).filter(|_| !is_complete) {
+        return text;
+    }
+    let mut text = String::new();
+    for (part, translated) in parts.iter().zip(translated) {
+        if !text.is_empty() && !text.ends_with('。') {
+            text.push(' ');
+        }
+        text += translated.as_deref().unwrap_or(part);
+    }
+    text
+}
+
+/// The sentences of a line, each with its full stop.
+fn sentences(line: &str) -> Vec<&str> {
+    let ends = line.match_indices(". ").map(|(at, _)| at + 1);
+    let ends: Vec<usize> = ends.chain([line.len()]).collect();
+    let starts = std::iter::once(0).chain(ends.iter().map(|end| end + 1));
+    let bounds = starts.zip(&ends).filter(|(start, end)| start < *end);
+    bounds.map(|(start, end)| &line[start..*end]).collect()
+}
+
+/// The translation of a text as a whole, with the phrases that are its values.
+fn whole(text: &str) -> Option<String> {
     let groups = [TEXTS.paragraphs, VERDICT_TEXTS].into_iter().flatten();
-    let Some((found, names)) = best_match(groups.map(|(_, text)| text), line) else {
-        return line.to_owned();
-    };
+    let (found, names) = best_match(groups.map(|(_, text)| text), text)?;
     let values: Vec<String> = names.into_iter().map(|name| value(name, PHRASES)).collect();
-    found.filled(Language::Chinese, &values)
+    Some(without_gaps(&found.filled(Language::Chinese, &values)))
+}
+
+/// The text without the blanks between Chinese characters, which stand around values.
+fn without_gaps(text: &str) -> String {
+    let is_chinese = |c: Option<char>| {
+        c.is_some_and(|c| matches!(c, '\u{3000}'..='\u{9fff}' | '\u{ff00}'..='\u{ffef}'))
+    };
+    let characters: Vec<char> = text.chars().collect();
+    let kept = (0..characters.len()).filter(|&at| {
+        let before = at.checked_sub(1).map(|before| characters[before]);
+        let after = characters.get(at + 1).copied();
+        let is_gap = is_chinese(before) && is_chinese(after);
+        characters[at] != ' ' || !is_gap
+    });
+    kept.map(|at| characters[at]).collect()
 }
 
 /// The translation of a value, or of its parts where it is a list; names remain as they are.
@@ -178,7 +223,7 @@ mod tests {
             let sentence = code.sentence().trim_end_matches('.');
             let line = format!("Warning: {sentence}: disc; ring.");
             let translated = Language::Chinese.translated_text(line);
-            let expected = format!("警告：{}: disc; ring.", code.chinese_sentence());
+            let expected = format!("警告：{}：disc; ring。", code.chinese_sentence());
             assert_eq!(translated, expected);
         }
     }
@@ -187,8 +232,8 @@ mod tests {
     fn values_of_sentences_are_translated_and_names_are_not() {
         for (line, expected) in [
             (
-                "The model agrees with the test: 3 of 3 modes within 5 % and MAC 0.9; rms error 0.148 %, largest -0.173 % at f2, smallest MAC 0.993.",
-                "模型与 试验 相符：3 / 3 阶在 5 % 与 MAC 0.9 以内；均方根误差 0.148 %，最大 -0.173 % (f2)，最小 MAC 0.993。",
+                "Within 5 % and MAC 0.9: 3 of 3 modes. The model agrees with the test: rms error 0.148 %, largest -0.173 % at f2, smallest MAC 0.993.",
+                "在 5 % 与 MAC 0.9 以内：3 / 3 阶。模型与试验相符：均方根误差 0.148 %，最大 -0.173 % (f2)，最小 MAC 0.993。",
             ),
             (
                 "Pairs: 3 of 5 model modes, 3 by shape, 0 by frequency, 1 ambiguous; unmatched: f4, f5.",
@@ -231,7 +276,12 @@ mod tests {
             rows: ["paired", "paired\nby shape"]
                 .map(|verdict| vec![Cell::text(verdict), Cell::number(Some(0.5), 2)])
                 .to_vec(),
-            footnotes: vec!["Summary".to_owned()],
+            footnotes: [
+                "Summary",
+                "Error = (test - theory)/theory. ~: paired by frequency alone.",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
         };
         let blocks = vec![Block::Table(table), Block::Text("Summary".to_owned())];
         assert_eq!(Language::English.translated(blocks.clone()), blocks);
@@ -246,7 +296,10 @@ mod tests {
         );
         // A label that was wrapped for the screen.
         assert_eq!(table.rows[1][0], Cell::text("按振型配对"));
-        assert_eq!(table.footnotes, ["Summary"]);
+        assert_eq!(
+            table.footnotes,
+            ["Summary", "误差 = (试验 - 理论)/理论。~：仅按频率配对。"]
+        );
         assert_eq!(chinese[1], Block::Text("Summary".to_owned()));
     }
 

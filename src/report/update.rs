@@ -215,7 +215,7 @@ pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
         true => String::new(),
         false => format!(
             " Deviations are taken as larger, {}; std and verdicts include this model error.",
-            growths.join(" and ")
+            growths.join(", ")
         ),
     };
     format!("{figures}: noise does not explain the residuals.{consequence}")
@@ -234,9 +234,12 @@ pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
     let all = result.parameters.len();
     let lost = result.after.rows.len() - result.after.paired();
     let reason = match (result.unpredicted.len(), lost) {
-        (0, 0) => "the model error is estimated from fewer than 3 degrees of freedom".to_owned(),
+        (0, 0) => "the model error has fewer than 3 degrees of freedom".to_owned(),
         (0, lost) => format!("{} lost the partner", counted(lost, "mode")),
-        (count, _) => format!("{} not predicted from the others", counted(count, "mode")),
+        (count, _) => format!(
+            "of {} not predicted from the others (--explain mode-not-predicted)",
+            counted(count, "mode")
+        ),
     };
     let by_std = match by_std.len() {
         0 => String::new(),
@@ -244,7 +247,7 @@ pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
     };
     (!others.is_empty()).then(|| {
         format!(
-            "Not supported by the data: {by_std}{} of {all} because of {reason} (--explain mode-not-predicted).",
+            "Not supported by the data: {by_std}{} of {all} because {reason}.",
             others.len()
         )
     })
@@ -375,12 +378,14 @@ pub(super) fn fit_before(update: &SceneUpdate) -> String {
         ];
         let mut reasons: Vec<&str> = reasons.into_iter().flatten().collect();
         if reasons.is_empty() {
-            reasons.push("modes outside band_hz of [update] count there, repeated roots once");
+            reasons.push(
+                "modes outside band_hz of [update] count there, repeated roots count once there",
+            );
         }
         text += &format!(
             " The comparison has {}: {}.",
             counted(paired, "pair"),
-            reasons.join(", and ")
+            reasons.join(", ")
         );
     }
     text

@@ -55,6 +55,8 @@ verdicts! {
     NotSupportedHeld: "not supported by the data; held", "dim";
     /// The checks accept the hit.
     Used: "used", "good";
+    /// The checks accept the hit, of which one exceeds the limit of a remark.
+    UsedWithRemark: "used, with a remark", "fair";
     /// The user accepts the hit.
     UsedAsStated: "used (stated)", "good";
     /// The checks reject the hit.

@@ -1,4 +1,4 @@
-//! The sentences of the verdict of `run` and of the next step, in English and Chinese.
+//! The sentences of the screens of `run` and `update`, in English and Chinese.
 
 use super::text_table::{Group, Text};
 
@@ -126,8 +126,8 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "next_support",
         Text {
-            english: "Next, before an update: one support ({}): support in [test.state] of {}, or the springs to ground of the model ({}).",
-            chinese: "下一步，修正之前：支承须一致 ({})：{} 中 [test.state] 的 support，或模型的对地弹簧 ({})。",
+            english: "Next, before an update: correct the support that is wrong ({}): support in [test.state] of {}, or the springs to ground of the model ({}).",
+            chinese: "下一步，修正之前：请改正有误的支承 ({})：{} 中 [test.state] 的 support，或模型的对地弹簧 ({})。",
         },
     ),
     (
@@ -161,36 +161,36 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "limits_met",
         Text {
-            english: "Limits of the scene: all met ({}).",
-            chinese: "限值：全部满足 ({})。",
+            english: "Limits of the scene: {} of {} met{}.",
+            chinese: "限值：{} / {} 满足{}。",
         },
     ),
     (
         "limits_met_of_kinds",
         Text {
-            english: "Limits of the scene: all met ({}, on {}).",
-            chinese: "限值：全部满足 ({} 个，关于 {})。",
+            english: "Limits of the scene: {} of {} met, on {}.",
+            chinese: "限值：{} / {} 满足，关于 {}。",
         },
     ),
     (
         "limits_not_on_errors",
         Text {
-            english: "Limits of the scene: all met ({}, on {}; none on errors or MAC).",
-            chinese: "限值：全部满足 ({} 个，关于 {}；没有关于误差或 MAC 的限值)。",
+            english: "Limits of the scene: {} of {} met, on {}; none is on errors or MAC.",
+            chinese: "限值：{} / {} 满足，关于 {}；没有关于误差或 MAC 的限值。",
         },
     ),
     (
         "model_agrees",
         Text {
-            english: "The model agrees with {}: {} of {} modes within {} % and MAC {}; rms error {} %, largest {}.",
-            chinese: "模型与 {} 相符：{} / {} 阶在 {} % 与 MAC {} 以内；均方根误差 {} %，最大 {}。",
+            english: "The model agrees with {}: rms error {} %, largest {}.",
+            chinese: "模型与 {} 相符：均方根误差 {} %，最大 {}。",
         },
     ),
     (
         "model_differs",
         Text {
-            english: "The model differs from {}: {} of {} modes within {} % and MAC {}; rms error {} %, largest {}.",
-            chinese: "模型与 {} 不符：{} / {} 阶在 {} % 与 MAC {} 以内；均方根误差 {} %，最大 {}。",
+            english: "The model differs from {}: rms error {} %, largest {}.",
+            chinese: "模型与 {} 不符：均方根误差 {} %，最大 {}。",
         },
     ),
     (
@@ -315,8 +315,8 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "limits_met_nearest",
         Text {
-            english: "Limits of the scene: all met ({}), nearest {}.",
-            chinese: "限值：全部满足 ({})，最接近的是 {}。",
+            english: "Limits of the scene: {} of {} met; nearest: {}.",
+            chinese: "限值：{} / {} 满足；最接近的是：{}。",
         },
     ),
     (
@@ -359,6 +359,391 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         Text {
             english: "Next, as {} states no sensors and pairs are by frequency alone: --theory FOLDER of the scene with its [[sensor]], or [[sensor]] in the model file.",
             chinese: "下一步 ({} 没有测点，仅按频率配对)：--theory 使用带 [[sensor]] 的场景文件夹，或在模型文件中加入 [[sensor]]。",
+        },
+    ),
+    (
+        "limits_met_of_kinds_nearest",
+        Text {
+            english: "Limits of the scene: {} of {} met, on {}; nearest: {}.",
+            chinese: "限值：{} / {} 满足，关于 {}；最接近的是：{}。",
+        },
+    ),
+    (
+        "within_criterion",
+        Text {
+            english: "Within {} % and MAC {}: {} of {} modes.",
+            chinese: "在 {} % 与 MAC {} 以内：{} / {} 阶。",
+        },
+    ),
+    (
+        "line_statement_not_reproduced",
+        Text {
+            english: "Not reproduced: {}: printed {}, here {}.",
+            chinese: "未复现：{}：文献 {}，此处 {}。",
+        },
+    ),
+    (
+        "first_statement_not_reproduced",
+        Text {
+            english: "Not reproduced: {}: printed {}, here {}; {} more (--full).",
+            chinese: "未复现：{}：文献 {}，此处 {}；另有 {} 条 (--full)。",
+        },
+    ),
+    (
+        "peak_would_stand",
+        Text {
+            english: "{}: from {} to {} its peak would stand {} dB over the noise.",
+            chinese: "{}：从 {} 到 {}，其峰值应高于噪声 {} dB。",
+        },
+    ),
+    (
+        "error_of_theory",
+        Text {
+            english: "Error = (test - theory)/theory.",
+            chinese: "误差 = (试验 - 理论)/理论。",
+        },
+    ),
+    (
+        "error_of_test",
+        Text {
+            english: "Error = (theory - test)/test.",
+            chinese: "误差 = (理论 - 试验)/试验。",
+        },
+    ),
+    (
+        "mark_by_frequency",
+        Text {
+            english: "~: paired by frequency alone.",
+            chinese: "~：仅按频率配对。",
+        },
+    ),
+    (
+        "mark_ambiguous",
+        Text {
+            english: "?: ambiguous.",
+            chinese: "?：不明确。",
+        },
+    ),
+    (
+        "mark_doubtful",
+        Text {
+            english: "!: doubtful mode ({}).",
+            chinese: "!：存疑的模态 ({})。",
+        },
+    ),
+    (
+        "mark_unmatched",
+        Text {
+            english: "unmatched: no partner, should have been seen.",
+            chinese: "未配对：无配对，本应观测到。",
+        },
+    ),
+    (
+        "mark_unknown",
+        Text {
+            english: "unknown: unmatched, observability unknown.",
+            chinese: "未知：无配对，可观测性未知。",
+        },
+    ),
+    (
+        "mark_near",
+        Text {
+            english: "near: unmatched, near a paired mode.",
+            chinese: "邻近：无配对，靠近已配对的模态。",
+        },
+    ),
+    (
+        "mark_not_observable",
+        Text {
+            english: "not obs.: not observable at these points.",
+            chinese: "不可观测：在这些点处不可观测。",
+        },
+    ),
+    (
+        "mark_test_only",
+        Text {
+            english: "test only: unmatched test mode.",
+            chinese: "仅试验：无配对的试验模态。",
+        },
+    ),
+    (
+        "mac_of_few_dofs",
+        Text {
+            english: "A MAC beside ~ is of too few DOFs to be evidence.",
+            chinese: "~ 旁的 MAC 自由度太少，不足为据。",
+        },
+    ),
+    (
+        "further_modes",
+        Text {
+            english: "{} further modes, those with the smallest errors first: --full.",
+            chinese: "另有 {} 阶，先略去误差最小者：--full。",
+        },
+    ),
+    (
+        "further_mode",
+        Text {
+            english: "{} further mode, those with the smallest errors first: --full.",
+            chinese: "另有 {} 阶，先略去误差最小者：--full。",
+        },
+    ),
+    (
+        "further_columns",
+        Text {
+            english: "{} further columns ({}): --full.",
+            chinese: "另有 {} 列 ({})：--full。",
+        },
+    ),
+    (
+        "further_column",
+        Text {
+            english: "{} further column ({}): --full.",
+            chinese: "另有 {} 列 ({})：--full。",
+        },
+    ),
+    (
+        "modes_of_further_tests",
+        Text {
+            english: "Modes of {} further tests: --full.",
+            chinese: "其他 {} 个试验的模态：--full。",
+        },
+    ),
+    (
+        "modes_of_further_test",
+        Text {
+            english: "Modes of {} further test: --full.",
+            chinese: "其他 {} 个试验的模态：--full。",
+        },
+    ),
+    (
+        "is_a_mode",
+        Text {
+            english: "is a mode: of the structure, not of noise; uncertain: its values to check before use.",
+            chinese: "是否模态：属于结构而非噪声；不可靠的量：使用前须核对的数值。",
+        },
+    ),
+    (
+        "chi_square_unexplained",
+        Text {
+            english: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}): noise does not explain the residuals.",
+            chinese: "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})：噪声不能解释残差。",
+        },
+    ),
+    (
+        "chi_square_of_kinds",
+        Text {
+            english: "Chi-square per degree of freedom of all residuals {} ({} degrees of freedom; noise alone reaches {}){}: noise does not explain the residuals.",
+            chinese: "每自由度卡方：全部残差 {} ({} 个自由度；仅噪声可达 {}){}：噪声不能解释残差。",
+        },
+    ),
+    (
+        "larger_deviations",
+        Text {
+            english: "Deviations are taken as larger, {}; std and verdicts include this model error.",
+            chinese: "因此放大标准差：{}；标准差与结论已包含此模型误差。",
+        },
+    ),
+    (
+        "no_support_by_data",
+        Text {
+            english: "Not supported by the data: {}.",
+            chinese: "数据不支持：{}。",
+        },
+    ),
+    (
+        "fit_before",
+        Text {
+            english: "Before: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
+            chinese: "修正前：{} / {} 阶已配对；最大误差 {}，均方根 {}，卡方 {} ({} 个残差)。",
+        },
+    ),
+    (
+        "fit_after",
+        Text {
+            english: "After: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
+            chinese: "修正后：{} / {} 阶已配对；最大误差 {}，均方根 {}，卡方 {} ({} 个残差)。",
+        },
+    ),
+    (
+        "left_out_of_update",
+        Text {
+            english: "Left out: {}.",
+            chinese: "未采用：{}。",
+        },
+    ),
+    (
+        "pairs_of_comparison",
+        Text {
+            english: "The comparison has {}: {}.",
+            chinese: "对比表有 {}：{}。",
+        },
+    ),
+    (
+        "converged_without_step",
+        Text {
+            english: "Converged: no step lowers the objective after {}.",
+            chinese: "已收敛：经 {} 后没有步能降低目标函数。",
+        },
+    ),
+    (
+        "converged_to_rounding",
+        Text {
+            english: "Converged: the steps have become as small as rounding after {}.",
+            chinese: "已收敛：经 {} 后步长已小到舍入误差。",
+        },
+    ),
+    (
+        "nothing_changed",
+        Text {
+            english: "Nothing changed: the test sees none of the free parameters after {}.",
+            chinese: "未改变：经 {}，试验看不到任何自由参数。",
+        },
+    ),
+    (
+        "not_converged",
+        Text {
+            english: "Not converged: the stated number of iterations is reached after {}.",
+            chinese: "未收敛：经 {} 达到规定的迭代次数。",
+        },
+    ),
+    (
+        "starts_at_optimum",
+        Text {
+            english: "{} of {} (seed {}) reach this optimum.",
+            chinese: "{} / {} (种子 {}) 到达此最优点。",
+        },
+    ),
+    (
+        "starts_at_lowest_optimum",
+        Text {
+            english: "{} of {} (seed {}) reach this optimum, the lowest, of objective {}; {} reach {} {}.",
+            chinese: "{} / {} (种子 {}) 到达此最优点，其目标函数最低，为 {}；{} 个到达{} {}。",
+        },
+    ),
+    (
+        "meaning_of_objective",
+        Text {
+            english: "Objective: chi-square of data and prior, with the stated deviations.",
+            chinese: "目标函数：数据与先验的卡方，按规定的标准差。",
+        },
+    ),
+    (
+        "arrays_not_stated",
+        Text {
+            english: "The files do not state what arrays and columns mean; the scene asks for it.",
+            chinese: "文件未说明数组与列的含义；场景会询问。",
+        },
+    ),
+    (
+        "not_stated",
+        Text {
+            english: "Not stated: {}.",
+            chinese: "未说明：{}。",
+        },
+    ),
+    (
+        "one_coherence",
+        Text {
+            english: "Coherence in that band, median: {}.",
+            chinese: "该频带内相干的中位数：{}。",
+        },
+    ),
+    (
+        "no_shapes_to_compare",
+        Text {
+            english: "AutoMAC of {}: shapes of one degree of freedom cannot be compared.",
+            chinese: "{} 的自 MAC：单个自由度的振型无法比较。",
+        },
+    ),
+    (
+        "to_observe",
+        Text {
+            english: "To observe {} in {}: {}.",
+            chinese: "要观测 {} (试验 {})：{}。",
+        },
+    ),
+    (
+        "all_synthetic",
+        Text {
+            english: "The recordings are synthetic, not measured: computed from {}.",
+            chinese: "记录为合成，并非实测：由 {} 计算。",
+        },
+    ),
+    (
+        "synthetic_recordings",
+        Text {
+            english: "Synthetic recordings, not measured: {}; computed from {}.",
+            chinese: "合成记录，并非实测：{}；由 {} 计算。",
+        },
+    ),
+    (
+        "assumed_in_model",
+        Text {
+            english: "Assumed in the model: {}.",
+            chinese: "模型中的假定：{}。",
+        },
+    ),
+    (
+        "published_frequencies",
+        Text {
+            english: "Published frequencies: {} of the model against the publication, rms error {} %, largest {} % at {}.",
+            chinese: "文献频率：模型的 {} 与文献比较，均方根误差 {} %，最大 {} % (位于 {})。",
+        },
+    ),
+    (
+        "published_statements",
+        Text {
+            english: "Published statements: {} reproduced, {} not reproduced, {} not checkable.",
+            chinese: "文献论述：{} 条已复现，{} 条未复现，{} 条无法核对。",
+        },
+    ),
+    (
+        "statements_not_reproduced",
+        Text {
+            english: "Not reproduced: {}.",
+            chinese: "未复现：{}。",
+        },
+    ),
+    (
+        "next_points",
+        Text {
+            english: "Further points of {}: unknown, {}.",
+            chinese: "可增加的测点，{}：未知，{}。",
+        },
+    ),
+    (
+        "rest_of_run",
+        Text {
+            english: "All tables, columns and notes: --full; report and files: -o DIR; a [code]: --explain CODE.",
+            chinese: "全部表格、列与说明：--full；报告与文件：-o DIR；[] 中的代码：--explain CODE。",
+        },
+    ),
+    (
+        "rest_of_run_in_folder",
+        Text {
+            english: "All tables, columns and notes: --full, or {}; a [code]: --explain CODE.",
+            chinese: "全部表格、列与说明：--full，或 {}；[] 中的代码：--explain CODE。",
+        },
+    ),
+    (
+        "near_band_edge",
+        Text {
+            english: "Near the edge of the band: {}. Widen the band: --band LO:HI, or band_hz of the scene.",
+            chinese: "靠近频带边缘：{}。请加宽频带：--band LO:HI，或场景中的 band_hz。",
+        },
+    ),
+    (
+        "peaks_without_mode",
+        Text {
+            english: "Peaks without a mode: {}. Reasons: --explain peak-without-mode.",
+            chinese: "没有模态的峰：{}。原因：--explain peak-without-mode。",
+        },
+    ),
+    (
+        "no_model",
+        Text {
+            english: "The scene has no model, so that nothing is compared.",
+            chinese: "场景中没有模型，因此没有比较。",
         },
     ),
 ];

@@ -105,7 +105,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let table = scene
         .model
         .as_ref()
-        .ok_or_else(|| value_error(&scene.path, "[model]", "no table", "a model to update"))?;
+        .ok_or_else(|| value_error(&scene.path, "[model]", "no table", "a model to update: `modalign new NEW-DIR FILE... --model beam` (or lumped, or a file), or [model] with `file` or `name`"))?;
     let model = table_model(table, &scene.folder, &scene.path)?.ok_or_else(|| {
         let got = "a file of finished modes";
         value_error(&scene.path, "[model] file", got, "a model with parameters")
@@ -150,7 +150,9 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         Err(UpdateError::NothingPaired { modes }) if model.example_values => {
             let file = named_model(table, &scene.folder, &scene.path)?;
             let modes = counted(modes, "test mode");
-            let got = format!("true, and none of {modes} pairs with a mode of the model");
+            let got = format!(
+                "true: the values are those of an example, with which none of {modes} has a partner in the model"
+            );
             let expected = "the dimensions, material and support of the structure in place of \
                             those of an example, and this line deleted";
             let file = file.display().to_string();

@@ -232,20 +232,21 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     assert_fits(screen, 60, 100, "standard output");
     assert_fits(findings, 12, 200, "standard error");
     for said in [
-        "Limits of the scene: all met (5, on extra modes; none on errors or MAC).",
-        "The model agrees with virtual, discs; virtual, discs and balls: 29 of 29 modes within 5 %",
-        "Agreement is not shown for large cylinder; small cylinder; centre disc face: all pairs are",
+        "Limits of the scene: 5 of 5 met, on unmatched test modes; none is on errors or MAC.",
+        "Within 5 % and MAC 0.9: 29 of 29 modes. The model agrees with \"virtual, discs\", \"virtual",
+        "Hits: all 85 used.",
+        "Agreement is not shown for large cylinder, small cylinder, centre disc face: all pairs are",
         "largest -10.154 % at f2 (centre disc face).",
         "The recordings are synthetic, not measured: computed from cycloid-ball with changes",
-        "Warning: The supports of test and model differ: large cylinder; small cylinder; centre",
-        "!: doubtful mode, see",
+        "Warning: The supports of test and model differ: large cylinder, small cylinder, centre",
+        "(above-valid-band, close-modes).",
         "Not reproduced: 14 single roots, counted in Table 2: printed 14, here 13; 11 more (--full).",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",
         "f9, centre disc face: from housing.3:+S to output.3:+Y its peak would stand 76.8 dB",
-        "Next, before an update: one support (test suspended, model fixed): support in [test.state] of",
+        "Next, before an update: correct the support that is wrong (test suspended, model fixed): support",
         "Published statements: 32 reproduced, 12 not reproduced, 0 not checkable.",
-        "Further points of virtual, discs: excitation point ball.1:+S with sensor ball.1:+S",
+        "To observe f12 in \"virtual, discs\": excitation point ball.1:+S and sensor ball.1:+S.",
     ] {
         assert!(screen.contains(said), "{said} is missing in\n{screen}");
     }

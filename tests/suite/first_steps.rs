@@ -303,6 +303,14 @@ fn limits_are_named_by_kind_and_asked_for_where_there_are_none() {
     said(folder, "new bar modes.csv --model list.csv");
     let (_, error, _) = said(folder, "run bar -o out");
     assert_eq!(error, "", "{error}");
+    for result in ["out", "out/comparison.json"] {
+        let (_, error, code) = said(folder, &format!("check {result}"));
+        assert_eq!(code, Some(2));
+        let baseline = "`modalign check out/comparison.json --against EARLIER.json`";
+        assert!(error.contains(baseline), "{error}");
+        assert!(error.contains("in bar/scene.toml"), "{error}");
+        assert!(!error.contains("--against bar"), "{error}");
+    }
     let (_, error, code) = said(folder, "check out/comparison.json --against bar");
     assert_eq!(code, Some(2));
     assert!(
@@ -319,13 +327,15 @@ fn limits_are_named_by_kind_and_asked_for_where_there_are_none() {
     );
     let (screen, _, _) = said(folder, "run bar");
     assert!(
-        screen.contains("Limits of the scene: all met (1, on extra modes; none on errors or MAC)."),
+        screen.contains(
+            "Limits of the scene: 1 of 1 met, on unmatched test modes; none is on errors or MAC."
+        ),
         "{screen}"
     );
     let (screen, _, code) = said(folder, "check out/comparison.json --against bar");
     assert_eq!(code, Some(0));
     assert!(
-        screen.contains("1 of 1 row met, 1 check in all: extra modes."),
+        screen.contains("1 of 1 row met, 1 check in all: unmatched test modes."),
         "{screen}"
     );
 }

@@ -133,7 +133,13 @@ fn hardening_is_reported_where_it_changes_the_modes() {
     let finding = finding.expect("a finding of the misfit");
     let detail = finding["detail"].as_str().unwrap();
     // The residual, what it does, and the worst FRFs of all four.
-    for part in ["|R|/|H|", "σ(f)/Δf₃dB", "σ(ζ)/ζ", "|1:+Z × ", "4 of 4 FRFs"] {
+    for part in [
+        " % of the FRF, std × ",
+        "σ(f)/Δf₃dB",
+        "σ(ζ)/ζ",
+        "|1:+Z × ",
+        "4 of 4 FRFs",
+    ] {
         assert!(detail.contains(part), "{part}: {detail}");
     }
 }

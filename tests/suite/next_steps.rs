@@ -447,7 +447,8 @@ fn an_update_of_example_values_without_a_pair_names_them() {
     assert_eq!(code, Some(2));
     for part in [
         "model.toml",
-        "example_values: got true, and none of 3 test modes",
+        "example_values: got true: the values are those of an example",
+        "none of 3 test modes",
     ] {
         assert!(error.contains(part), "{error}");
     }

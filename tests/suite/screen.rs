@@ -476,3 +476,106 @@ fn many_files_of_many_kinds_fit_a_screen() {
         "{few}"
     );
 }
+
+/// The texts of a scene, which no language changes: titles, names and statements.
+fn scene_texts(folder: &str) -> Vec<String> {
+    fn collect(value: &toml::Value, texts: &mut Vec<String>) {
+        match value {
+            toml::Value::String(text) => texts.push(text.clone()),
+            toml::Value::Array(all) => all.iter().for_each(|one| collect(one, texts)),
+            toml::Value::Table(table) => table.values().for_each(|one| collect(one, texts)),
+            _ => (),
+        }
+    }
+    let mut texts = Vec::new();
+    for file in ["scene.toml", "expected.toml"] {
+        let path = crate::command::root().join(folder).join(file);
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let table: toml::Table = text.parse().unwrap();
+        collect(&toml::Value::Table(table), &mut texts);
+    }
+    texts.retain(|text| text.contains(' '));
+    texts.sort_by_key(|text| std::cmp::Reverse(text.len()));
+    texts
+}
+
+/// The first three English words in a row, where the texts of the scene are left out.
+fn english_words(printed: &str, of_scene: &[String]) -> Option<String> {
+    let lines = printed.lines().map(|line| {
+        let texts = of_scene.iter();
+        texts.fold(line.to_owned(), |line, text| line.replace(text, "0"))
+    });
+    let is_word = |word: &str| {
+        let word = word.trim_end_matches(['.', ':', ';', ',']);
+        word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase())
+    };
+    lines.into_iter().find_map(|line| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let mut runs = words.windows(3);
+        let run = runs.find(|run| {
+            let inner = run[..2].iter();
+            run.iter().all(|word| is_word(word)) && inner.copied().all(|word| !word.ends_with(','))
+        });
+        run.map(|run| format!("{} in {line}", run.join(" ")))
+    })
+}
+
+#[test]
+fn a_chinese_screen_has_no_english_sentence() {
+    let known = english_words("已配对 (paired by frequency alone.)", &[]);
+    assert!(known.is_none() && english_words("a: paired by frequency.", &[]).is_some());
+    // One start of an update is enough for its sentences, but not for those on other optima.
+    let folder = tempfile::tempdir().unwrap();
+    let few_starts = folder.path().join("few-starts");
+    std::fs::create_dir(&few_starts).unwrap();
+    let files = std::fs::read_dir(crate::command::root().join("measurements/cycloid-ball"));
+    for file in files.unwrap() {
+        let path = file.unwrap().path();
+        std::fs::copy(&path, few_starts.join(path.file_name().unwrap())).unwrap();
+    }
+    let scene = std::fs::read_to_string(few_starts.join("scene.toml")).unwrap();
+    std::fs::write(
+        few_starts.join("scene.toml"),
+        scene + "\n[update]\nstarts = 3\n",
+    )
+    .unwrap();
+    let few_starts = few_starts.display().to_string();
+    for [verb, folder, texts] in [
+        ["run", BEAM, BEAM],
+        ["update", BEAM, BEAM],
+        [
+            "run",
+            "measurements/cycloid-ball",
+            "measurements/cycloid-ball",
+        ],
+        ["update", &few_starts, "measurements/cycloid-ball"],
+    ] {
+        let output = modalign([verb, folder, "--lang", "zh"]);
+        let of_scene = scene_texts(texts);
+        for stream in [output.stdout, output.stderr] {
+            let text = String::from_utf8(stream).unwrap();
+            let found = english_words(&text, &of_scene);
+            assert_eq!(found, None, "{verb} {folder}\n{text}");
+            for gap in ["： ", "。 ", " 。", " ，"] {
+                assert!(!text.contains(gap), "{gap:?} in\n{text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_of_one_degree_of_freedom_are_not_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.json").display().to_string();
+    let modes = [(53.0, None, vec![1.0]), (146.0, None, vec![1.0])];
+    std::fs::write(&path, crate::updating::modes_json(&modes)).unwrap();
+    let screen = succeed(["correlate", "--test", &path]);
+    assert!(
+        screen.contains("shapes of one degree of freedom cannot be compared"),
+        "{screen}"
+    );
+    assert!(
+        !screen.contains("Duplicates") && !screen.contains('—'),
+        "{screen}"
+    );
+}

@@ -59,7 +59,7 @@ impl Consequence<'_> {
         let factor = self.metrics.inflation();
         let (frequency, damping) = (0.5 * self.damping, 100.0 * self.damping);
         let mut text = format!(
-            "|R|/|H| {:.1} %, σ × {factor:.1}, σ(f)/Δf₃dB {frequency:.3}, σ(ζ)/ζ {damping:.1} %",
+            "residual {:.1} % of the FRF, std × {factor:.1}, σ(f)/Δf₃dB {frequency:.3}, σ(ζ)/ζ {damping:.1} %",
             100.0 * self.residual
         );
         if let Some(loss) = self.shape {

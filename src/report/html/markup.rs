@@ -51,7 +51,7 @@ fn block_text(block: &Block, language: Language) -> String {
     match block {
         Block::Heading(text) => format!("<h2>{}</h2>\n", escape(text)),
         Block::Text(text) => format!("<p>{}</p>\n", escape(text)),
-        Block::Table(table) => table_text(table, language),
+        Block::Table(table) => table_text(&table.without_missing_columns(), language),
         Block::Findings { findings, .. } if findings.is_empty() => String::new(),
         Block::Findings { findings, language } => {
             let item = |finding: &Finding| {

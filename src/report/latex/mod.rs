@@ -100,7 +100,7 @@ fn block_text(block: &Block) -> String {
 }
 
 fn table_text(table: &Table) -> String {
-    let (table, layout) = fitted(with_short_heads(table.clone()));
+    let (table, layout) = fitted(with_short_heads(table.without_missing_columns()));
     let caption = match table.caption.is_empty() {
         true => String::new(),
         false => format!("\\caption{{{}}}", escaped_paragraph(&table.caption)),

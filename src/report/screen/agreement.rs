@@ -1,6 +1,7 @@
 //! Sentences say whether the model agrees with its tests, and by which errors, MAC and pairs.
 
 use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell};
+use crate::printable::listed;
 use crate::report::Cell;
 
 use super::MAC_DECIMALS;
@@ -96,17 +97,17 @@ pub(super) fn has_high_mac(cell: &TestCell) -> bool {
 impl Group<'_> {
     fn sentence(&self, answer: Answer, several: bool) -> String {
         let tests = match several {
-            true => self.tests.join("; "),
+            true => listed(&self.tests),
             false => "the test".to_owned(),
         };
         let (agreeing, modes, numbers) = (self.agreeing, self.modes, self.numbers(several));
-        let criterion = format!("within {MAX_ERROR_PERCENT} % and MAC {MIN_MAC}");
+        let criterion = format!("Within {MAX_ERROR_PERCENT} % and MAC {MIN_MAC}");
         match answer {
             Answer::Agrees => format!(
-                "The model agrees with {tests}: {agreeing} of {modes} modes {criterion}; {numbers}."
+                "{criterion}: {agreeing} of {modes} modes. The model agrees with {tests}: {numbers}."
             ),
             Answer::Differs => format!(
-                "The model differs from {tests}: {agreeing} of {modes} modes {criterion}; {numbers}."
+                "{criterion}: {agreeing} of {modes} modes. The model differs from {tests}: {numbers}."
             ),
             Answer::NotShown => format!(
                 "Agreement is not shown for {tests}: all pairs are by frequency alone; {numbers}."
@@ -204,14 +205,14 @@ mod tests {
         assert_eq!(
             of_one(cells("bar", &pairs, Basis::Shape)),
             [
-                "The model agrees with the test: 2 of 2 modes within 5 % and MAC 0.9; rms error 3.536 %, \
+                "Within 5 % and MAC 0.9: 2 of 2 modes. The model agrees with the test: rms error 3.536 %, \
               largest +4.000 % at f2, smallest MAC 0.950."
             ]
         );
         for other in [[(-3.0, 0.95), (6.0, 0.99)], [(-3.0, 0.85), (4.0, 0.99)]] {
             let said = of_one(cells("bar", &other, Basis::Shape));
             assert!(
-                said[0].starts_with("The model differs from the test: 1 of 2 modes"),
+                said[0].starts_with("Within 5 % and MAC 0.9: 1 of 2 modes. The model differs"),
                 "{said:?}"
             );
         }
@@ -220,10 +221,7 @@ mod tests {
             cells("rod", &pairs, Basis::Shape),
         ]);
         let said = agreement(&all);
-        assert!(
-            said[0].starts_with("The model agrees with rod: "),
-            "{said:?}"
-        );
+        assert!(said[0].contains("The model agrees with rod: "), "{said:?}");
         assert_eq!(
             said[1],
             "Agreement is not shown for bar: all pairs are by frequency alone; rms error 3.536 %, \

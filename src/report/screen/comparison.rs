@@ -39,8 +39,13 @@ pub(super) fn comparison_tables(
     most_tests: usize,
 ) -> Vec<Block> {
     let mut tests: Vec<&str> = table.summary.iter().map(|s| s.test.as_str()).collect();
+    let several = tests.len() > 1;
     let omitted = tests.len().saturating_sub(most_tests);
-    tests.truncate(most_tests);
+    if omitted > 0 {
+        let size = |test: &str| largest_error(table, test).map_or(0.0, |(_, error)| error.abs());
+        tests.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        tests.truncate(most_tests);
+    }
     let mut blocks = vec![Block::Table(counts_table(table, width))];
     blocks.extend(no_pair_block(table));
     let form = Form::Screen;
@@ -50,7 +55,10 @@ pub(super) fn comparison_tables(
         form,
         most,
     };
-    let tables = tables.of(&tests);
+    let mut tables = tables.of(&tests);
+    if let ([test], [only], true) = (tests.as_slice(), tables.as_mut_slice(), several) {
+        only.caption = format!("Modes of {test}, the test with the largest error");
+    }
     blocks.extend(tables.into_iter().map(Block::Table));
     let omitted = (omitted > 0).then(|| {
         let tests = counted(omitted, "further test");
@@ -227,7 +235,7 @@ impl ModeTables<'_> {
                     Cell::measured(cell.hz, cell.hz_std),
                     Cell::std(cell.hz_std, 0),
                     Cell::signed(cell.error_percent, 3),
-                    Cell::measured(percent(cell.damping_ratio), percent(cell.damping_std)),
+                    Cell::damping(percent(cell.damping_ratio), percent(cell.damping_std)),
                     Cell::mac(cell.mac, MAC_DECIMALS),
                     Cell::text(verdict_with_doubt(cell)),
                 ]
@@ -254,7 +262,15 @@ impl ModeTables<'_> {
             ..Table::default()
         };
         let table = without_empty_columns(table, &["std (Hz)", "damping (%)", "MAC"]);
-        fitted(table, &["damping (%)", "std (Hz)"], self.width)
+        let mut table = fitted(table, &["damping (%)", "std (Hz)"], self.width);
+        if table_width(&table) > self.width {
+            for cell in table.rows.iter_mut().filter_map(|row| row.last_mut()) {
+                if let Cell::Text(verdict) = cell {
+                    *verdict = verdict.replace("; ", ";\n");
+                }
+            }
+        }
+        table
     }
 
     fn error_definition(&self) -> &'static str {
@@ -307,8 +323,14 @@ impl ModeTables<'_> {
         let marks = MARKS
             .iter()
             .filter(|mark| cells.iter().any(|cell| (mark.applies)(cell)));
+        let doubts = cells.iter().flat_map(|cell| &cell.doubts);
+        let doubts: BTreeSet<String> = doubts.map(|code| code.name()).collect();
+        let doubts = doubts.into_iter().collect::<Vec<_>>().join(", ");
         let meanings: Vec<String> = marks
-            .map(|mark| format!(" {}: {}.", mark.text.trim(), mark.meaning))
+            .map(|mark| match mark.text {
+                DOUBTFUL => format!(" {DOUBTFUL}: {} ({doubts}).", mark.meaning),
+                text => format!(" {text}: {}.", mark.meaning),
+            })
             .collect();
         let is_weak = |cell: &&TestCell| cell.basis == Some(Basis::Frequency) && cell.mac.is_some();
         let weak = match cells.iter().copied().any(|cell| is_weak(&cell)) {
@@ -415,6 +437,9 @@ struct Mark {
     applies: fn(&TestCell) -> bool,
 }
 
+/// The mark of a doubtful mode.
+const DOUBTFUL: &str = "!";
+
 const MARKS: &[Mark] = &[
     Mark {
         text: "~",
@@ -427,8 +452,8 @@ const MARKS: &[Mark] = &[
         applies: |cell| cell.status == Status::Ambiguous,
     },
     Mark {
-        text: "!",
-        meaning: "doubtful mode, see warning",
+        text: DOUBTFUL,
+        meaning: "doubtful mode",
         applies: |cell| !cell.doubts.is_empty() && cell.basis.is_some(),
     },
     Mark {
@@ -469,7 +494,9 @@ fn verdict_with_doubt(cell: &TestCell) -> String {
 /// The verdict on a mode of one test.
 fn verdict(cell: &TestCell) -> &'static str {
     match (cell.status, cell.basis) {
-        (Status::MissedUnexpected, _) if !cell.is_status_certain() => "observability unknown",
+        (Status::MissedUnexpected, _) if !cell.is_status_certain() => {
+            "unmatched, observability unknown"
+        }
         (Status::Paired, Some(Basis::Frequency)) => "paired by frequency",
         (Status::Paired, _) => "paired by shape",
         (Status::Ambiguous, _) => "ambiguous",

@@ -43,7 +43,8 @@ pub fn hits_screen(
     blocks
 }
 
-fn hit_sentence(hits: &[HitReport]) -> String {
+/// How many hits were used, and how many were rejected for each reason.
+pub(super) fn hit_sentence(hits: &[HitReport]) -> String {
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
     for hit in hits.iter().filter(|hit| !hit.used) {
         let rejecting = |check: &&Check| check.outcome == Outcome::Rejected;
@@ -122,6 +123,9 @@ fn coherence_sentence(set: &FrfSet, usable: Band) -> String {
     };
     let function = &set.functions()[index];
     let text = |coherence: f64| Cell::mac(Some(coherence), MAC_DECIMALS).display();
+    if set.len() == 1 {
+        return format!("Coherence in that band, median: {}.", text(lowest));
+    }
     format!(
         "Coherence in that band, median of each FRF: {} to {}, lowest at {}/{}.",
         text(lowest),

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
-use crate::finding::{Code, Location};
+use crate::finding::{Code, Location, format_hz};
 use crate::modal::{Grade, ModalModel, Mode};
 use crate::report::modes::{largest_energy_fractions, remarks, root_labels};
 use crate::report::{Block, Cell, Column, Table};
@@ -81,7 +81,7 @@ fn frequencies(model: &ModalModel, code: Code) -> Option<String> {
     let of_code = findings.filter(|finding| finding.code == code);
     let mut hz: Vec<String> = of_code
         .filter_map(|finding| match finding.location {
-            Location::Mode(hz) => Some(format!("{hz:.2} Hz")),
+            Location::Mode(hz) => Some(format_hz(hz)),
             _ => None,
         })
         .collect();
@@ -137,7 +137,7 @@ pub(super) fn listed_modes(
             Cell::text(number.to_string()),
             Cell::measured(Some(mode.frequency_hz), mode.frequency_std_hz),
             Cell::std(mode.frequency_std_hz, 0),
-            Cell::measured(damping, damping_std),
+            Cell::damping(damping, damping_std),
             Cell::std(damping_std, 0),
             Cell::mac(mode.mpc, MAC_DECIMALS),
             mode.quality.as_ref().map_or(Cell::Missing, |quality| {

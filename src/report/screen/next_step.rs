@@ -62,7 +62,7 @@ pub fn next_step(path: &str, scene: &Scene, result: &SceneResult) -> Option<Stri
         let supports = finding.detail.as_deref().unwrap_or_default();
         let supports = supports.split(';').next().unwrap_or_default();
         return Some(format!(
-            "Next, before an update: one support ({supports}): support in [test.state] of {file}, or the springs to ground of the model ({explained})."
+            "Next, before an update: correct the support that is wrong ({supports}): support in [test.state] of {file}, or the springs to ground of the model ({explained})."
         ));
     }
     if table.summary.iter().all(|test| test.paired_by_shape == 0) {

@@ -1,11 +1,13 @@
 //! The screen of `run`: verdict, comparison, published results, and points to measure.
 
+use crate::frf::HitReport;
 use crate::report::{Block, Renderer, Terminal, before_you_leave_line};
 use crate::scene::{Scene, SceneResult, TestResult};
 
 use super::agreement::agreement;
 use super::comparison::{comparison_tables, reasons};
 use super::frequency_ratio::{FrequencyRatio, frequency_ratio};
+use super::hits::hit_sentence;
 use super::modes::{ModesRoom, modes_and_advice, roots_screen};
 use super::sentences::{
     assumptions, common_error, limits, next_points, not_reproduced, pairs, peaks_without_mode,
@@ -133,11 +135,17 @@ fn verdict(result: &SceneResult) -> Vec<String> {
     let table = result.table.as_ref();
     let limits = table.map(|_| limits(&result.limits));
     let ratio = frequency_ratio(result);
+    let hits: Vec<HitReport> = result
+        .tests
+        .iter()
+        .flat_map(|test| test.hits.clone())
+        .collect();
     let sentences = [
         ratio.as_ref().and_then(FrequencyRatio::sentence),
         table.map(pairs),
         table.and_then(common_error),
         table.and_then(|_| peaks_without_mode(&result.tests)),
+        (!hits.is_empty()).then(|| hit_sentence(&hits)),
         synthetic(&result.tests),
         assumptions(&result.theory),
         unmoved_sensors(&result.theory),

@@ -17,6 +17,8 @@ use crate::scene::{
 };
 use crate::theory::{Assumption, ParameterStatus};
 
+use crate::printable::listed;
+
 use super::counted;
 use super::modes::{peak_frequencies, peaks_sentence};
 
@@ -35,26 +37,26 @@ pub(super) fn limits(checks: &[LimitCheck]) -> String {
     if missed.is_empty() {
         let all = checks.len();
         let kinds = limited_kinds(checks);
-        let which = match kinds.as_slice() {
-            few if few.len() <= MAX_NAMED_KINDS => format!("{all}, on {}", few.join(", ")),
-            _ => all.to_string(),
+        let on = match kinds.as_slice() {
+            few if few.len() <= MAX_NAMED_KINDS => format!(", on {}", few.join(", ")),
+            _ => String::new(),
         };
         let judges_errors = kinds
             .iter()
             .any(|kind| kind.contains("error") || kind.contains("MAC"));
-        let which = match judges_errors {
-            true => which,
-            false => format!("{which}; none on errors or MAC"),
+        let none = match judges_errors {
+            true => "",
+            false => "; none is on errors or MAC",
         };
-        return match nearest_limit(checks) {
-            Some(nearest) => {
-                format!(
-                    "Limits of the scene: all met ({which}), nearest {}.",
-                    limit(nearest)
-                )
-            }
-            None => format!("Limits of the scene: all met ({which})."),
-        };
+        let nearest = nearest_limit(checks).map_or_else(String::new, |nearest| {
+            let (place, what) = nearest.what.split_once(": ").unwrap_or(("", &nearest.what));
+            let what = match place {
+                "" => what.to_owned(),
+                place => format!("{what} of {place}"),
+            };
+            format!("; nearest: {what}, {}", value_and_limit(nearest))
+        });
+        return format!("Limits of the scene: {all} of {all} met{on}{none}{nearest}.");
     }
     let named = missed
         .iter()
@@ -79,7 +81,10 @@ pub(super) fn limited_kinds(checks: &[LimitCheck]) -> Vec<&str> {
     let mut kinds: Vec<&str> = Vec::new();
     for check in checks {
         let what = check.what.rsplit(": ").next().unwrap_or_default();
-        let kind = what.split(" (").next().unwrap_or_default();
+        let kind = match what.split(" (").next().unwrap_or_default() {
+            "extra modes" => "unmatched test modes",
+            kind => kind,
+        };
         if !kinds.contains(&kind) {
             kinds.push(kind);
         }
@@ -101,6 +106,10 @@ pub(super) fn nearest_limit(checks: &[LimitCheck]) -> Option<&LimitCheck> {
 
 /// A limit with its value.
 pub(super) fn limit(check: &LimitCheck) -> String {
+    format!("{} {}", check.what, value_and_limit(check))
+}
+
+fn value_and_limit(check: &LimitCheck) -> String {
     let limit = check.limit.to_string();
     let value = check.value.map_or("none".to_owned(), |value| {
         // Rounded, a missed limit could read as met.
@@ -112,7 +121,7 @@ pub(super) fn limit(check: &LimitCheck) -> String {
         }
     });
     let relation = if check.upper { "at most" } else { "at least" };
-    format!("{} {value} ({relation} {limit})", check.what)
+    format!("{value} ({relation} {limit})")
 }
 
 /// Maximum number of assumed parameters that a sentence names.
@@ -140,7 +149,7 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
             .collect();
         match (missed.is_empty(), several) {
             (true, _) => None,
-            (false, true) => Some(format!("{} ({})", row.label, missed.join(", "))),
+            (false, true) => Some(format!("{} ({})", row.label, listed(&missed))),
             (false, false) => Some(row.label.clone()),
         }
     };
@@ -208,29 +217,47 @@ pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
         )),
         _ => Some(format!(
             "Synthetic recordings, not measured: {}; computed from {sources}.",
-            names.join(", ")
+            listed(&names)
         )),
     }
 }
 
 /// A line for each warning that puts the verdict of a comparison in question, with the tests that
-/// it is about.
+/// it is about and the factor that it is about.
 pub(super) fn verdict_warnings(findings: &[(String, Vec<Finding>)]) -> Vec<String> {
     let of_code = |code: &Code| {
-        let tests = findings.iter().filter(|(_, findings)| {
+        let warned = findings.iter().filter_map(|(test, findings)| {
             let mut of_test = findings.iter();
-            of_test.any(|finding| finding.code == *code && finding.severity > Severity::Info)
+            let is_warning =
+                |finding: &&Finding| finding.code == *code && finding.severity > Severity::Info;
+            Some((test.as_str(), of_test.find(is_warning)?))
         });
-        let tests: Vec<&str> = tests.map(|(test, _)| test.as_str()).collect();
-        let names = match tests.join("; ") {
-            none if none.is_empty() => none,
-            names => format!(": {names}"),
+        let warned: Vec<(&str, &Finding)> = warned.collect();
+        let factor = |finding: &Finding| {
+            let numbers = finding
+                .numbers_text()
+                .filter(|_| OF_A_FACTOR.contains(code));
+            numbers.map_or_else(String::new, |numbers| format!(" ({numbers})"))
+        };
+        let places = match warned.as_slice() {
+            [("", finding)] => factor(finding),
+            _ => {
+                let names: Vec<&str> = warned.iter().map(|(test, _)| *test).collect();
+                let factors: Vec<String> = warned.iter().map(|(_, one)| factor(one)).collect();
+                match names.iter().all(|name| name.is_empty()) {
+                    true => String::new(),
+                    false => format!(": {}{}", listed(&names), factors.concat()),
+                }
+            }
         };
         let sentence = code.sentence().trim_end_matches('.');
-        (!tests.is_empty()).then(|| format!("Warning: {sentence}{names}."))
+        (!warned.is_empty()).then(|| format!("Warning: {sentence}{places}."))
     };
     Code::ON_THE_VERDICT.iter().filter_map(of_code).collect()
 }
+
+/// The codes on the verdict whose sentence is about a factor, the value.
+const OF_A_FACTOR: [Code; 2] = [Code::CommonFactor, Code::ShapesAgree];
 
 /// A line on the sensors and hits at which the model does not move.
 pub(super) fn unmoved_sensors(theory: &Theory) -> Option<String> {
@@ -330,7 +357,7 @@ pub(super) fn published(expected: &ExpectedResult) -> Vec<String> {
         .and_then(|roots| roots.simple.as_ref());
     let roots = roots.map(|errors| {
         format!(
-            "Published frequencies: {} compared, rms error {:.3} %, largest {} % at {}.",
+            "Published frequencies: {} of the model against the publication, rms error {:.3} %, largest {} % at {}.",
             counted(errors.count, "single root"),
             errors.rms_percent,
             Cell::signed(Some(errors.largest_percent), 3).display(),
@@ -425,8 +452,13 @@ pub(super) fn next_points(placed: &PlacedTest, table: Option<&ComparisonTable>) 
         let shown = step.shown.iter();
         let modes = shown.map(|(root, _)| label(&placement.roots[*root], table));
         let modes: Vec<String> = modes.collect();
-        format!("{} (shows {})", points.join(" with "), modes.join(", "))
+        format!(
+            "To observe {} in {}: {}.",
+            modes.join(", "),
+            listed(&[placed.test.as_str()]),
+            points.join(" and ")
+        )
     });
     let steps: Vec<String> = steps.collect();
-    (!steps.is_empty()).then(|| format!("Further points of {}: {}.", placed.test, steps.join("; ")))
+    (!steps.is_empty()).then(|| steps.join("\n"))
 }

@@ -19,7 +19,7 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
             Cell::text(&parameter.name),
             Cell::text(&parameter.unit),
             Cell::text(significant(parameter.initial, 5)),
-            Cell::text(significant(parameter.updated, 5)),
+            Cell::text(as_fine_as(parameter.updated, parameter.std)),
             Cell::text(significant(parameter.std, 2)),
             Cell::signed(Some(change).filter(|change| change.is_finite()), 2),
             Cell::text(parameter_verdict(parameter)),
@@ -59,4 +59,14 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     let proposed = scene_update.explanation.as_ref();
     blocks.extend(proposed.map(crate::report::update::proposal));
     blocks
+}
+
+/// A value to the second digit of its standard deviation, in two to five significant digits.
+fn as_fine_as(value: f64, std: f64) -> String {
+    let digits = value.abs().log10().floor() - std.log10().floor() + 2.0;
+    let digits = match digits.is_finite() {
+        true => digits.clamp(2.0, 5.0) as usize,
+        false => 5,
+    };
+    significant(value, digits)
 }
