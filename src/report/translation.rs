@@ -245,7 +245,7 @@ mod tests {
             ),
             (
                 "Assumed in the model: 3 statements and 1 parameter (support).",
-                "模型中的假定：3 条陈述与1 个参数 (support)。",
+                "模型中的假定：3 条陈述与 1 个参数 (support)。",
             ),
         ] {
             assert_eq!(Language::Chinese.translated_text(line.to_owned()), expected);

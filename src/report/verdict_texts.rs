@@ -686,8 +686,15 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "published_frequencies",
         Text {
-            english: "Published frequencies: {} of the model against the publication, rms error {} %, largest {} % at {}.",
-            chinese: "文献频率：模型的 {} 与文献比较，均方根误差 {} %，最大 {} % (位于 {})。",
+            english: "Published frequencies: {} single roots of the model against the publication, rms error {} %, largest {} % at {}.",
+            chinese: "文献频率：模型的 {} 个单根与文献比较，均方根误差 {} %，最大 {} % (位于 {})。",
+        },
+    ),
+    (
+        "published_frequency",
+        Text {
+            english: "Published frequencies: {} single root of the model against the publication, rms error {} %, largest {} % at {}.",
+            chinese: "文献频率：模型的 {} 个单根与文献比较，均方根误差 {} %，最大 {} % (位于 {})。",
         },
     ),
     (
