@@ -510,7 +510,8 @@ fn english_words(printed: &str, of_scene: &[String]) -> Option<String> {
         word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase())
     };
     lines.into_iter().find_map(|line| {
-        let words: Vec<&str> = line.split_whitespace().collect();
+        // Two blanks part the columns of a table.
+        let words: Vec<&str> = line.split(' ').collect();
         let mut runs = words.windows(3);
         let run = runs.find(|run| {
             let inner = run[..2].iter();
