@@ -100,7 +100,10 @@ fn the_export_leads_to_the_modulus_of_its_recording() {
     let drafted = succeed(["new", scene, &sample("bar.unv"), "--model", &model]);
     assert!(drafted.contains("nothing is left to fill in"), "{drafted}");
     let screen = succeed(["run", scene]);
-    assert!(screen.contains("3 of 3 modes within 5 %"), "{screen}");
+    assert!(
+        screen.contains("Within 5 % and MAC 0.9: 3 of 3 modes"),
+        "{screen}"
+    );
     let out = folder.path().join("out");
     succeed(["update", scene, "-o", out.to_str().unwrap()]);
     let update = json(Path::new(&out.join("update.json")));
