@@ -594,7 +594,7 @@ codes! {
 
 impl Code {
     /// Codes that put the verdict of a comparison in question, in this order.
-    pub const ON_THE_VERDICT: [Code; 7] = [
+    pub const ON_THE_VERDICT: [Code; 8] = [
         Code::ExampleValues,
         Code::SupportDiffers,
         Code::TestsDisagree,
