@@ -594,10 +594,9 @@ codes! {
 
 impl Code {
     /// Codes that put the verdict of a comparison in question, in this order.
-    pub const ON_THE_VERDICT: [Code; 8] = [
+    pub const ON_THE_VERDICT: [Code; 7] = [
         Code::ExampleValues,
         Code::SupportDiffers,
-        Code::TestsDisagree,
         Code::ModelSupportContradicted,
         Code::SuspensionStiff,
         Code::MassDiffers,

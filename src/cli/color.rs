@@ -77,14 +77,16 @@ pub fn color_result(text: &str) -> String {
     out
 }
 
-/// The first verdict that stands between blanks.
+/// The first verdict that stands between blanks, or before a mark of punctuation.
 fn next_verdict(text: &str) -> Option<(usize, &'static str, &'static str)> {
     let found = VERDICTS.iter().flat_map(|&(word, color)| {
         let places = text.match_indices(word).map(|(at, _)| at);
         let alone = places.filter(move |&at| {
             let before = text[..at].chars().next_back();
             let after = text[at + word.len()..].chars().next();
-            before.is_none_or(char::is_whitespace) && after.is_none_or(char::is_whitespace)
+            before.is_none_or(char::is_whitespace)
+                && !text[..at].ends_with("not ")
+                && after.is_none_or(|c| c.is_whitespace() || c.is_ascii_punctuation())
         });
         alone.map(move |at| (at, word, color))
     });
@@ -102,7 +104,7 @@ mod tests {
             "\u{1b}[1;31merror\u{1b}[0m: x: y"
         );
         assert_eq!(color_message("info: x"), "info: x");
-        let text = " f1  MISSED  metre \n f2  met\n";
+        let text = " f1  MISSED  metre \n 2 of 2 met, on f2\n f3 not met\n";
         let plain = color_result(text)
             .replace("\u{1b}[1;31m", "")
             .replace("\u{1b}[1;32m", "")

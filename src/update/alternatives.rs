@@ -18,8 +18,8 @@ use super::{UpdateError, UpdateProblem};
 /// Largest difference of the objective between alternatives: the posterior density of the worse one
 /// is a hundredth, `exp(-9.21/2)`.
 ///
-/// Larger (18.4): 40 of 301 parameters from frequencies alone are ambiguous in place of 17; of the 23
-/// 4 were wrong, the others right. Smaller (4.6): 13 are, none of them wrong. Test:
+/// Larger (18.4): 40 of 301 parameters from frequencies alone are ambiguous in place of 17; four of
+/// these 23 were wrong, the others right. Smaller (4.6): 13 are, none of them wrong. Test:
 /// `verdicts_on_parameters_have_grounds` of the population, as for the limits below.
 pub(super) const MAX_OBJECTIVE_DIFFERENCE: f64 = 9.21;
 /// Smallest difference of a parameter between alternatives, in posterior deviations: its 95 %

@@ -54,7 +54,7 @@ fn padded_trace_lines_are_read() {
         let text = dataset(&NODES) + &dataset(&lines) + &frfs();
         let (code, modes, said) = identified(&text, &[]);
         assert_eq!(code, Some(0), "{said}");
-        assert!(!said.contains("82") && !said.contains("trace"), "{said}");
+        assert!(!said.contains("trace"), "{said}");
         assert_right(&modes, &said);
     }
     // More entries than stated: a finding.
