@@ -160,8 +160,9 @@ fn fit_alignment(
 /// do not select among frames that fit equally well.
 fn alignment_finding(alignment: &Alignment) -> Finding {
     let others = alignment.as_good_by_shape();
+    let not_compared = alignment.as_good.saturating_sub(alignment.others.len());
     let is_undecided = match alignment.mean_mac {
-        Some(_) => others > 0,
+        Some(_) => others > 0 || not_compared > 0,
         None => alignment.as_good > 0,
     };
     let is_odd = !alignment.has_unit_scale() && !alignment.known;
@@ -179,6 +180,11 @@ fn alignment_finding(alignment: &Alignment) -> Finding {
         details.push(format!(
             "other frames that fit as well: {}",
             alignment.as_good
+        ));
+    }
+    if not_compared > 0 && alignment.mean_mac.is_some() {
+        details.push(format!(
+            "shapes not compared in {not_compared} of them, those of larger rotations"
         ));
     }
     let next = alignment.others.first().and_then(|other| other.mean_mac);

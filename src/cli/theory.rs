@@ -107,8 +107,9 @@ pub fn theory(
     if let Some(path) = args.output.as_ref().filter(|_| draws) {
         let figure = figure.ok_or_else(|| Error::Argument {
             argument: "-o",
-            got: "no natural frequency above 0 to draw".to_owned(),
-            expected: "a model with roots in the band".to_owned(),
+            got: "nothing to draw".to_owned(),
+            expected: "roots above 0 in the band, signals of a response, or a simpler model"
+                .to_owned(),
         })?;
         output.add_file(path, figure);
     }
@@ -171,15 +172,19 @@ fn check_output(args: &TheoryArgs) -> Result<(), Error> {
         extensions.push(FIGURE_EXTENSION);
         return check_extension(path, &extensions);
     }
-    let has_figure =
-        args.energies || args.response || args.compare.is_some() || !args.sweep.is_empty();
-    if has_figure {
+    let drawn = [
+        args.energies,
+        args.response,
+        args.compare.is_some(),
+        !args.sweep.is_empty(),
+    ];
+    if drawn.into_iter().filter(|asked| *asked).count() == 1 {
         return Ok(());
     }
     Err(Error::Argument {
         argument: "-o",
         got: path.unwrap_or(Path::new("")).display().to_string(),
-        expected: "--sweep, --response, --compare or --energies beside a figure".to_owned(),
+        expected: "one of --sweep, --response, --compare and --energies beside a figure".to_owned(),
     })
 }
 

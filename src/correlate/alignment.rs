@@ -116,7 +116,7 @@ impl Alignment {
     }
 
     /// The frame of the largest mean MAC among this one and [`Self::others`]; of those that differ
-    /// by less than 0.02 the one with the smallest rotation. Unchanged where a frame has none.
+    /// by less than 0.02 the one with the smallest rotation. A frame without a MAC counts as 0.
     pub fn selected_by_shapes(mut self, mean_mac: impl Fn(&Similarity) -> Option<f64>) -> Self {
         if self.others.is_empty() {
             return self;

@@ -23,7 +23,8 @@ impl Extents {
     /// Whether they differ as units of length do.
     pub fn differ_in_unit(&self) -> bool {
         let larger = self.test_m.max(self.theory_m);
-        larger > MIN_EXTENT_RATIO_OF_UNITS * self.test_m.min(self.theory_m)
+        let smaller = self.test_m.min(self.theory_m);
+        smaller > 0.0 && larger > MIN_EXTENT_RATIO_OF_UNITS * smaller
     }
 }
 

@@ -204,7 +204,8 @@ impl Search {
     /// The largest MAC between modes of different roots, with these.
     fn largest(&self, sums: &Sums) -> (f64, [usize; 2]) {
         let all = self.pairs().map(|[i, j]| (sums.mac(i, j), [i, j]));
-        all.fold((0.0, [0, 0]), |a, b| if b.0 > a.0 { b } else { a })
+        let largest = all.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        largest.unwrap_or((0.0, [0, 0]))
     }
 
     /// Mean square of a mode over that at all candidates.
@@ -279,7 +280,9 @@ impl Search {
         }
         let sets = sets.into_iter().flatten().map(|set| self.reduced(set));
         let fewest = sets.min_by_key(Vec::len).unwrap_or_else(|| all.clone());
-        match all.len() <= MAX_CANDIDATES_OF_REMOVAL {
+        // Where all candidates fail, a smaller set hardly ever meets the limit, and trying all sizes
+        // takes the fifth power of their number.
+        match all.len() <= MAX_CANDIDATES_OF_REMOVAL && fewest.len() < all.len() {
             true => self.exchanged(&fewest).unwrap_or(fewest),
             false => fewest,
         }

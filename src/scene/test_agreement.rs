@@ -33,7 +33,7 @@ impl Difference<'_> {
 }
 
 /// The finding on each group of tests with equal states whose frequencies differ, with the name of
-/// the test that it is listed with, the last of the group.
+/// the test that it is listed with, the last of the group. Doubtful modes do not count.
 pub(super) fn test_disagreements(
     states: &[(&str, &TestState)],
     table: &ComparisonTable,
@@ -63,21 +63,27 @@ fn disagreement(names: &[&str], table: &ComparisonTable) -> Option<Finding> {
         .filter(|row| row.theory.is_some())
         .filter_map(|row| {
             let cells = row.tests.iter().filter(|cell| {
-                names.contains(&cell.test.as_str()) && cell.status == Status::Paired
+                names.contains(&cell.test.as_str())
+                    && cell.status == Status::Paired
+                    && cell.doubts.is_empty()
             });
             let mut found: Vec<(&str, f64, f64)> = cells
                 .filter_map(|cell| Some((&*cell.test, cell.hz?, cell.hz_std.unwrap_or(0.0))))
                 .collect();
             found.sort_by(|a, b| a.1.total_cmp(&b.1));
-            let (low, high) = (found.first()?, found.last()?);
-            let std_hz = low.2.hypot(high.2);
-            let is_significant = high.1 - low.1 > MAX_DIFFERENCE_STDS * std_hz;
-            let difference = Difference {
-                label: &row.label,
-                low: (low.0, low.1),
-                high: (high.0, high.1),
-            };
-            (is_significant && difference.fraction() > MAX_DIFFERENCE).then_some(difference)
+            let pairs = (0..found.len()).flat_map(|i| (i + 1..found.len()).map(move |j| (i, j)));
+            let significant = pairs.filter_map(|(i, j)| {
+                let (low, high) = (found[i], found[j]);
+                let std_hz = low.2.hypot(high.2);
+                let difference = Difference {
+                    label: &row.label,
+                    low: (low.0, low.1),
+                    high: (high.0, high.1),
+                };
+                let is_significant = high.1 - low.1 > MAX_DIFFERENCE_STDS * std_hz;
+                (is_significant && difference.fraction() > MAX_DIFFERENCE).then_some(difference)
+            });
+            significant.max_by(|a, b| a.fraction().total_cmp(&b.fraction()))
         })
         .collect();
     differences.sort_by(|a, b| b.fraction().total_cmp(&a.fraction()));
@@ -157,6 +163,21 @@ mod tests {
         let two = [("a", &state), ("b", &state)];
         assert!(found(&two, &[("a", 100.0, 0.01), ("b", 100.3, 0.01)]).is_empty());
         assert!(found(&two, &[("a", 100.0, 1.0), ("b", 103.0, 1.0)]).is_empty());
+        // Three and five standard deviations of the difference.
+        assert!(found(&two, &[("a", 100.0, 1.0), ("b", 104.2, 1.0)]).is_empty());
+        assert_eq!(
+            found(&two, &[("a", 100.0, 0.5), ("b", 103.5, 0.5)]).len(),
+            1
+        );
+        assert!(found(&two, &[("a", 100.0, 0.01), ("b", 100.9, 0.01)]).is_empty());
+        assert_eq!(
+            found(&two, &[("a", 100.0, 0.01), ("b", 101.1, 0.01)]).len(),
+            1
+        );
+        // A third test whose frequency is uncertain hides no difference of the others.
+        let three = [("a", &state), ("b", &state), ("c", &state)];
+        let modes = [("a", 100.0, 0.01), ("b", 103.0, 0.01), ("c", 104.0, 2.0)];
+        assert_eq!(found(&three, &modes).len(), 1);
         let differ = found(&two, &[("a", 103.0, 0.01), ("b", 100.0, 0.01)]);
         assert_eq!(differ.len(), 1);
         assert!((differ[0].value.unwrap() - 3.0).abs() < 1e-9);

@@ -110,7 +110,7 @@ fn the_changed_bearing_of_a_twin_is_the_single_cause() {
     }
 }
 
-/// Table 3 has three columns that differ by 2.7 %: of 16 stiffnesses it determines one.
+/// Table 3 has three columns that differ by 2.7 %: of 16 stiffnesses it determines none.
 #[test]
 fn an_update_to_table_3_frees_stiffnesses_alone_and_says_how_little_it_is_worth() {
     let file = update("cycloid-ball");
@@ -126,6 +126,8 @@ fn an_update_to_table_3_frees_stiffnesses_alone_and_says_how_little_it_is_worth(
     let identified: Vec<&str> = identified
         .map(|parameter| parameter["name"].as_str().unwrap())
         .collect();
-    assert_eq!(identified, ["k_5y"]);
-    assert!(number(&file["reduced_chi_square"]) < 1.0);
+    assert!(identified.is_empty(), "{identified:?}");
+    // The columns scatter as much as the deviation says.
+    let reduced = number(&file["reduced_chi_square"]);
+    assert!((0.5..1.6).contains(&reduced), "{reduced}");
 }

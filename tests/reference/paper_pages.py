@@ -151,7 +151,7 @@ def program() -> Path:
 def run(modalign: Path, *arguments: str) -> None:
     # Exit code 1 is a missed limit.
     done = subprocess.run([modalign, *arguments, "-q"], cwd=ROOT, stdout=subprocess.DEVNULL)
-    if done.returncode > 1:
+    if done.returncode not in (0, 1):
         sys.exit(f"modalign {' '.join(arguments)}: exit code {done.returncode}")
 
 
@@ -159,10 +159,14 @@ def rows(path: Path) -> list[list[str]]:
     if not path.exists():
         return []
     with path.open(newline="", encoding="utf-8") as file:
-        return [[cell_text(cell) for cell in row] for row in csv.reader(file)]
+        lines = list(csv.reader(file))
+    # Errors are worth fewer digits than frequencies.
+    digits = [3 if "(%)" in head else 6 for head in lines[0]]
+    text = [[cell_text(cell, n) for cell, n in zip(row, digits)] for row in lines[1:]]
+    return [lines[0], *text]
 
 
-def cell_text(cell: str) -> str:
+def cell_text(cell: str, digits: int) -> str:
     # A quote before a sign keeps spreadsheet programs from computing.
     if cell.startswith("'"):
         cell = cell[1:]
@@ -173,7 +177,7 @@ def cell_text(cell: str) -> str:
     # Below that the error of a printed number is rounding.
     if abs(number) < 1e-9:
         return "0"
-    return f"{number:.6g}" if "." in cell and "e" not in cell else cell
+    return f"{number:.{digits}g}" if "." in cell else cell
 
 
 def table(lines: list[list[str]]) -> str:

@@ -181,8 +181,12 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
         .map(|frf| frf.max_outlier_ratio())
         .collect();
     let medians_of_segment = |lines: &Range<usize>| -> Vec<f64> {
-        let medians = functions.iter().map(|frf| frf.median(lines.clone()));
-        medians.collect()
+        // With a stated response noise no median is needed.
+        let median = |frf: &&VarianceSamples| match frf.response_noise {
+            Some(_) => 0.0,
+            None => frf.median(lines.clone()),
+        };
+        functions.iter().map(median).collect()
     };
     let medians: Vec<Vec<f64>> = segments.par_iter().map(medians_of_segment).collect();
     let likelihoods_of = |frfs: &[usize], n: usize, tried: &[f64]| -> Vec<f64> {

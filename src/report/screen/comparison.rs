@@ -56,7 +56,10 @@ pub(super) fn comparison_tables(
         most,
     };
     let mut tables = tables.of(&tests);
-    if let ([test], [only], true) = (tests.as_slice(), tables.as_mut_slice(), several) {
+    let has_error = |test: &str| largest_error(table, test).is_some();
+    if let ([test], [only], true) = (tests.as_slice(), tables.as_mut_slice(), several)
+        && has_error(test)
+    {
         only.caption = format!("Modes of {test}, the test with the largest error");
     }
     blocks.extend(tables.into_iter().map(Block::Table));

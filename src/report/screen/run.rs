@@ -18,9 +18,9 @@ use super::{MAX_ROWS, counted};
 /// What to try where one of several tests has no modes.
 const ADVICE: &str = "Try another band (band_hz of [[test]]) or method or order ([identify]); check units and coherence.";
 /// Lines of the screen without the next step and the note on the rest.
-const MAX_LINES: usize = 55;
+const MAX_LINES: usize = 54;
 /// Rows of a table of modes, of which the first number that fits is taken.
-const ROWS: [usize; 10] = [MAX_ROWS, 24, 20, 18, 16, 14, 12, 10, 8, MIN_ROWS];
+const ROWS: [usize; 12] = [MAX_ROWS, 24, 20, 18, 16, 14, 12, 10, 8, 7, 6, MIN_ROWS];
 /// Minimum number of these rows.
 const MIN_ROWS: usize = 5;
 /// Published statements of which the first that fits is taken; one has no line alone.
