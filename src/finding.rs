@@ -692,7 +692,7 @@ impl Finding {
         let unit = self.unit.as_deref().unwrap_or_default();
         let is_rounded_away = match (self.value, self.limit) {
             (Some(value), Some(limit)) => {
-                value != limit && format_number(value) == format_number(limit)
+                value.total_cmp(&limit).is_ne() && format_number(value) == format_number(limit)
             }
             _ => false,
         };

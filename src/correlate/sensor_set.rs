@@ -280,8 +280,8 @@ impl Search {
         }
         let sets = sets.into_iter().flatten().map(|set| self.reduced(set));
         let fewest = sets.min_by_key(Vec::len).unwrap_or_else(|| all.clone());
-        // Where all candidates fail, a smaller set hardly ever meets the limit, and trying all sizes
-        // takes the fifth power of their number.
+        // Where all candidates fail, a smaller set hardly ever meets the limit, and trying all
+        // sizes takes the fifth power of their number.
         match all.len() <= MAX_CANDIDATES_OF_REMOVAL && fewest.len() < all.len() {
             true => self.exchanged(&fewest).unwrap_or(fewest),
             false => fewest,

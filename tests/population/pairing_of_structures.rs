@@ -79,7 +79,10 @@ fn judged(number: u64) -> (Kind, Counts) {
                 counts.right += 1;
                 continue;
             }
-            let true_root = truth.contributions.iter().position(|part| *part == largest);
+            let true_root = truth
+                .contributions
+                .iter()
+                .position(|part| part.total_cmp(&largest).is_eq());
             let macs = &truth.clean_macs;
             let separates = macs[true_root.unwrap()] - macs[root] > MIN_SEPARATING_MAC;
             println!(

@@ -51,8 +51,7 @@ fn mode_numbers(bytes: &[u8]) -> Vec<f64> {
 fn the_export_is_what_its_specification_gives() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let [hits, frfs, modes, export] =
-        ["hits.uff", "frfs.uff", "modes.json", "bar.unv"].map(|name| path(name));
+    let [hits, frfs, modes, export] = ["hits.uff", "frfs.uff", "modes.json", "bar.unv"].map(path);
     succeed(["synth", &sample("synth.toml"), "-o", &hits]);
     succeed(["frf", &hits, "-o", &frfs]);
     succeed(["identify", &frfs, "-o", &modes]);
