@@ -69,6 +69,27 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    #[test]
+    fn values_of_the_matrix_are_those_of_its_pairs_of_columns() {
+        let of = |modes: usize, shift: f64| {
+            crate::linalg::complex_matrix(5, modes, |dof, mode| {
+                let angle = (1 + dof) as f64 * (mode as f64 + shift);
+                Complex64::new((1.0 + mode as f64) * angle.cos(), angle.sin())
+            })
+        };
+        let (a, b) = (of(3, 0.3), of(4, 1.7));
+        let column = |of: &ComplexMatrix, c: usize| -> Vec<Complex64> {
+            (0..5).map(|dof| of[(dof, c)]).collect()
+        };
+        for (i, row) in mac_matrix(&a, &b).iter().enumerate() {
+            assert_eq!(row.len(), 4);
+            for (j, value) in row.iter().enumerate() {
+                let expected = mac(&column(&a, i), &column(&b, j)).unwrap();
+                assert!((value.unwrap() - expected).abs() < 1e-14, "{i} {j}");
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn mac_is_bounded_and_blind_to_complex_scale(

@@ -54,7 +54,12 @@ fn padded_trace_lines_are_read() {
         let text = dataset(&NODES) + &dataset(&lines) + &frfs();
         let (code, modes, said) = identified(&text, &[]);
         assert_eq!(code, Some(0), "{said}");
-        assert!(!said.contains("trace"), "{said}");
+        // The name of a temporary folder may have any digits.
+        let mut words = said.split_whitespace().filter(|word| !word.contains('/'));
+        assert!(
+            !words.any(|word| word.contains("82") || word.contains("trace")),
+            "{said}"
+        );
         assert_right(&modes, &said);
     }
     // More entries than stated: a finding.
