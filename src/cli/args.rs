@@ -13,7 +13,7 @@ use crate::identify::ESTIMATORS;
 use crate::io::FORMATS;
 use crate::quantity::{FrfUnit, Unit};
 use crate::report::Language;
-use crate::scene::StatedBounds;
+use crate::scene::{BASE_CONFIGURATION, StatedBounds};
 use crate::theory::SweepRange;
 
 use super::color::ColorChoice;
@@ -141,6 +141,10 @@ impl Verb {
 pub struct RunArgs {
     /// A scene's folder or its scene.toml.
     pub scene: PathBuf,
+    /// The tests and the model of this [[configuration]]; those of no configuration where not
+    /// stated.
+    #[arg(long, value_name = "NAME", default_value = BASE_CONFIGURATION, hide_default_value = true)]
+    pub configuration: String,
     /// Write tables, modes, FRFs, recordings and the HTML report into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

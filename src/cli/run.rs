@@ -12,7 +12,7 @@ use crate::report::{
     modes_page, next_step, parameters_block, placement_blocks, published_comparison_block,
     published_roots_block, quantities_block, run_screen, states_block,
 };
-use crate::scene::{Scene, SceneResult, TestResult, run_observed as run_scene};
+use crate::scene::{BASE_CONFIGURATION, Scene, SceneResult, TestResult, run_observed as run_scene};
 
 use super::args::RunArgs;
 use super::first_names::first_names;
@@ -29,7 +29,8 @@ use super::test_stem::test_stem;
 /// no modes, or no mode of any test is paired.
 pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
     let partial = args.partial;
-    let scene = SceneReading { format, partial }.scene(&args.scene)?;
+    let whole = SceneReading { format, partial }.scene(&args.scene)?;
+    let scene = whole.configuration(&args.configuration)?;
     if let Some(folder) = &args.output {
         output.open_results(folder, Some(RUN_VERB))?;
     }
@@ -66,7 +67,12 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
                 .to_owned()
         }
     };
-    let lines = [earlier, left_out, next.clone()];
+    let lines = [
+        earlier,
+        left_out,
+        other_configurations(&whole, &args.configuration),
+        next.clone(),
+    ];
     output.add_closing(lines.into_iter().flatten().collect(), Some(&rest));
     match &result.table {
         Some(table) => output.add_json(|| comparison_json(table, &result, next.as_deref())),
@@ -85,6 +91,18 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
     Ok(Outcome::missed_if(
         missed || is_empty || result.partly_bad(),
     ))
+}
+
+/// A line on the configurations of a scene that a run does not show.
+fn other_configurations(scene: &Scene, shown: &str) -> Option<String> {
+    let names = scene.configurations.iter().map(|table| table.name.as_str());
+    let names = [BASE_CONFIGURATION].into_iter().chain(names);
+    let others: Vec<String> = names
+        .filter(|name| *name != shown)
+        .map(|name| format!("--configuration {name:?}"))
+        .collect();
+    let has_others = !scene.configurations.is_empty();
+    has_others.then(|| format!("Other configurations: {}.", others.join(", ")))
 }
 
 /// A line on the figures in the folder that are of an earlier run and that no manifest names.

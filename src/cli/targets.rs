@@ -66,7 +66,9 @@ pub fn scene_files(scene: &Scene) -> Vec<PathBuf> {
         scene.folder.join("SOURCE.md"),
     ];
     let model = scene.model.as_ref().and_then(|table| table.file.as_ref());
-    all.extend(model.map(|file| scene.folder.join(file)));
+    let others = scene.configurations.iter();
+    let models = others.filter_map(|table| table.model.as_ref()).chain(model);
+    all.extend(models.map(|file| scene.folder.join(file)));
     for test in &scene.tests {
         match &test.source {
             TestSource::Files { files, .. } => {

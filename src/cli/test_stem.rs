@@ -4,7 +4,7 @@ use crate::printable::file_name_part;
 use crate::scene::SceneResult;
 
 /// A file name made of a test's name.
-fn file_stem(name: &str) -> String {
+pub(super) fn file_stem(name: &str) -> String {
     let legal = |c: char| {
         if c.is_alphanumeric() {
             c.to_lowercase().collect()

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::correlate::ComparisonTable;
 use crate::error::Error;
 use crate::report::{
     RENDERERS, json, step_after_update, step_to_check, update_blocks, update_page, update_screen,
@@ -14,6 +15,7 @@ use super::output::Output;
 use super::report::{RUN_VERB, UPDATE_VERB, rebuild_page, update_figures};
 use super::run::add_folder_files;
 use super::scene_reading::SceneReading;
+use super::test_stem::file_stem;
 
 /// Updates the scene's model; exit code 1 when it did not converge or part of the input was bad.
 pub fn update(
@@ -34,11 +36,12 @@ pub fn update(
             ("update.json".to_owned(), json::update_to_json(&outcome)),
             ("model.toml".to_owned(), outcome.model_toml.clone()),
         ];
-        for (name, table) in [("before", &outcome.before), ("after", &outcome.after)] {
-            files.push((
-                format!("comparison-{name}.json"),
-                json::comparison_to_json(table),
-            ));
+        files.extend(comparison_files("", &outcome.before, &outcome.after));
+        for other in &outcome.configurations {
+            let stem = file_stem(&other.name) + ".";
+            files.extend(comparison_files(&stem, &other.before, &other.after));
+            let model = other.model_toml.clone();
+            files.extend(model.map(|text| (format!("{stem}model.toml"), text)));
         }
         // A reader of CSV expects one table; update.json has them all.
         for renderer in RENDERERS.iter().filter(|renderer| renderer.name() != "csv") {
@@ -59,7 +62,7 @@ pub fn update(
         let language = output.language();
         let page = rebuild_page(folder, &updated_json, language, args.png)?;
         add_folder_files(RUN_VERB, folder, page, &scene, output)?;
-        let synthetic = outcome.tests.iter().any(TestResult::is_synthetic);
+        let synthetic = outcome.all_tests().any(TestResult::is_synthetic);
         files.extend(update_figures(&updated, synthetic, args.png));
         add_folder_files(UPDATE_VERB, folder, files, &scene, output)?;
     }
@@ -85,8 +88,20 @@ pub fn update(
         false => outcome.findings_on_update(),
     };
     output.add_findings(&findings);
-    let partly_bad = outcome.tests.iter().any(|test| test.partly_bad);
+    let partly_bad = outcome.all_tests().any(|test| test.partly_bad);
     Ok(Outcome::missed_if(
         partly_bad || !outcome.result.stop_reason.converged(),
     ))
+}
+
+/// The comparisons of a configuration before and after.
+fn comparison_files(
+    stem: &str,
+    before: &ComparisonTable,
+    after: &ComparisonTable,
+) -> [(String, String); 2] {
+    [("before", before), ("after", after)].map(|(name, table)| {
+        let text = json::comparison_to_json(table);
+        (format!("{stem}comparison-{name}.json"), text)
+    })
 }

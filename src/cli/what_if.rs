@@ -139,6 +139,9 @@ fn uncertainty(
         std: file.parameters.iter().map(|p| p.std).collect(),
         correlation: file.correlation,
     };
+    // A parameter of another configuration is not one of this model.
+    let shared = file.parameters.iter().map(|p| p.configuration.is_none());
+    let known = known.of(&shared.collect::<Vec<_>>());
     let specs = loaded.model.parameters().iter();
     let before: Vec<(&str, f64)> = specs
         .zip(&before.values)

@@ -27,6 +27,8 @@ pub enum LimitKind {
     After,
     /// Standard deviation of the value.
     StandardDeviation,
+    /// The value of all other places.
+    Elsewhere,
 }
 
 impl LimitKind {
@@ -45,6 +47,7 @@ impl LimitKind {
             LimitKind::EndOfData => format!("data end at {limit}"),
             LimitKind::After => format!("now {limit}"),
             LimitKind::StandardDeviation => format!("standard deviation {limit}"),
+            LimitKind::Elsewhere => format!("elsewhere {limit}"),
         }
     }
 
@@ -63,6 +66,7 @@ impl LimitKind {
             LimitKind::EndOfData => format!("数据止于 {limit}"),
             LimitKind::After => format!("现为 {limit}"),
             LimitKind::StandardDeviation => format!("标准差 {limit}"),
+            LimitKind::Elsewhere => format!("其他为 {limit}"),
         }
     }
 }

@@ -40,6 +40,7 @@ mod text_table;
 mod texts;
 mod translation;
 mod update;
+mod update_configurations;
 mod verdict;
 mod verdict_texts;
 

@@ -100,6 +100,14 @@ pub(super) static PHRASES: &[Text] = &[
         "{} / {} 个因 {} 阶模态失去配对",
     ),
     text(
+        "{} of {} because the configurations disagree",
+        "{} / {} 个因各构型不一致",
+    ),
+    text(
+        "{} of {} because 1 of {} starts reaches the lowest optimum (more starts in [update])",
+        "{} / {} 个因 {} 个起点中仅 1 个到达最低的最优点 (在 [update] 中增加 starts)",
+    ),
+    text(
         "{} of {} because the model error has fewer than 3 degrees of freedom",
         "{} / {} 个因模型误差的自由度少于 3",
     ),

@@ -287,6 +287,13 @@ pub(super) static TEXTS: Texts = Texts {
         driving_point_residue: "driving-point residue", "原点留数";
         independence: "independence", "独立性";
         updated_parameters: "Updated parameters", "修正后的参数";
+        contribution_of_configurations: "Contribution of each configuration", "各构型的贡献";
+        deviation_by_configuration: "Standard deviation by each configuration", "各构型给出的标准差";
+        std_by_configuration: "std by {} alone", "仅由 {} 的标准差";
+        configuration: "configuration", "构型";
+        residual_count: "residuals", "残差数";
+        chi_square_of_residuals: "chi-square", "卡方";
+        determined_alone: "determines alone", "单独确定的参数";
         parameter: "parameter", "参数";
         initial: "initial", "初值";
         updated: "updated", "修正值";
@@ -336,6 +343,12 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
         rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
         counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
+        configurations_disagree: "Configurations disagree: {} = {} in {}, {} elsewhere (chi-square {} less).", "各构型不一致：{} = {} ({})，其他构型为 {} (卡方降低 {})。";
+        scatter_between_tests: "Scatter of the frequencies between the tests: {} % ({} degrees of freedom), part of each deviation.", "各次试验之间频率的分散度：{} % ({} 个自由度)，计入各标准差。";
+        scatter_of_configuration: "Scatter of the frequencies between the tests of {}: {} % ({} degrees of freedom), part of each deviation.", "{} 的各次试验之间频率的分散度：{} % ({} 个自由度)，计入各标准差。";
+        before_of_configuration: "Configuration {}, before", "构型 {}，修正前";
+        after_of_configuration: "Configuration {}, after", "构型 {}，修正后";
+        other_configurations: "Other configurations: {}.", "其他构型：{}。";
         chi_square: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";

@@ -13,6 +13,9 @@ use crate::update::{
 use super::comparison::{comparison_of_all_tests, error_head};
 use super::screen::comparison_page_of_all_tests;
 use super::table::significant;
+use super::update_configurations::{
+    configurations_block, contradiction_text, deviations_block, scatter_text,
+};
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
@@ -50,7 +53,15 @@ fn blocks_with(
     ));
     blocks.push(Block::Text("After".to_owned()));
     blocks.extend(comparison(&scene_update.after, &scene_update.theory_after));
+    for other in &scene_update.configurations {
+        blocks.push(Block::Text(format!("Configuration {}, before", other.name)));
+        blocks.extend(comparison(&other.before, &other.theory_before));
+        blocks.push(Block::Text(format!("Configuration {}, after", other.name)));
+        blocks.extend(comparison(&other.after, &other.theory_after));
+    }
     blocks.push(updated_parameters_block(scene_update));
+    blocks.extend(configurations_block(&scene_update.result));
+    blocks.extend(deviations_block(&scene_update.result));
     blocks.push(combinations_block(&scene_update.result));
     blocks.push(fits_block(scene_update));
     blocks.push(Block::Text(convergence_text(&scene_update.result)));
@@ -93,6 +104,8 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     footnotes.extend(shape_footnotes(scene_update));
     footnotes.extend(residual_footnote(scene_update));
     footnotes.push(misfit_footnote(&scene_update.result));
+    footnotes.extend(contradiction_text(&scene_update.result));
+    footnotes.extend(scatter_text(&scene_update.result));
     footnotes.extend(reasons_without_support(&scene_update.result));
     footnotes.extend(alternatives_text(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
@@ -234,6 +247,11 @@ pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
     let all = result.parameters.len();
     let lost = result.after.rows.len() - result.after.paired();
     let reason = match (result.unpredicted.len(), lost) {
+        _ if result.contradiction.is_some() => "the configurations disagree".to_owned(),
+        _ if result.starts.is_scattered() => format!(
+            "1 of {} reaches the lowest optimum (more starts in [update])",
+            counted(result.starts.count, "start")
+        ),
         (0, 0) => "the model error has fewer than 3 degrees of freedom".to_owned(),
         (0, lost) => format!("{} lost the partner", counted(lost, "mode")),
         (count, _) => format!(
@@ -262,8 +280,10 @@ pub(super) fn alternatives_text(result: &UpdateResult) -> Option<String> {
             .map(|(parameter, value)| format!("{} = {}", parameter.name, significant(*value, 4)));
         let values: Vec<String> = values.collect();
         let separation = other.separation.as_ref().map_or_else(String::new, |mode| {
+            let of = mode.configuration.as_ref();
+            let of = of.map_or_else(String::new, |name| format!(" of {name}"));
             format!(
-                "; model mode {} differs most: {} Hz against {} Hz, MAC {:.2}",
+                "; model mode {}{of} differs most: {} Hz against {} Hz, MAC {:.2}",
                 mode.mode,
                 significant(mode.hz, 5),
                 significant(mode.other_hz, 5),
@@ -367,8 +387,11 @@ pub(super) fn fit_before(update: &SceneUpdate) -> String {
     if !left_out.is_empty() {
         text += &format!(" Left out: {}.", left_out.join(", "));
     }
+    let others = update.configurations.iter().map(|other| &other.before);
+    let tables: Vec<&ComparisonTable> = others.chain([&update.before]).collect();
     let sum = |count: fn(&TestSummary) -> usize| -> usize {
-        update.before.summary.iter().map(count).sum()
+        let summaries = tables.iter().flat_map(|table| &table.summary);
+        summaries.map(count).sum()
     };
     let (paired, ambiguous) = (sum(|test| test.paired), sum(|test| test.ambiguous));
     if paired != update.result.before.paired() {

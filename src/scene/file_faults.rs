@@ -26,7 +26,9 @@ pub(super) fn collect_file_faults(
 ) {
     if let Some(table) = &typed.model {
         let opened = faults.take(open_model(table, folder, path, sensors));
-        if let (Some(OpenedModel::Model(model)), Some(update)) = (&opened, &typed.update) {
+        if let (Some(OpenedModel::Model(model)), Some(update)) = (&opened, &typed.update)
+            && typed.configuration.is_empty()
+        {
             let parameters = model.model.parameters();
             faults.take(check_parameter_names(update, parameters, path));
         }

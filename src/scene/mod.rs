@@ -4,6 +4,8 @@
 //! scene computes nothing itself.
 
 mod columns;
+mod configuration;
+mod configuration_tables;
 mod confine;
 mod damage;
 mod draft;
@@ -59,6 +61,7 @@ mod updated_model;
 #[cfg(test)]
 mod expected_tests;
 
+pub use configuration_tables::BASE_CONFIGURATION;
 pub use confine::check_confined;
 pub use damage::{damage, lost_part_findings};
 pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
@@ -103,7 +106,7 @@ pub use test_result::TestResult;
 pub use test_state::TestState;
 pub use toml_text::{FILL_IN, OpenLine, open_lines, parse, read_text};
 pub use typed::{
-    ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable, UpdateParameterTable,
-    UpdateTable,
+    ConfigurationTable, ModelTable, ReportTableTable, SCENE_SCHEMA, SceneFile, SensorTable,
+    UpdateParameterTable, UpdateTable,
 };
-pub use update::{SceneUpdate, update_scene};
+pub use update::{ConfigurationUpdate, SceneUpdate, update_scene};

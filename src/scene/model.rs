@@ -592,5 +592,12 @@ pub fn table_model(
     if is_modes_file(&named) {
         return Ok(None);
     }
-    load_model(&named, &table.parameters).map(Some)
+    let model = load_model(&named, &table.parameters)?;
+    let Some(added) = &table.added else {
+        return Ok(Some(model));
+    };
+    let sensors = model.sensors_with(&added.sensors);
+    let place = format!("{path}: [[configuration]] {:?} modify", added.configuration);
+    let modified = LoadedModel { sensors, ..model }.modified_as(&place, &added.modify)?;
+    Ok(Some(modified.model))
 }

@@ -83,13 +83,22 @@ impl LoadedModel {
     /// [`SceneError::Value`] for each change that cannot be read, or names a point, a coordinate or
     /// a parameter that the model does not have.
     pub fn modified(self, changes: &[String]) -> Result<ModifiedScene, SceneError> {
+        self.modified_as("--modify", changes)
+    }
+
+    /// The same, with errors that state where the changes stand.
+    pub(super) fn modified_as(
+        self,
+        place: &str,
+        changes: &[String],
+    ) -> Result<ModifiedScene, SceneError> {
         let motions = Motions::of(&self)?;
         let mut faults = Faults::default();
         let mut values = self.values.clone();
         let mut factors = vec![1.0; values.len()];
         let mut additions = Vec::new();
         for change in changes {
-            let error = |(got, expected): Fault| value_error("--modify", change, &got, &expected);
+            let error = |(got, expected): Fault| value_error(place, change, &got, &expected);
             match read_change(change) {
                 Err(fault) => faults.add(error(fault)),
                 Ok(Change::Added(kind, ends, amount)) => {
@@ -186,7 +195,7 @@ impl LoadedModel {
         }
         faults.into_result()?;
         let table = stated.update.cloned().unwrap_or_default();
-        let mut all = choices(&table, self, stated.path)?;
+        let mut all = choices(&table, &[self], stated.path)?;
         // The factor of added parts is no parameter of the structure.
         all.retain(|choice| choice.name != MODIFICATION);
         if !stated.names.is_empty() {

@@ -10,6 +10,7 @@ use crate::identify::{IdentifyError, IdentifyOptions};
 use crate::signal::{ForceWindow, Offset};
 
 use super::SceneError;
+use super::configuration_tables::check_configurations;
 use super::error::value_error;
 use super::expected::{Expected, published_results};
 use super::faults::{Faults, Soundness, parse_checked};
@@ -21,8 +22,8 @@ use super::placement::{PlacementPlan, placement_plans};
 use super::test_plan::{TestPlan, test_plan};
 use super::toml_text::{check_schema, read_text};
 use super::typed::{
-    FrfTable, IdentifyTable, ModelTable, PointTable, ReportTableTable, SCENE_SCHEMA, SceneFile,
-    UpdateTable,
+    ConfigurationTable, FrfTable, IdentifyTable, ModelTable, PointTable, ReportTableTable,
+    SCENE_SCHEMA, SceneFile, UpdateTable,
 };
 use super::update_options::check_update;
 
@@ -66,6 +67,8 @@ pub struct Scene {
     pub placement: Vec<PlacementPlan>,
     /// Options of updating; `None` for a scene that states none.
     pub update: Option<UpdateTable>,
+    /// States of the machine other than that of the model.
+    pub configurations: Vec<ConfigurationTable>,
     /// Limits.
     pub limits: Limits,
     /// Published results; `None` for a scene without an `expected.toml`.
@@ -157,6 +160,7 @@ impl Scene {
         if let Some(update) = &typed.update {
             faults.take(check_update(update, &name));
         }
+        faults.take(check_configurations(&typed, &folder, &name));
         let report = &typed.report;
         let tables = report_tables(report.table.clone(), report.caption.clone(), &names, &name);
         let tables = faults.take(tables);
@@ -194,6 +198,7 @@ impl Scene {
             method: typed.identify.method,
             order: typed.identify.order,
             update: typed.update,
+            configurations: typed.configuration,
             limits: typed.limits,
             expected: expected.flatten(),
             format: None,

@@ -26,7 +26,7 @@ use super::file_faults::{check_existence, collect_source_faults};
 use super::ingest::{IngestOptions, Ingested, ingest_bytes, ingest_files};
 use super::limits::{LimitCheck, check_comparison, check_modes};
 use super::mass_line::{body_findings, leaving_list, mass_line_findings, test_rigid_body};
-use super::model::{OpenedModel, Theory, open_model};
+use super::model::{OpenedModel, Theory, open_model, table_model};
 use super::modes_file::{LoadedModes, ModesOptions, load_modes};
 use super::observer::Observer;
 use super::placement::placed_tests;
@@ -186,7 +186,16 @@ fn check_parameters(
     model: Option<OpenedModel>,
 ) -> Result<Option<OpenedModel>, SceneError> {
     if let (Some(update), Some(OpenedModel::Model(model))) = (&scene.update, &model) {
-        check_parameter_names(update, model.model.parameters(), &scene.path)?;
+        let mut parameters = model.model.parameters().to_vec();
+        for table in &scene.configurations {
+            let other = scene.configuration(&table.name)?;
+            let other = other.model.as_ref();
+            let other = other.map(|table| table_model(table, &scene.folder, &scene.path));
+            if let Some(other) = other.transpose()?.flatten() {
+                parameters.extend(other.model.parameters().iter().cloned());
+            }
+        }
+        check_parameter_names(update, &parameters, &scene.path)?;
     }
     Ok(model)
 }

@@ -103,6 +103,7 @@ impl TruthTable {
             file: self.file.clone(),
             parameters: self.parameters.clone(),
             partial: false,
+            added: None,
         }
     }
 }

@@ -47,6 +47,9 @@ pub struct SceneFile {
     pub placement: Vec<PlacementTable>,
     /// Options of updating.
     pub update: Option<UpdateTable>,
+    /// States of the machine other than that of the model.
+    #[serde(default)]
+    pub configuration: Vec<ConfigurationTable>,
     /// Options of the report.
     #[serde(default)]
     pub report: ReportTable,
@@ -249,6 +252,38 @@ impl SensorTable {
     }
 }
 
+/// `[[configuration]]`: tests of the machine in another state than that of the model.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConfigurationTable {
+    /// Name.
+    pub name: String,
+    /// Names of its tests.
+    pub tests: Vec<String>,
+    /// Another model: a built-in name, or a `model.toml` relative to the scene.
+    pub model: Option<String>,
+    /// Values of parameters that differ.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
+    /// Parts that are added, as `theory --modify` states them.
+    #[serde(default)]
+    pub modify: Vec<String>,
+    /// Free parameters that have another value than in the other configurations.
+    #[serde(default)]
+    pub separate: Vec<String>,
+}
+
+/// Parts that are added to the model of a configuration.
+#[derive(Clone, Debug)]
+pub struct AddedParts {
+    /// Name of the configuration.
+    pub configuration: String,
+    /// The parts, as stated.
+    pub modify: Vec<String>,
+    /// Sensors of the scene, to which they are added.
+    pub sensors: Vec<Sensor>,
+}
+
 /// The model, and values of its parameters.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -263,6 +298,9 @@ pub struct ModelTable {
     /// Whether the good part of a partly bad file of modes is sufficient.
     #[serde(default)]
     pub partial: bool,
+    /// Parts that a configuration adds.
+    #[serde(skip)]
+    pub added: Option<AddedParts>,
 }
 
 /// `[frf]`.
@@ -356,7 +394,9 @@ pub struct UpdateTable {
     pub residuals: Option<String>,
     /// Deviation of every frequency that the model is granted, a fraction.
     pub frequency_floor: Option<f64>,
-    /// The same of shape components, as a part of their root mean square.
+    /// Whether the scatter between tests of one configuration is added to their deviations.
+    pub scatter_between_tests: bool,
+    /// Model error of shape components, as a part of their root mean square.
     pub shape_floor: Option<f64>,
     /// Deviation of shape components for which the test states none, as such a part.
     pub assumed_shape_std: Option<f64>,

@@ -7,13 +7,14 @@ use crate::frf::FrfSet;
 use crate::geometry::Sensor;
 use crate::modal::{ModalModel, Mode, ModeShape, Scaling};
 use crate::printable::counted;
-use crate::theory::{ModeOptions, coordinate_sensors, is_stiffness};
+use crate::theory::{MODIFICATION, ModeOptions, ParameterSpec, coordinate_sensors, is_stiffness};
 use crate::update::{
-    Explanation, MeasuredModes, ParameterChoice, Prior, UpdateError, UpdateOptions, UpdateProblem,
-    UpdateResult, check_always, explain, update,
+    Configuration, Explanation, MeasuredModes, ParameterChoice, Prior, UpdateError, UpdateOptions,
+    UpdateProblem, UpdateResult, check_always, explain, update,
 };
 
 use super::SceneError;
+use super::configuration_tables::BASE_CONFIGURATION;
 use super::error::value_error;
 use super::expected::Expected;
 use super::file_faults::check_existence;
@@ -44,7 +45,7 @@ const CODES_AT_START: [Code; 5] = [
 /// Result of updating a scene's model.
 #[derive(Clone, Debug)]
 pub struct SceneUpdate {
-    /// The tests that counted.
+    /// The tests of the base that counted.
     pub tests: Vec<TestResult>,
     /// The options, defaults included.
     pub options: UpdateOptions,
@@ -52,6 +53,8 @@ pub struct SceneUpdate {
     pub result: UpdateResult,
     /// The change that explains the misfit; `None` where it was not requested.
     pub explanation: Option<Explanation>,
+    /// The configurations other than the base.
+    pub configurations: Vec<ConfigurationUpdate>,
     /// The model before.
     pub theory_before: Theory,
     /// The model after.
@@ -68,11 +71,17 @@ pub struct SceneUpdate {
 }
 
 impl SceneUpdate {
+    /// The tests of all configurations.
+    pub fn all_tests(&self) -> impl Iterator<Item = &TestResult> + Clone {
+        let others = self.configurations.iter().flat_map(|other| &other.tests);
+        self.tests.iter().chain(others)
+    }
+
     /// The findings that bear on the update: those of the update and the comparison, and of the
     /// tests bad input, doubt about the verdict, and those on modes that the update uses.
     pub fn findings_on_update(&self) -> Vec<Finding> {
         let of_tests = |finding: &Finding| {
-            let mut tests = self.tests.iter();
+            let mut tests = self.all_tests();
             tests.any(|test| test.modes.findings.contains(finding))
         };
         let rows = &self.result.before.rows;
@@ -95,80 +104,211 @@ impl SceneUpdate {
 /// `findings_of_an_update_are_those_that_bear_on_it`.
 const SAME_FREQUENCY: f64 = 1e-9;
 
-/// Updates the model of a scene; one without `[update]` with the defaults of all options.
+/// A configuration of a scene, ready to be updated.
+struct LoadedConfiguration {
+    name: String,
+    scene: Scene,
+    model: LoadedModel,
+    sensors: Vec<Sensor>,
+    tests: Vec<TestResult>,
+    /// All that was measured.
+    measured: Vec<Measured>,
+    /// The part of it that counts.
+    counted: Vec<Measured>,
+    /// Parameters that keep the values of its model.
+    held: Vec<String>,
+    /// Free parameters that have another value than elsewhere.
+    separate: Vec<String>,
+}
+
+/// A configuration other than the base before and after an update.
+#[derive(Clone, Debug)]
+pub struct ConfigurationUpdate {
+    /// Name.
+    pub name: String,
+    /// Its tests that counted.
+    pub tests: Vec<TestResult>,
+    /// The model before.
+    pub theory_before: Theory,
+    /// The model after.
+    pub theory_after: Theory,
+    /// Its tests against the model before.
+    pub before: ComparisonTable,
+    /// Its tests against the model after.
+    pub after: ComparisonTable,
+    /// The updated model as text, where it is another one than that of the base.
+    pub model_toml: Option<String>,
+}
+
+/// Updates the model of a scene; one without `[update]` with the defaults of all options. Tests of
+/// several configurations update the parameters that their models share.
 ///
 /// # Errors
 /// [`SceneError`]: a scene without a model or without anything measured, options that have no
 /// effect; those of the stages.
 pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let stated = scene.update.clone().unwrap_or_default();
-    let table = scene
-        .model
-        .as_ref()
-        .ok_or_else(|| value_error(&scene.path, "[model]", "no table", "a model to update: `modalign new NEW-DIR FILE... --model beam` (or lumped, or a file), or [model] with `file` or `name`"))?;
+    check_existence(scene.tests.iter().map(|test| &test.source))?;
+    check_test_names(scene, &stated)?;
+    let scenes = scene.all_configurations()?;
+    let mut models = Vec::with_capacity(scenes.len());
+    for (_, configured) in &scenes {
+        models.push(opened_model(configured)?);
+    }
+    let band = update_band(&stated, &scene.path)?;
+    let mut all = Vec::with_capacity(scenes.len());
+    for ((name, configured), (model, sensors)) in scenes.into_iter().zip(models) {
+        all.push(load(scene, &stated, name, configured, model, sensors)?);
+    }
+    check_something_good(scene, &stated, band, &all)?;
+    let (result, explanation) = updated(scene, &stated, &all)?;
+    let mut outcomes = Vec::with_capacity(all.len());
+    let mut findings = Vec::new();
+    let doubtful = all.iter().flat_map(|configuration| {
+        doubtful_left_out(&configuration.measured, band, stated.doubtful_modes)
+    });
+    let doubtful: Vec<Finding> = doubtful.collect();
+    for (configuration, values) in all.into_iter().zip(&result.configuration_values) {
+        let outcome = compared(configuration, &stated, values)?;
+        add_new(&mut findings, outcome.findings);
+        outcomes.push(outcome.update);
+    }
+    findings.extend(result.findings());
+    findings.extend(doubtful);
+    let others = outcomes.split_off(1);
+    let base = outcomes.remove(0);
+    Ok(SceneUpdate {
+        before: base.before,
+        after: base.after,
+        tests: base.tests,
+        theory_before: base.theory_before,
+        theory_after: base.theory_after,
+        model_toml: base.model_toml.unwrap_or_default(),
+        configurations: others,
+        options: options(scene, &stated)?,
+        result,
+        explanation,
+        findings,
+    })
+}
+
+/// Adds the findings that are not there yet.
+fn add_new(findings: &mut Vec<Finding>, more: Vec<Finding>) {
+    for finding in more {
+        if !findings.contains(&finding) {
+            findings.push(finding);
+        }
+    }
+}
+
+/// The model of a configuration with the sensors on it, checked before the long work on the tests.
+fn opened_model(scene: &Scene) -> Result<(LoadedModel, Vec<Sensor>), SceneError> {
+    let table = model_table_of(scene)?;
     let model = table_model(table, &scene.folder, &scene.path)?.ok_or_else(|| {
         let got = "a file of finished modes";
         value_error(&scene.path, "[model] file", got, "a model with parameters")
     })?;
     let sensors = sensors(&model, scene)?;
-    check_existence(scene.tests.iter().map(|test| &test.source))?;
     check_moved_sensors(&model, &sensors, &scene.path)?;
-    let tests = counted_tests(scene, &stated)?;
-    let measured = measured(scene, &stated, &tests)?;
-    let options = options(scene, &stated)?;
-    let choices = choices(&stated, &model, &scene.path)?;
-    let band = update_band(&stated, &scene.path)?;
-    let in_band: Vec<Measured> = measured
+    Ok((model, sensors))
+}
+
+fn model_table_of(scene: &Scene) -> Result<&ModelTable, SceneError> {
+    let expected = "a model to update: `modalign new NEW-DIR FILE... --model beam` (or lumped, or a file), or [model] with `file` or `name`";
+    let table = scene.model.as_ref();
+    table.ok_or_else(|| value_error(&scene.path, "[model]", "no table", expected))
+}
+
+/// The tests of a configuration with what they measured.
+fn load(
+    whole: &Scene,
+    stated: &UpdateTable,
+    name: String,
+    scene: Scene,
+    model: LoadedModel,
+    sensors: Vec<Sensor>,
+) -> Result<LoadedConfiguration, SceneError> {
+    let tests = counted_tests(&scene, stated)?;
+    let is_base = name == BASE_CONFIGURATION;
+    let measured = measured(&scene, stated, &tests, is_base)?;
+    let band = update_band(stated, &scene.path)?;
+    let counted = measured
         .iter()
         .map(|measured_modes| measured_modes.counted(band, stated.doubtful_modes))
         .collect();
-    if in_band
+    let mut tables = whole.configurations.iter();
+    let table = tables.find(|table| table.name == name);
+    Ok(LoadedConfiguration {
+        held: table.map_or_else(Vec::new, |table| table.parameters.keys().cloned().collect()),
+        separate: table.map_or_else(Vec::new, |table| table.separate.clone()),
+        // Names tell configurations apart; a single one has none.
+        name: match whole.configurations.is_empty() {
+            true => String::new(),
+            false => name,
+        },
+        scene,
+        model,
+        sensors,
+        tests,
+        measured,
+        counted,
+    })
+}
+
+/// Checks that a good mode counts, where there are any.
+fn check_something_good(
+    scene: &Scene,
+    stated: &UpdateTable,
+    band: Option<Band>,
+    all: &[LoadedConfiguration],
+) -> Result<(), SceneError> {
+    let counted = || all.iter().flat_map(|configuration| &configuration.counted);
+    let measured: Vec<Measured> = all
         .iter()
-        .all(|measured| measured.modes.modes.is_empty())
+        .flat_map(|configuration| configuration.measured.clone())
+        .collect();
+    if counted().all(|measured| measured.modes.modes.is_empty())
         && !doubtful_left_out(&measured, band, stated.doubtful_modes).is_empty()
     {
         let expected = "good modes, or doubtful_modes = true";
-        return Err(value_error(
-            &scene.path,
-            "[update]",
-            "doubtful modes alone",
-            expected,
-        ));
+        let got = "doubtful modes alone";
+        return Err(value_error(&scene.path, "[update]", got, expected));
     }
-    let all_measured: Vec<MeasuredModes<'_>> =
-        in_band.iter().map(Measured::as_measured_modes).collect();
-    let values = &model.values;
-    let problem = UpdateProblem::new(
-        model.model.as_ref(),
-        values,
-        &choices,
-        &all_measured,
-        &sensors,
-        options.clone(),
-    );
+    Ok(())
+}
+
+/// The update of the shared parameters, and its explanation where it is requested.
+fn updated(
+    scene: &Scene,
+    stated: &UpdateTable,
+    all: &[LoadedConfiguration],
+) -> Result<(UpdateResult, Option<Explanation>), SceneError> {
+    let measured: Vec<Vec<MeasuredModes<'_>>> = all
+        .iter()
+        .map(|configuration| {
+            let counted = configuration.counted.iter();
+            counted.map(Measured::as_measured_modes).collect()
+        })
+        .collect();
+    let configurations = all.iter().zip(&measured);
+    let configurations: Vec<Configuration<'_, '_>> = configurations
+        .map(|(configuration, measured)| Configuration {
+            name: &configuration.name,
+            model: configuration.model.model.as_ref(),
+            values: &configuration.model.values,
+            sensors: &configuration.sensors,
+            measured,
+            held: &configuration.held,
+            separate: &configuration.separate,
+        })
+        .collect();
+    let models: Vec<&LoadedModel> = all.iter().map(|other| &other.model).collect();
+    let choices = choices(stated, &models, &scene.path)?;
+    let options = options(scene, stated)?;
+    let problem = UpdateProblem::of_configurations(&configurations, &choices, options);
     let problem = match problem {
-        Err(UpdateError::NothingPaired { modes }) if model.example_values => {
-            let file = named_model(table, &scene.folder, &scene.path)?;
-            let modes = counted(modes, "test mode");
-            let got = format!(
-                "true: the values are those of an example, with which none of {modes} has a partner in the model"
-            );
-            let expected = "the dimensions, material and support of the structure in place of \
-                            those of an example, and this line deleted";
-            let file = file.display().to_string();
-            return Err(value_error(&file, "example_values", &got, expected));
-        }
         Err(error @ UpdateError::NothingPaired { .. }) => {
-            let theory = model.solve(&sensors, &ModeOptions::default())?;
-            let compared = compare_measured(scene, &measured, &tests, &theory)?;
-            let findings = compared.findings.iter().flat_map(|(_, findings)| findings);
-            let mut factors = findings.filter(|finding| finding.code == Code::CommonFactor);
-            let Some(factor) = factors.next() else {
-                return Err(error.into());
-            };
-            let expected = "a model whose frequencies are those of the test within a factor of 2";
-            let got = factor.to_string();
-            return Err(value_error(&scene.path, "[model]", &got, expected));
+            return Err(nothing_paired(&all[0], error)?);
         }
         problem => problem?,
     };
@@ -178,18 +318,77 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         true => Some(explain(&problem, &stated.always)?),
         false => None,
     };
-    let model_toml = model_text(table, &model, scene, &result.values)?;
+    Ok((result, explanation))
+}
+
+/// The error of a model none of whose modes pairs, with its cause where that is known.
+fn nothing_paired(
+    base: &LoadedConfiguration,
+    error: UpdateError,
+) -> Result<SceneError, SceneError> {
+    let scene = &base.scene;
+    if let UpdateError::NothingPaired { modes } = error
+        && base.model.example_values
+    {
+        let file = named_model(model_table_of(scene)?, &scene.folder, &scene.path)?;
+        let modes = counted(modes, "test mode");
+        let got = format!(
+            "true: the values are those of an example, with which none of {modes} has a partner in the model"
+        );
+        let expected = "the dimensions, material and support of the structure in place of \
+                        those of an example, and this line deleted";
+        let file = file.display().to_string();
+        return Ok(value_error(&file, "example_values", &got, expected));
+    }
+    let theory = base.model.solve(&base.sensors, &ModeOptions::default())?;
+    let compared = compare_measured(scene, &base.measured, &base.tests, &theory)?;
+    let findings = compared.findings.iter().flat_map(|(_, findings)| findings);
+    let mut factors = findings.filter(|finding| finding.code == Code::CommonFactor);
+    let Some(factor) = factors.next() else {
+        return Ok(error.into());
+    };
+    let expected = "a model whose frequencies are those of the test within a factor of 2";
+    let got = factor.to_string();
+    Ok(value_error(&scene.path, "[model]", &got, expected))
+}
+
+/// A configuration before and after, with the findings of its tests and comparisons.
+struct Compared {
+    update: ConfigurationUpdate,
+    findings: Vec<Finding>,
+}
+
+/// Compares the tests of a configuration with its model before and after.
+fn compared(
+    configuration: LoadedConfiguration,
+    stated: &UpdateTable,
+    values: &[f64],
+) -> Result<Compared, SceneError> {
+    let LoadedConfiguration {
+        name,
+        scene,
+        model,
+        sensors,
+        tests,
+        measured,
+        ..
+    } = configuration;
     let mode_options = ModeOptions {
-        band: theory_band(scene, &tests).filter(|_| !stated.published),
+        band: theory_band(&scene, &tests).filter(|_| !stated.published),
         ..ModeOptions::default()
     };
+    let table = model_table_of(&scene)?;
+    // The text of a model with added parts is that of the base.
+    let has_text = name.is_empty() || name == BASE_CONFIGURATION || table.added.is_none();
+    let model_toml = has_text.then(|| model_text(table, &model, &scene, values));
+    let model_toml = model_toml.transpose()?;
     let theory_before = model.solve(&sensors, &mode_options)?;
     let updated = LoadedModel {
-        values: result.values.clone(),
+        values: values.to_vec(),
         ..model
     };
     let theory_after = updated.solve(&sensors, &mode_options)?;
-    let compared = |theory: &Theory| compare_measured(scene, &measured, &tests, theory);
+    let compared = |theory: &Theory| compare_measured(&scene, &measured, &tests, theory);
     let (before, after) = (compared(&theory_before)?, compared(&theory_after)?);
     let mut findings: Vec<Finding> = tests
         .iter()
@@ -219,18 +418,16 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let of_model = of_model
         .filter(|finding| [Code::ParameterUnused, Code::ExampleValues].contains(&finding.code));
     findings.extend(of_model.cloned());
-    findings.extend(result.findings());
-    findings.extend(doubtful_left_out(&measured, band, stated.doubtful_modes));
-    Ok(SceneUpdate {
-        before: before.table.labelled_from(scene.first_root),
-        after: after.table.labelled_from(scene.first_root),
-        tests,
-        options,
-        result,
-        explanation,
-        theory_before,
-        theory_after,
-        model_toml,
+    Ok(Compared {
+        update: ConfigurationUpdate {
+            before: before.table.labelled_from(scene.first_root),
+            after: after.table.labelled_from(scene.first_root),
+            theory_before,
+            theory_after,
+            model_toml,
+            name,
+            tests,
+        },
         findings,
     })
 }
@@ -273,9 +470,8 @@ fn check_moved_sensors(
     Err(value_error(path, "[[sensor]]", &got, expected))
 }
 
-/// The tests that `[update]` names; all of them where it names none and no published frequencies
-/// count.
-fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
+/// Checks that `[update]` names tests of the scene.
+fn check_test_names(scene: &Scene, stated: &UpdateTable) -> Result<(), SceneError> {
     let test_names: Vec<&str> = scene.tests.iter().map(|test| test.name.as_str()).collect();
     for name in stated.tests.iter().flatten() {
         if !test_names.contains(&name.as_str()) {
@@ -284,6 +480,12 @@ fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>,
             return Err(value_error(&scene.path, "[update] tests", &got, &expected));
         }
     }
+    Ok(())
+}
+
+/// The tests that `[update]` names; all of them where it names none and no published frequencies
+/// count.
+fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
     let counts = |name: &String| match &stated.tests {
         Some(names) => names.contains(name),
         None => !stated.published,
@@ -374,16 +576,17 @@ fn measured(
     scene: &Scene,
     stated: &UpdateTable,
     tests: &[TestResult],
+    is_base: bool,
 ) -> Result<Vec<Measured>, SceneError> {
     let mut all: Vec<Measured> = tests.iter().map(Measured::of_test).collect();
-    if stated.published {
+    if stated.published && is_base {
         let expected = scene.expected.as_ref().ok_or_else(|| {
             let got = "no expected.toml beside the scene";
             value_error(&scene.path, "[update] published", got, "one with [[root]]")
         })?;
         all.push(Measured::published(expected, scene.first_root));
     }
-    if all.is_empty() {
+    if all.is_empty() && is_base {
         let expected = "a [[test]], or published = true in [update]";
         let got = "nothing measured";
         return Err(value_error(&scene.path, "[update]", got, expected));
@@ -410,6 +613,7 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
         assumed_shape_std: stated_or(stated.assumed_shape_std, default.assumed_shape_std),
         frf_floor: stated_or(stated.frf_floor, default.frf_floor),
         frf_lines: stated.frf_lines.unwrap_or(default.frf_lines),
+        scatter_between_tests: stated.scatter_between_tests,
         frequency_floor: stated.frequency_floor.unwrap_or(default.frequency_floor),
         shape_floor: floor.filter(|_| stated.shapes != Some(false)),
         prior_std: stated.prior_std.unwrap_or(default.prior_std),
@@ -420,10 +624,10 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
     })
 }
 
-/// The parameters that are named; where none is, the stiffnesses of the model above 0.
+/// The parameters that are named; where none is, the stiffnesses of the models above 0.
 pub(super) fn choices(
     stated: &UpdateTable,
-    model: &LoadedModel,
+    models: &[&LoadedModel],
     path: &str,
 ) -> Result<Vec<ParameterChoice>, SceneError> {
     let plain = |name: &str| ParameterChoice {
@@ -432,13 +636,18 @@ pub(super) fn choices(
     };
     let mut all: Vec<ParameterChoice> = stated.parameters.iter().map(|n| plain(n)).collect();
     for table in &stated.parameter {
-        all.push(choice(table, stated, model, path)?);
+        all.push(choice(table, stated, models, path)?);
     }
     if all.is_empty() {
-        for (j, spec) in model.model.parameters().iter().enumerate() {
-            let is_above = model.values[j] > 0.0;
-            if is_above && is_stiffness(model.model.as_ref(), &model.values, j)? {
-                all.push(plain(&spec.name));
+        for model in models {
+            for (j, spec) in model.model.parameters().iter().enumerate() {
+                // The factor of added parts is no parameter of the structure.
+                let is_open = model.values[j] > 0.0
+                    && spec.name != MODIFICATION
+                    && !all.iter().any(|choice| choice.name == spec.name);
+                if is_open && is_stiffness(model.model.as_ref(), &model.values, j)? {
+                    all.push(plain(&spec.name));
+                }
             }
         }
     }
@@ -457,11 +666,15 @@ pub(super) fn choices(
 fn choice(
     table: &UpdateParameterTable,
     stated: &UpdateTable,
-    model: &LoadedModel,
+    models: &[&LoadedModel],
     path: &str,
 ) -> Result<ParameterChoice, SceneError> {
     let key = format!("[[update.parameter]] {:?} prior", table.name);
-    let mut specs = model.model.parameters().iter().zip(&model.values);
+    let specs = |model: &&LoadedModel| -> Vec<(ParameterSpec, f64)> {
+        let specs = model.model.parameters().iter().cloned();
+        specs.zip(model.values.iter().copied()).collect()
+    };
+    let mut specs = models.iter().flat_map(specs);
     let named = specs.find(|(spec, _)| spec.name == table.name);
     let value = named.map_or(0.0, |(_, value)| value.abs());
     let part = table.prior_std.or(stated.prior_std);

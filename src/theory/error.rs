@@ -477,6 +477,15 @@ impl Fault for TheoryError {
 }
 
 impl TheoryError {
+    /// Whether it is of a sensor on a part that the model does not have.
+    pub(crate) fn is_of_unknown_part(&self) -> bool {
+        use TheoryError::{PointOutside, UnknownBody, UnknownCoordinate};
+        matches!(
+            self,
+            UnknownBody { .. } | UnknownCoordinate { .. } | PointOutside { .. }
+        )
+    }
+
     /// The error of a body that is none of the known ones.
     pub(crate) fn unknown_body(used_by: &str, got: &str, known: Vec<String>) -> Self {
         TheoryError::UnknownBody {

@@ -11,9 +11,11 @@ use serde::{Deserialize, Serialize};
 use crate::linalg::RealMatrix;
 use crate::theory::TheoryModes;
 
+use super::configuration::Part;
 use super::model_error::frequency_rows;
+use super::model_state::ModelState;
 use super::trust_region::{Solution, solve_from};
-use super::{UpdateError, UpdateProblem};
+use super::{Evaluation, UpdateError, UpdateProblem};
 
 /// Largest difference of the objective between alternatives: the posterior density of the worse one
 /// is a hundredth, `exp(-9.21/2)`.
@@ -45,6 +47,9 @@ pub struct Alternative {
 /// A mode of the model that differs between two optima.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Separation {
+    /// Configuration of the model, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub configuration: Option<String>,
     /// Number of the mode at the best optimum, from 1.
     pub mode: usize,
     /// Its frequency there, Hz.
@@ -92,11 +97,11 @@ pub(super) fn alternatives(
         if objective_difference > MAX_OBJECTIVE_DIFFERENCE || is_known(&found, &solution.at.z) {
             continue;
         }
-        let free = problem.free.iter();
+        let free = problem.free.iter().zip(&solution.at.z);
         let alternative = Alternative {
             objective_difference,
-            values: free.map(|free| solution.at.values[free.index]).collect(),
-            separation: separation(&best.at.modes, &solution.at.modes),
+            values: free.map(|(free, z)| free.value(*z)).collect(),
+            separation: separation(problem, &best.at, &solution.at),
         };
         found.push((alternative, solution.at.z));
     }
@@ -161,17 +166,29 @@ fn exchanged(problem: &UpdateProblem<'_>, z: &[f64]) -> Result<Vec<Vec<f64>>, Up
     Ok(all)
 }
 
-/// The mode whose frequency differs most between two models; where all frequencies are alike, the
+/// The mode whose frequency differs most between two points; where all frequencies are alike, the
 /// one whose shape does.
-fn separation(best: &TheoryModes, other: &TheoryModes) -> Option<Separation> {
-    let count = best.omega_rad_s.len().min(other.omega_rad_s.len());
+fn separation(
+    problem: &UpdateProblem<'_>,
+    best: &Evaluation,
+    other: &Evaluation,
+) -> Option<Separation> {
     let hz = |modes: &TheoryModes, k: usize| modes.omega_rad_s[k] / std::f64::consts::TAU;
-    let separations = (0..count).map(|k| Separation {
-        mode: k + 1,
-        hz: hz(best, k),
-        other_hz: hz(other, k),
-        mac: mac(&best.vectors, &other.vectors, k),
-    });
+    let has_several = problem.parts.len() > 1;
+    let of_part = |(part, (best, other)): (&Part<'_>, (&ModelState, &ModelState))| {
+        let (best, other) = (&best.modes, &other.modes);
+        let count = best.omega_rad_s.len().min(other.omega_rad_s.len());
+        let separations = (0..count).map(|k| Separation {
+            configuration: has_several.then(|| part.name.clone()),
+            mode: k + 1,
+            hz: hz(best, k),
+            other_hz: hz(other, k),
+            mac: mac(&best.vectors, &other.vectors, k),
+        });
+        separations.collect::<Vec<_>>()
+    };
+    let states = best.states.iter().zip(&other.states);
+    let separations = problem.parts.iter().zip(states).flat_map(of_part);
     let separations: Vec<Separation> = separations.filter(|mode| mode.hz > 0.0).collect();
     let by_frequency = |s: &Separation| (s.other_hz / s.hz).ln().abs();
     let by_shape = |s: &Separation| 1.0 - s.mac;

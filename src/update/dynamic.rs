@@ -64,6 +64,11 @@ impl DynamicTarget {
         })
     }
 
+    /// Number of residuals.
+    pub fn len(&self, shapes: &TargetShapes) -> usize {
+        shapes.vectors.len() * (self.weight.nrows() + shapes.rows.nrows())
+    }
+
     /// `W (K - lambda M)`.
     fn forces(&self, stiffness: &RealMatrix, mass: &RealMatrix) -> RealMatrix {
         let n = self.weight.ncols();

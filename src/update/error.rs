@@ -80,6 +80,33 @@ pub enum UpdateError {
         /// Where it starts.
         initial: f64,
     },
+    /// A shared parameter with two values.
+    #[error(
+        "update parameter {name:?}: {got} in the configuration {configuration:?} and {expected} in the one before, expected one value, or the parameter in `separate` or `parameters` of the configuration"
+    )]
+    SharedValue {
+        /// The parameter.
+        name: String,
+        /// The configuration.
+        configuration: String,
+        /// Its value there.
+        got: f64,
+        /// The value of the configuration before.
+        expected: f64,
+    },
+    /// A parameter that is separate but not free.
+    #[error(
+        "configuration {configuration:?} separate: got {name:?}, expected a free parameter: {}",
+        first_names(free)
+    )]
+    Separate {
+        /// The parameter.
+        name: String,
+        /// The configuration.
+        configuration: String,
+        /// The free ones.
+        free: Vec<String>,
+    },
     /// No parameter to change.
     #[error("no parameter is free, expected at least one")]
     NothingFree,

@@ -1,32 +1,32 @@
-//! An evaluation holds the model at one set of parameters: modes, their pairs with measured roots,
+//! An evaluation holds the models at one set of parameters: modes, their pairs with measured roots,
 //! residuals.
 
-use crate::theory::{SystemMatrices, TheoryModes};
-
-use super::RootPair;
+use super::{ModelState, RootPair};
 
 /// Largest excess of `chi^2` over `nu` that noise explains, in standard deviations `sqrt(2 nu)`.
 const MAX_CHI_SQUARE_STDS: f64 = 2.0;
 
-/// The model at one point.
+/// The models at one point.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// The free parameters, each in its prior deviations from where it starts.
     pub z: Vec<f64>,
-    /// All parameters of the model.
-    pub values: Vec<f64>,
-    /// Measured roots paired with roots of the model.
+    /// Measured roots paired with roots of the models, those of each configuration together.
     pub root_pairs: Vec<RootPair>,
-    /// All modes of the model, without sensors.
-    pub modes: TheoryModes,
+    /// The model of each configuration.
+    pub states: Vec<ModelState>,
     /// Residuals of the data, divided by their deviations; then `z`.
     pub residual: Vec<f64>,
     /// Number of residuals of data.
     pub data_rows: usize,
-    pub(super) matrices: SystemMatrices,
 }
 
 impl Evaluation {
+    /// All parameters of the model of the first configuration.
+    pub fn values(&self) -> &[f64] {
+        &self.states[0].values
+    }
+
     /// `sum r^2 + sum z^2`, which the update minimises.
     pub fn objective(&self) -> f64 {
         self.residual.iter().map(|r| r * r).sum()

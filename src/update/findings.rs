@@ -36,6 +36,14 @@ impl UpdateResult {
                 .limit(1.0)
                 .detail(what.to_owned())
         }));
+        findings.extend(self.contradiction.iter().map(|found| {
+            let location = Location::Parameter(found.parameter.clone());
+            let finding = warn(Code::ConfigurationsDisagree, location);
+            finding
+                .value(found.there, &found.unit)
+                .limit(found.elsewhere)
+                .detail(found.configuration.clone())
+        }));
         let rows = self.after.rows.iter();
         let lost = rows.filter(|row| row.model_hz.is_none());
         findings.extend(lost.map(|row| warn(Code::PartnerLost, Location::Mode(row.test_hz))));
@@ -63,7 +71,8 @@ impl UpdateResult {
                 let finding = warn(Code::ParameterAmbiguous, location);
                 Some(finding.value(other.values[j], &parameter.unit))
             }
-            // A misfit, a lost mode or one that is not predicted has its finding.
+            // A misfit, a lost mode, one that is not predicted, and configurations that disagree
+            // have their finding; the table states that one start alone ended at the optimum.
             ParameterVerdict::NotSupported
                 if parameter.posterior_over_prior <= MAX_POSTERIOR_OVER_PRIOR =>
             {

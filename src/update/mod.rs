@@ -8,6 +8,8 @@
 
 mod alternatives;
 mod bounded;
+mod configuration;
+mod contribution;
 mod design;
 mod dynamic;
 mod error;
@@ -19,6 +21,7 @@ mod identifiability;
 mod mode_mark;
 mod mode_tracking;
 mod model_error;
+mod model_state;
 mod options;
 mod parameter;
 mod parameter_subsets;
@@ -28,12 +31,15 @@ mod projection;
 mod residual;
 mod residual_selection;
 mod result;
+mod scatter;
 mod shape_continuation;
 mod solve;
 mod target;
 mod target_shapes;
 mod trust_region;
 
+#[cfg(test)]
+mod configuration_tests;
 #[cfg(test)]
 mod cycloid_tests;
 #[cfg(test)]
@@ -56,6 +62,8 @@ mod test_models;
 mod weights_tests;
 
 pub use alternatives::{Alternative, Separation};
+pub use configuration::Configuration;
+pub use contribution::{Contradiction, Contribution};
 pub use design::{Design, DesignMode, FrequencyTarget, Goal, Proposal, design, design_parameters};
 pub use error::UpdateError;
 pub use evaluate::Evaluation;
@@ -66,6 +74,7 @@ pub use identifiability::{
 pub use mode_mark::measured_mode;
 pub use mode_tracking::RootPair;
 pub use model_error::{ModelError, ResidualKind, UnpredictedMode};
+pub use model_state::ModelState;
 pub use options::{Residuals, UpdateOptions};
 pub use parameter::{FreeParameter, ParameterChoice, Prior};
 pub use parameter_subsets::{
@@ -76,6 +85,7 @@ pub use problem::UpdateProblem;
 pub use result::{
     Fit, FitRow, FrfCount, OtherOptimum, Starts, UpdateResult, UpdatedParameter, update,
 };
+pub use scatter::Scatter;
 pub use solve::{MultiStart, solve, solve_from_starts};
 pub use target::{MeasuredModes, ReversedSensors, ShapeWeights, Target};
 pub use trust_region::Solution;

@@ -6,6 +6,7 @@ use crate::linalg::{RealMatrix, sort_ascending_by};
 use crate::modal::ModalModel;
 use crate::theory::TheoryModes;
 
+use super::model_state::ModelState;
 use super::target_shapes::TargetShapes;
 use super::{Target, UpdateError};
 
@@ -18,6 +19,8 @@ const ROUND_OFF_SHAPE_RATIO: f64 = 1e-6;
 /// Measured roots of a test that are paired with one root of the model.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RootPair {
+    /// Index of the configuration.
+    pub configuration: usize,
     /// Indices of the targets, ascending in frequency.
     pub targets: Vec<usize>,
     /// Indices, ascending, of the modes of the model; several where they are one repeated root at
@@ -61,6 +64,7 @@ impl PairedModes {
     /// Pairs with the roots of a model: by [`pair`] where there are shapes, else by frequency.
     pub fn root_pairs(
         &self,
+        configuration: usize,
         theory: &ModalModel,
         targets: &[Target],
         options: &PairOptions,
@@ -71,6 +75,7 @@ impl PairedModes {
             self.by_frequency(theory, targets, options.max_frequency_error)
         };
         for root_pair in &mut root_pairs {
+            root_pair.configuration = configuration;
             sort_ascending_by(&mut root_pair.targets, |&target| targets[target].hz);
         }
         root_pairs.sort();
@@ -98,6 +103,7 @@ impl PairedModes {
                     root_pair.targets.extend(targets);
                 }
                 None => root_pairs.push(RootPair {
+                    configuration: 0,
                     targets,
                     modes: found.theory,
                 }),
@@ -137,6 +143,7 @@ impl PairedModes {
             let pairs = measured.iter().zip(&chosen);
             let here = pairs.filter(|(_, root)| **root == Some(r));
             RootPair {
+                configuration: 0,
                 targets: here.map(|(&t, _)| t).collect(),
                 modes: modes.clone(),
             }
@@ -153,12 +160,13 @@ impl PairedModes {
 pub(super) fn with_whole_roots(
     root_pairs: Vec<RootPair>,
     targets: &[Target],
-    modes: &TheoryModes,
+    states: &[ModelState],
 ) -> Vec<RootPair> {
-    let bits = |k: usize| modes.omega_rad_s[k].to_bits();
     let test = |root_pair: &RootPair| root_pair.targets.first().map(|&t| targets[t].test);
     let mut whole: Vec<RootPair> = Vec::with_capacity(root_pairs.len());
     for mut root_pair in root_pairs {
+        let modes = &states[root_pair.configuration].modes;
+        let bits = |k: usize| modes.omega_rad_s[k].to_bits();
         let members: Vec<u64> = root_pair.modes.iter().map(|&k| bits(k)).collect();
         let all = (0..modes.omega_rad_s.len()).filter(|&k| members.contains(&bits(k)));
         root_pair.modes = all.collect();
@@ -185,12 +193,13 @@ pub(super) fn with_whole_roots(
 pub(super) fn without_unseen(
     mut root_pairs: Vec<RootPair>,
     targets: &[Target],
-    modes: &TheoryModes,
+    states: &[ModelState],
 ) -> Vec<RootPair> {
     for root_pair in root_pairs
         .iter_mut()
         .filter(|root_pair| root_pair.modes.len() > 1)
     {
+        let modes = &states[root_pair.configuration].modes;
         let shapes = root_pair.targets.iter();
         let shapes: Vec<_> = shapes.filter_map(|&t| targets[t].shapes.as_ref()).collect();
         let squared = |k: usize| -> f64 {
@@ -257,8 +266,8 @@ pub(super) fn follow(
         let mut modes: Vec<usize> = root_pair.modes.iter().map(|&mode| new(mode)).collect();
         modes.sort_unstable();
         RootPair {
-            targets: root_pair.targets.clone(),
             modes,
+            ..root_pair.clone()
         }
     };
     root_pairs.iter().map(root_pair).collect()

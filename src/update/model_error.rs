@@ -279,7 +279,7 @@ fn leverages(solution: &Solution) -> Result<Leverages, UpdateError> {
 }
 
 /// Inverse of a symmetric positive definite matrix.
-fn inverse(a: &RealMatrix) -> Result<RealMatrix, UpdateError> {
+pub(super) fn inverse(a: &RealMatrix) -> Result<RealMatrix, UpdateError> {
     let SymmetricEigen { values, vectors } = symmetric_eigen(a)?;
     let n = values.len();
     let entry = |i: usize, j: usize| -> f64 {

@@ -67,6 +67,9 @@ pub struct UpdateOptions {
     /// The same of every shape component, as a part of the root mean square of the shape's
     /// components; `None` leaves shapes out of the objective (they still pair and follow modes).
     pub shape_floor: Option<f64>,
+    /// Whether the scatter of the frequencies between tests of one configuration, as between
+    /// reassemblies, is added to the standard deviations of each test.
+    pub scatter_between_tests: bool,
     /// Standard deviation of a shape component for which the test states none, as such a part.
     pub assumed_shape_std: f64,
     /// The same as the floors of every value of an FRF, a fraction of its magnitude: for the
@@ -97,6 +100,7 @@ impl Default for UpdateOptions {
         Self {
             residuals: Residuals::Modes,
             frequency_floor: 1e-3,
+            scatter_between_tests: false,
             shape_floor: Some(0.02),
             assumed_shape_std: 0.05,
             frf_floor: 0.02,

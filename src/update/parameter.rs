@@ -47,6 +47,8 @@ pub struct FreeParameter {
     pub index: usize,
     /// Name.
     pub name: String,
+    /// The only configuration that has it; `None` for a shared parameter.
+    pub configuration: Option<String>,
     /// Unit.
     pub unit: String,
     /// Source of the model's value.
@@ -111,6 +113,7 @@ impl FreeParameter {
         Ok(Self {
             index,
             name,
+            configuration: None,
             unit: spec.unit.clone(),
             status: spec.status,
             initial,

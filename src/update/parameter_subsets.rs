@@ -200,8 +200,11 @@ impl<'b> Trials<'b> {
                 .clone()
                 .map(|parameter| parameter.name.clone())
                 .collect(),
-            values: named.map(|parameter| at.values[parameter.index]).collect(),
-            model_values: at.values.clone(),
+            values: named
+                .zip(&at.z[self.always.len()..])
+                .map(|(parameter, z)| parameter.value(*z))
+                .collect(),
+            model_values: at.values().to_vec(),
             free: part.free.len(),
             bic: fit.chi_square + part.free.len() as f64 * (fit.data_count as f64).ln(),
             fit,

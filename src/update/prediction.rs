@@ -19,19 +19,36 @@ pub struct ParameterUncertainty {
 }
 
 impl UpdateResult {
-    /// The uncertainty of the updated parameters.
+    /// The uncertainty of the updated parameters of the first configuration.
     pub fn uncertainty(&self) -> ParameterUncertainty {
         let all = self.parameters.iter();
-        ParameterUncertainty {
+        let shared: Vec<bool> = all.clone().map(|p| p.configuration.is_none()).collect();
+        let all = ParameterUncertainty {
             names: all.clone().map(|p| p.name.clone()).collect(),
             values: all.clone().map(|p| p.updated).collect(),
             std: all.map(|p| p.std).collect(),
             correlation: self.correlation.clone(),
-        }
+        };
+        all.of(&shared)
     }
 }
 
 impl ParameterUncertainty {
+    /// The uncertainty of some of the parameters.
+    pub fn of(&self, chosen: &[bool]) -> Self {
+        let places: Vec<usize> = (0..chosen.len()).filter(|&j| chosen[j]).collect();
+        let numbers = |all: &[f64]| places.iter().map(|&j| all[j]).collect::<Vec<f64>>();
+        Self {
+            names: places.iter().map(|&j| self.names[j].clone()).collect(),
+            values: numbers(&self.values),
+            std: numbers(&self.std),
+            correlation: places
+                .iter()
+                .map(|&i| numbers(&self.correlation[i]))
+                .collect(),
+        }
+    }
+
     /// Relative standard deviation of the frequency of each root of a model with these values,
     /// `sqrt(g^T C g)/f` with the derivatives `g` of the frequency by the updated values. `factors`
     /// are the changes of the model's values per change of the updated values: 1 for a value that

@@ -15,10 +15,12 @@ use crate::theory::{
     mode_derivatives, modes, modes_of_matrices,
 };
 
+use super::configuration::{Configuration, Part, parts_of};
 use super::frfs::FrfTarget;
 use super::mode_tracking::{PairedModes, follow, with_whole_roots, without_unseen};
-use super::parameter::free_parameters;
+use super::model_state::ModelState;
 use super::residual::RootPairResidual;
+use super::scatter::{Scatter, scatters};
 use super::target::{ReversedSensors, ShapeRows, targets_of};
 use super::{
     Evaluation, FreeParameter, MeasuredModes, ParameterChoice, Residuals, RootPair, Target,
@@ -29,13 +31,12 @@ use super::{
 /// to twice.
 const MAX_START_FREQUENCY_ERROR: f64 = 1.0;
 
-/// A model whose parameters are updated to measured modes.
+/// Models whose parameters are updated to measured modes: one, or one for each configuration of a
+/// machine.
 #[derive(Clone, Debug)]
 pub struct UpdateProblem<'a> {
-    pub(super) model: &'a dyn TheoreticalModel,
-    pub(super) sensors: &'a [Sensor],
-    /// Values of all parameters at the start.
-    pub initial: Vec<f64>,
+    /// The configurations; the first one has the model that is updated.
+    pub(super) parts: Vec<Part<'a>>,
     /// The parameters that may change.
     pub free: Vec<FreeParameter>,
     /// Measured modes that have a partner in the model at the start.
@@ -47,6 +48,8 @@ pub struct UpdateProblem<'a> {
     /// Sensors of each test with the opposite sign of the model at the start; their values take no
     /// part.
     pub reversed: Vec<ReversedSensors>,
+    /// Scatter between the tests of each configuration, where it was requested.
+    pub(super) scatters: Vec<Scatter>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -73,22 +76,51 @@ impl<'a> UpdateProblem<'a> {
         sensors: &'a [Sensor],
         options: UpdateOptions,
     ) -> Result<Self, UpdateError> {
+        let only = Configuration {
+            name: "",
+            model,
+            values,
+            sensors,
+            measured,
+            held: &[],
+            separate: &[],
+        };
+        Self::of_configurations(&[only], choices, options)
+    }
+
+    /// A problem of several configurations with shared parameters, which starts from the values of
+    /// the first configuration that has each.
+    ///
+    /// # Errors
+    /// As [`UpdateProblem::new`]; [`UpdateError::SharedValue`] for a shared parameter with another
+    /// value in a later configuration.
+    pub fn of_configurations(
+        configurations: &[Configuration<'a, '_>],
+        choices: &[ParameterChoice],
+        options: UpdateOptions,
+    ) -> Result<Self, UpdateError> {
         options.validate()?;
-        check_values(model.name(), model.parameters(), values)?;
-        let free = free_parameters(model, values, choices, &options)?;
+        for Configuration { model, values, .. } in configurations {
+            check_values(model.name(), model.parameters(), values)?;
+        }
+        let (parts, free) = parts_of(configurations, choices, &options)?;
+        let measured: Vec<MeasuredModes<'_>> = configurations
+            .iter()
+            .flat_map(|configuration| configuration.measured.iter().copied())
+            .collect();
+        let measured = measured.as_slice();
         let mut targets = Vec::new();
         for (test, set) in measured.iter().enumerate() {
             targets.extend(targets_of(test, set, options.frequency_floor)?);
         }
         let mut problem = Self {
-            model,
-            sensors,
-            initial: values.to_vec(),
+            parts,
             free,
             targets,
             left_out: Vec::new(),
             far: Vec::new(),
             reversed: Vec::new(),
+            scatters: Vec::new(),
             options,
             tests: Vec::new(),
             prior_weight: 1.0,
@@ -101,7 +133,7 @@ impl<'a> UpdateProblem<'a> {
         problem.weigh(measured)?;
         if problem.options.residuals == Residuals::ModalDynamic {
             let start = problem.start(&vec![0.0; problem.free.len()])?;
-            problem.prepare_dynamic(&start.modes, &start.root_pairs)?;
+            problem.prepare_dynamic(&start)?;
         }
         if problem.options.residuals.of_frfs() {
             problem.prepare_frfs(measured)?;
@@ -112,19 +144,28 @@ impl<'a> UpdateProblem<'a> {
     /// Frequencies and shapes with their deviations, the model's floor shared by the tests that
     /// measure a root.
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
-        let root_pairs = self.root_pairs(&self.initial, &self.options.pair)?;
-        let sensors = self.observation_rows()?;
-        let rows = measured.iter().zip(&self.reversed).map(|(set, reversed)| {
-            let rows =
-                |floor| ShapeRows::new(&sensors, set.modes, &reversed.dofs, &self.options, floor);
-            self.options.shape_floor.map(rows)
-        });
-        let rows: Vec<Option<ShapeRows>> = rows.collect();
+        let root_pairs = self.root_pairs(&self.initial(), &self.options.pair)?;
+        if self.options.scatter_between_tests {
+            self.scatters = scatters(&self.parts, &self.targets, &root_pairs);
+        }
+        let mut rows: Vec<Option<ShapeRows>> = Vec::with_capacity(measured.len());
+        for part in &self.parts {
+            let sensors = part.observation_rows()?;
+            rows.extend(part.tests.clone().map(|test| {
+                let (modes, reversed) = (measured[test].modes, &self.reversed[test].dofs);
+                let rows = |floor| ShapeRows::new(&sensors, modes, reversed, &self.options, floor);
+                self.options.shape_floor.map(rows)
+            }));
+        }
         for t in 0..self.targets.len() {
             let others = others_of(t, &root_pairs, &self.targets);
             let floor = self.options.frequency_floor;
+            let part = &self.parts[self.part_of(self.targets[t].test)];
+            let mut scatters = self.scatters.iter();
+            let scatter = scatters.find(|scatter| scatter.configuration == part.name);
+            let scatter = scatter.map_or(0.0, |scatter| scatter.relative_std);
             let target = &mut self.targets[t];
-            target.weigh(floor, 1 + others.len())?;
+            target.weigh(floor, scatter, 1 + others.len())?;
             let Some(pairing_rows) = &rows[target.test] else {
                 continue;
             };
@@ -138,38 +179,36 @@ impl<'a> UpdateProblem<'a> {
         Ok(())
     }
 
-    /// The sensors of the model, each with its observation row at the start.
-    pub(super) fn observation_rows(&self) -> Result<Vec<(Dof, Vec<f64>)>, UpdateError> {
-        let row = |sensor: &Sensor| {
-            let row = self.model.observation_row(&self.initial, &sensor.target)?;
-            Ok((sensor.dof.positive(), row))
-        };
-        self.sensors.iter().map(row).collect()
-    }
-
     /// Sensors of each test with the opposite sign of the model at the start, where values of
     /// sensors take part. A sensor that is reversed twice, alone and with its group, is not.
     fn reversed_sensors(
         &self,
         measured: &[MeasuredModes<'_>],
     ) -> Result<Vec<ReversedSensors>, UpdateError> {
-        let names = measured.iter().map(|set| set.name.to_owned());
         let takes_part =
             self.options.shape_floor.is_some() || self.options.residuals == Residuals::FrfComplex;
         if !takes_part {
-            let none = |test| ReversedSensors {
-                test,
+            let none = |set: &MeasuredModes<'_>| ReversedSensors {
+                test: set.name.to_owned(),
                 dofs: Vec::new(),
             };
-            return Ok(names.map(none).collect());
+            return Ok(measured.iter().map(none).collect());
         }
-        let theory = self.theory(&self.initial)?.model;
-        let of_test = |(test, paired): (String, &PairedModes)| {
-            let found = reversed_sensors(&paired.modes, &theory, &self.options.pair)?;
-            let dofs = named_odd_times(found.into_iter().map(|sensor| sensor.dof));
-            Ok(ReversedSensors { test, dofs })
-        };
-        names.zip(&self.tests).map(of_test).collect()
+        let mut all = Vec::with_capacity(measured.len());
+        for (part, values) in self.parts.iter().zip(self.initial()) {
+            let theory = self.theory(part, &values)?.model;
+            for (test, paired) in measured[part.tests.clone()]
+                .iter()
+                .zip(&self.tests[part.tests.clone()])
+            {
+                let found = reversed_sensors(&paired.modes, &theory, &self.options.pair)?;
+                all.push(ReversedSensors {
+                    test: test.name.to_owned(),
+                    dofs: named_odd_times(found.into_iter().map(|sensor| sensor.dof)),
+                });
+            }
+        }
+        Ok(all)
     }
 
     /// Leaves out measured roots without a partner at the start. One outside the frequency gate is
@@ -177,7 +216,7 @@ impl<'a> UpdateProblem<'a> {
     /// has; without shapes, where all together have partners there.
     fn keep_paired(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         self.tests = self.paired_modes(measured.iter().map(|set| set.modes));
-        let near = self.root_pairs(&self.initial, &self.options.pair)?;
+        let near = self.root_pairs(&self.initial(), &self.options.pair)?;
         let linked = |root_pairs: &[RootPair], t: usize| {
             let mut root_pairs = root_pairs.iter();
             root_pairs.any(|root_pair| root_pair.targets.contains(&t))
@@ -187,7 +226,7 @@ impl<'a> UpdateProblem<'a> {
         let mut far = vec![false; count];
         if kept.contains(&false) {
             let test = |root_pair: &RootPair| self.targets[root_pair.targets[0]].test;
-            for root_pair in self.root_pairs(&self.initial, &self.wide_gate())? {
+            for root_pair in self.root_pairs(&self.initial(), &self.wide_gate())? {
                 let is_free = !self.tests[test(&root_pair)].has_shapes()
                     || near.iter().all(|known| {
                         test(known) != test(&root_pair)
@@ -257,8 +296,26 @@ impl<'a> UpdateProblem<'a> {
     pub fn with_free(&self, places: &[usize]) -> Self {
         Self {
             free: places.iter().map(|&j| self.free[j].clone()).collect(),
+            parts: self
+                .parts
+                .iter()
+                .map(|part| part.with_free(places))
+                .collect(),
             ..self.clone()
         }
+    }
+
+    /// The same problem with a free parameter that has another value in one configuration.
+    pub(super) fn with_separate(&self, configuration: usize, j: usize) -> Self {
+        let mut separate = self.clone();
+        separate.free.push(self.free[j].clone());
+        for (c, part) in separate.parts.iter_mut().enumerate() {
+            *part = match c == configuration {
+                true => part.with_separate(j),
+                false => part.with_another(),
+            };
+        }
+        separate
     }
 
     /// The same problem with another weight of the prior's rows.
@@ -307,24 +364,56 @@ impl<'a> UpdateProblem<'a> {
         reduced
     }
 
-    /// All parameters with the free ones at `z`.
-    pub fn values(&self, z: &[f64]) -> Vec<f64> {
-        let mut values = self.initial.clone();
-        for (parameter, z) in self.free.iter().zip(z) {
-            values[parameter.index] = parameter.value(*z);
-        }
-        values
+    /// All parameters of the model of each configuration with the free ones at `z`.
+    pub fn values(&self, z: &[f64]) -> Vec<Vec<f64>> {
+        let values = self.free.iter().zip(z);
+        let values: Vec<f64> = values.map(|(parameter, z)| parameter.value(*z)).collect();
+        self.parts.iter().map(|part| part.values(&values)).collect()
+    }
+
+    /// The values at the start.
+    fn initial(&self) -> Vec<Vec<f64>> {
+        self.values(&vec![0.0; self.free.len()])
+    }
+
+    /// Index of the configuration of a test.
+    pub(super) fn part_of(&self, test: usize) -> usize {
+        let mut parts = self.parts.iter();
+        let found = parts.position(|part| part.tests.contains(&test));
+        found.expect("each test has its configuration")
     }
 
     pub(super) fn root_pairs(
         &self,
+        values: &[Vec<f64>],
+        pair: &PairOptions,
+    ) -> Result<Vec<RootPair>, UpdateError> {
+        let mut all = Vec::new();
+        for (c, (part, values)) in self.parts.iter().zip(values).enumerate() {
+            all.extend(self.root_pairs_of(c, part, values, pair)?);
+        }
+        Ok(all)
+    }
+
+    fn root_pairs_of(
+        &self,
+        configuration: usize,
+        part: &Part<'_>,
         values: &[f64],
         pair: &PairOptions,
     ) -> Result<Vec<RootPair>, UpdateError> {
-        let theory = self.theory(values)?;
+        if part.tests.is_empty() {
+            return Ok(Vec::new());
+        }
+        let theory = self.theory(part, values)?;
         let mut root_pairs = Vec::new();
-        for test in &self.tests {
-            root_pairs.extend(test.root_pairs(&theory.model, &self.targets, pair)?);
+        for test in &self.tests[part.tests.clone()] {
+            root_pairs.extend(test.root_pairs(
+                configuration,
+                &theory.model,
+                &self.targets,
+                pair,
+            )?);
         }
         let gate = self.start_gate().ln_1p();
         for root_pair in &mut root_pairs {
@@ -342,19 +431,21 @@ impl<'a> UpdateProblem<'a> {
         Ok(root_pairs)
     }
 
-    /// Modes of the model that can be partners of a target.
-    fn theory(&self, values: &[f64]) -> Result<TheoryModes, UpdateError> {
+    /// Modes of a model that can be partners of a target.
+    fn theory(&self, part: &Part<'_>, values: &[f64]) -> Result<TheoryModes, UpdateError> {
         let options = ModeOptions {
-            band: self.partner_band(),
+            band: self.partner_band(part),
             ..ModeOptions::default()
         };
-        Ok(modes(self.model, values, self.sensors, &options)?)
+        Ok(modes(part.model, values, part.sensors, &options)?)
     }
 
     /// Band from 0 to the highest frequency that a partner can have, in which the modes of a sparse
     /// model are computed. `None` without a target, and for an infinite frequency.
-    fn partner_band(&self) -> Option<Band> {
-        let highest = self.targets.iter().map(|target| target.hz).reduce(f64::max);
+    fn partner_band(&self, part: &Part<'_>) -> Option<Band> {
+        let targets = self.targets.iter();
+        let targets = targets.filter(|target| part.tests.contains(&target.test));
+        let highest = targets.map(|target| target.hz).reduce(f64::max);
         highest.and_then(|hz| Band::new(0.0, hz * (1.0 + self.start_gate())).ok())
     }
 
@@ -385,8 +476,7 @@ impl<'a> UpdateProblem<'a> {
     /// # Errors
     /// [`UpdateError::Linalg`].
     pub fn follow(&self, z: &[f64], from: &Evaluation) -> Result<Option<Evaluation>, UpdateError> {
-        let followed =
-            |modes: &_| follow(&from.root_pairs, &from.modes, &from.matrices.mass, modes);
+        let followed = |states: &[ModelState]| follow_all(from, states);
         match self.evaluate(z, followed) {
             Ok(found) => Ok(Some(found)),
             Err(UpdateError::Theory(
@@ -403,24 +493,30 @@ impl<'a> UpdateProblem<'a> {
     fn evaluate(
         &self,
         z: &[f64],
-        root_pairs: impl FnOnce(&crate::theory::TheoryModes) -> Vec<RootPair>,
+        root_pairs: impl FnOnce(&[ModelState]) -> Vec<RootPair>,
     ) -> Result<Evaluation, UpdateError> {
-        let values = self.values(z);
-        let matrices = self.model.assemble(&values)?;
-        let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
-        let root_pairs = without_unseen(root_pairs(&modes), &self.targets, &modes);
-        let root_pairs = with_whole_roots(root_pairs, &self.targets, &modes);
-        let mut residual = self.data_residuals(&matrices, &modes, &root_pairs)?;
+        let state = |(part, values): (&Part<'_>, Vec<f64>)| {
+            let matrices = part.model.assemble(&values)?;
+            let modes = modes_of_matrices(&matrices, &ModeOptions::default())?;
+            Ok(ModelState {
+                values,
+                modes,
+                matrices,
+            })
+        };
+        let states = self.parts.iter().zip(self.values(z)).map(state);
+        let states: Vec<ModelState> = states.collect::<Result<_, UpdateError>>()?;
+        let root_pairs = without_unseen(root_pairs(&states), &self.targets, &states);
+        let root_pairs = with_whole_roots(root_pairs, &self.targets, &states);
+        let mut residual = self.data_residuals(&states, &root_pairs)?;
         let data_rows = residual.len();
         residual.extend(z.iter().map(|z| self.prior_weight * z));
         Ok(Evaluation {
             z: z.to_vec(),
-            values,
             root_pairs,
-            modes,
+            states,
             residual,
             data_rows,
-            matrices,
         })
     }
 
@@ -452,7 +548,7 @@ impl<'a> UpdateProblem<'a> {
     pub(super) fn residuals<'b>(&'b self, at: &'b Evaluation) -> Vec<RootPairResidual<'b>> {
         let root_pairs = at.root_pairs.iter();
         let residuals =
-            root_pairs.map(|root_pair| RootPairResidual::new(root_pair, &self.targets, &at.modes));
+            root_pairs.map(|root_pair| RootPairResidual::new(root_pair, &self.targets, &at.states));
         residuals.collect()
     }
 
@@ -462,17 +558,23 @@ impl<'a> UpdateProblem<'a> {
         at: &Evaluation,
         residuals: &[RootPairResidual<'_>],
     ) -> Result<Vec<(Vec<ModeDerivatives>, f64)>, UpdateError> {
-        let roots: Vec<&[usize]> = residuals
+        let mut all: Vec<(Vec<ModeDerivatives>, f64)> = self
+            .free
             .iter()
-            .map(RootPairResidual::modes_of_root_pair)
+            .zip(&at.z)
+            .map(|(parameter, z)| (Vec::new(), parameter.slope(parameter.value(*z))))
             .collect();
-        let of = |parameter: &FreeParameter| {
-            let by = self.model.derivative(&at.values, parameter.index)?;
-            let slope = parameter.slope(at.values[parameter.index]);
-            Ok((mode_derivatives(&at.modes, &roots, &by)?, slope))
-        };
-        let all = self.free.iter().map(of);
-        let mut all = all.collect::<Result<Vec<_>, UpdateError>>()?;
+        for (c, state) in at.states.iter().enumerate() {
+            let pairs = at.root_pairs.iter().zip(residuals);
+            let roots = pairs.filter(|(root_pair, _)| root_pair.configuration == c);
+            let roots: Vec<&[usize]> = roots
+                .map(|(_, residual)| residual.modes_of_root_pair())
+                .collect();
+            let by = self.parts[c].derivatives(state)?;
+            for ((column, _), by) in all.iter_mut().zip(&by) {
+                column.extend(mode_derivatives(&state.modes, &roots, by)?);
+            }
+        }
         for (place, residual) in residuals.iter().enumerate() {
             let mut of_root_pair: Vec<(&mut ModeDerivatives, f64)> = all
                 .iter_mut()
@@ -487,7 +589,7 @@ impl<'a> UpdateProblem<'a> {
     pub fn fits(&self, at: &Evaluation) -> Vec<Option<(f64, Option<f64>)>> {
         let mut fits = vec![None; self.targets.len()];
         for root_pair in &at.root_pairs {
-            let residual = RootPairResidual::new(root_pair, &self.targets, &at.modes);
+            let residual = RootPairResidual::new(root_pair, &self.targets, &at.states);
             for (place, hz) in residual.frequencies_hz().into_iter().enumerate() {
                 fits[root_pair.targets[place]] = Some((hz, residual.mac(place)));
             }
@@ -506,16 +608,28 @@ fn others_of(target: usize, root_pairs: &[RootPair], targets: &[Target]) -> Vec<
         return Vec::new();
     };
     let meets = |root_pair: &&RootPair| {
-        root_pair
-            .modes
-            .iter()
-            .any(|mode| followed.modes.contains(mode))
+        let mut modes = root_pair.modes.iter();
+        root_pair.configuration == followed.configuration
+            && modes.any(|mode| followed.modes.contains(mode))
     };
     let mut others: Vec<usize> = root_pairs.iter().filter(meets).map(test).collect();
     others.retain(|&other| other != targets[target].test);
     others.sort_unstable();
     others.dedup();
     others
+}
+
+/// The root pairs of an evaluation after the modes of the models have changed, those of each
+/// configuration by its model.
+fn follow_all(from: &Evaluation, after: &[ModelState]) -> Vec<RootPair> {
+    let of_configuration = |(c, (before, after)): (usize, (&ModelState, &ModelState))| {
+        let pairs = from.root_pairs.iter();
+        let pairs = pairs.filter(|root_pair| root_pair.configuration == c);
+        let pairs: Vec<RootPair> = pairs.cloned().collect();
+        follow(&pairs, &before.modes, &before.matrices.mass, &after.modes)
+    };
+    let states = from.states.iter().zip(after).enumerate();
+    states.flat_map(of_configuration).collect()
 }
 
 /// The sensors that are named an odd number of times, in order.

@@ -367,7 +367,9 @@ fn of_a_sparse_model_all_roots_that_the_test_can_have_are_seen() {
         .map(|target| target.label.as_str())
         .collect();
     assert_eq!(labels, ["t f1", "t f2", "t f3"]);
-    let root_pairs = problem.root_pairs(&[1.0], &problem.options.pair).unwrap();
+    let root_pairs = problem
+        .root_pairs(&[vec![1.0]], &problem.options.pair)
+        .unwrap();
     let modes: Vec<&[usize]> = root_pairs
         .iter()
         .map(|root_pair| root_pair.modes.as_slice())

@@ -15,6 +15,7 @@
 use crate::linalg::{RealMatrix, real_matrix, right_singular_vectors, sort_ascending_by};
 use crate::theory::{ModeDerivatives, TheoryModes};
 
+use super::model_state::ModelState;
 use super::projection::{Projection, dot};
 use super::target_shapes::TargetShapes;
 use super::{RootPair, Target, UpdateError};
@@ -35,7 +36,8 @@ pub(super) struct RootPairResidual<'a> {
 }
 
 impl<'a> RootPairResidual<'a> {
-    pub fn new(root_pair: &RootPair, targets: &'a [Target], modes: &'a TheoryModes) -> Self {
+    pub fn new(root_pair: &RootPair, targets: &'a [Target], states: &'a [ModelState]) -> Self {
+        let modes = &states[root_pair.configuration].modes;
         let mut members = root_pair.modes.clone();
         sort_ascending_by(&mut members, |&member| modes.omega_rad_s[member]);
         let targets: Vec<&Target> = root_pair.targets.iter().map(|&t| &targets[t]).collect();

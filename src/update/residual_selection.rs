@@ -7,10 +7,11 @@ use std::sync::Arc;
 use crate::dof::Dof;
 use crate::frf::{FrfSet, Function};
 use crate::linalg::{RealMatrix, real_matrix};
-use crate::theory::{SystemDerivative, SystemMatrices, TheoryModes};
+use crate::theory::SystemDerivative;
 
 use super::dynamic::DynamicTarget;
 use super::frfs::{FrfSelection, FrfTarget};
+use super::model_state::ModelState;
 use super::residual::RootPairResidual;
 use super::{
     Evaluation, FrfCount, MeasuredModes, Residuals, RootPair, Target, UpdateError, UpdateOptions,
@@ -24,23 +25,25 @@ impl UpdateProblem<'_> {
     /// [`UpdateError::Theory`].
     pub(super) fn data_residuals(
         &self,
-        matrices: &SystemMatrices,
-        modes: &TheoryModes,
+        states: &[ModelState],
         root_pairs: &[RootPair],
     ) -> Result<Vec<f64>, UpdateError> {
         if self.compares_frfs {
-            let values = self.frfs.iter().flat_map(|set| set.values(matrices));
-            return Ok(values.collect());
+            let values = |set: &FrfTarget| set.values(&states[self.part_of(set.test)].matrices);
+            return Ok(self.frfs.iter().flat_map(values).collect());
         }
         if self.options.residuals == Residuals::ModalDynamic {
-            let condensation = modes.condensation.as_deref();
-            let of_target =
-                |(shapes, dynamic): DynamicPair<'_>| dynamic.values(shapes, matrices, condensation);
+            let of_target = |(test, shapes, dynamic): DynamicPair<'_>| {
+                let ModelState {
+                    modes, matrices, ..
+                } = &states[self.part_of(test)];
+                dynamic.values(shapes, matrices, modes.condensation.as_deref())
+            };
             let parts: Vec<Vec<f64>> = self.dynamic().map(of_target).collect::<Result<_, _>>()?;
             return Ok(parts.concat());
         }
         let of_root_pair =
-            |root_pair| RootPairResidual::new(root_pair, &self.targets, modes).values();
+            |root_pair| RootPairResidual::new(root_pair, &self.targets, states).values();
         let mut all: Vec<f64> = root_pairs.iter().flat_map(of_root_pair).collect();
         all.extend(self.unpaired(root_pairs).flat_map(unexplained));
         Ok(all)
@@ -54,17 +57,19 @@ impl UpdateProblem<'_> {
     pub fn jacobian(&self, at: &Evaluation) -> Result<RealMatrix, UpdateError> {
         let columns = if self.compares_frfs {
             let by = self.system_derivatives(at)?;
-            let parts = self.frfs.iter();
-            joined(
-                parts
-                    .map(|set| set.derivatives(&at.matrices, &by))
-                    .collect(),
-            )
+            let part = |set: &FrfTarget| {
+                let c = self.part_of(set.test);
+                set.derivatives(&at.states[c].matrices, &by[c])
+            };
+            joined(self.frfs.iter().map(part).collect())
         } else if self.options.residuals == Residuals::ModalDynamic {
             let by = self.system_derivatives(at)?;
-            let condensation = at.modes.condensation.as_deref();
-            let of_target = |(shapes, dynamic): DynamicPair<'_>| {
-                dynamic.derivatives(shapes, &at.matrices, condensation, &by)
+            let of_target = |(test, shapes, dynamic): DynamicPair<'_>| {
+                let c = self.part_of(test);
+                let ModelState {
+                    modes, matrices, ..
+                } = &at.states[c];
+                dynamic.derivatives(shapes, matrices, modes.condensation.as_deref(), &by[c])
             };
             let parts = self.dynamic().map(of_target);
             joined(parts.collect::<Result<_, UpdateError>>()?)
@@ -88,7 +93,7 @@ impl UpdateProblem<'_> {
         let n = self.free.len();
         let mut jacobian = real_matrix(data + n, n, |_, _| 0.0);
         for (j, (parameter, column)) in self.free.iter().zip(columns).enumerate() {
-            let value = at.values[parameter.index];
+            let value = parameter.value(at.z[j]);
             let slope = parameter.slope(value);
             for (row, by) in column.iter().enumerate() {
                 jacobian[(row, j)] = by * slope;
@@ -102,10 +107,40 @@ impl UpdateProblem<'_> {
         Ok(jacobian)
     }
 
-    fn system_derivatives(&self, at: &Evaluation) -> Result<Vec<SystemDerivative>, UpdateError> {
-        let by = self.free.iter();
-        let slopes = by.map(|parameter| Ok(self.model.derivative(&at.values, parameter.index)?));
-        slopes.collect()
+    /// Derivatives of the matrices of each configuration by each free parameter.
+    fn system_derivatives(
+        &self,
+        at: &Evaluation,
+    ) -> Result<Vec<Vec<SystemDerivative>>, UpdateError> {
+        let parts = self.parts.iter().zip(&at.states);
+        parts.map(|(part, state)| part.derivatives(state)).collect()
+    }
+
+    /// Index of the configuration of each residual of data.
+    pub(super) fn configurations_of_rows(&self, at: &Evaluation) -> Vec<usize> {
+        let repeated = |configuration: usize, count: usize| vec![configuration; count];
+        if self.compares_frfs {
+            let sets = self.frfs.iter();
+            let rows = sets.map(|set| repeated(self.part_of(set.test), set.len()));
+            return rows.collect::<Vec<_>>().concat();
+        }
+        if self.options.residuals == Residuals::ModalDynamic {
+            let rows = self
+                .dynamic()
+                .map(|(test, shapes, dynamic)| repeated(self.part_of(test), dynamic.len(shapes)));
+            return rows.collect::<Vec<_>>().concat();
+        }
+        let pairs = self.residuals(at);
+        let pairs = pairs
+            .iter()
+            .zip(&at.root_pairs)
+            .map(|(residual, root_pair)| {
+                repeated(root_pair.configuration, residual.values().len())
+            });
+        let unpaired = self.unpaired(&at.root_pairs);
+        let unpaired =
+            unpaired.map(|target| repeated(self.part_of(target.test), unexplained(target).count()));
+        pairs.chain(unpaired).collect::<Vec<_>>().concat()
     }
 
     /// Number of independent residuals of data.
@@ -119,7 +154,7 @@ impl UpdateProblem<'_> {
             return self.targets.iter().map(Target::independent_count).sum();
         }
         let root_pair = |root_pair| {
-            RootPairResidual::new(root_pair, &self.targets, &at.modes).independent_count()
+            RootPairResidual::new(root_pair, &self.targets, &at.states).independent_count()
         };
         let unpaired = self.unpaired(&at.root_pairs).map(Target::independent_count);
         at.root_pairs.iter().map(root_pair).sum::<usize>() + unpaired.sum::<usize>()
@@ -137,22 +172,26 @@ impl UpdateProblem<'_> {
 
     fn dynamic(&self) -> impl Iterator<Item = DynamicPair<'_>> {
         let targets = self.targets.iter();
-        targets.filter_map(|target| target.shapes.as_ref().zip(target.dynamic.as_ref()))
+        targets.filter_map(|target| {
+            Some((
+                target.test,
+                target.shapes.as_ref()?,
+                target.dynamic.as_ref()?,
+            ))
+        })
     }
 
-    /// Modal dynamic residuals of the targets, weighted at these root pairs.
-    pub(super) fn prepare_dynamic(
-        &mut self,
-        modes: &TheoryModes,
-        root_pairs: &[RootPair],
-    ) -> Result<(), UpdateError> {
+    /// Modal dynamic residuals of the targets, weighted at the start.
+    pub(super) fn prepare_dynamic(&mut self, start: &Evaluation) -> Result<(), UpdateError> {
         for (t, target) in self.targets.iter_mut().enumerate() {
-            let root_pair = root_pairs
+            let root_pair = start
+                .root_pairs
                 .iter()
                 .find(|root_pair| root_pair.targets.contains(&t));
             let (hz, std) = (target.hz, target.relative_std);
             let shaped = target.shapes.as_ref().zip(root_pair);
             target.dynamic = shaped.and_then(|(shapes, root_pair)| {
+                let modes = &start.states[root_pair.configuration].modes;
                 DynamicTarget::new(hz, std, shapes, modes, &root_pair.modes)
             });
             if target.dynamic.is_none() {
@@ -171,20 +210,23 @@ impl UpdateProblem<'_> {
         &mut self,
         measured: &[MeasuredModes<'_>],
     ) -> Result<(), UpdateError> {
-        let sensors = self.observation_rows()?;
         let mut all = Vec::new();
-        for (test, test_data) in measured.iter().enumerate() {
-            let selection = selection(&self.options, test_data);
-            let is_reversed = self.at_reversed_sensor(test, test_data.frfs);
-            for set in test_data.frfs {
-                self.frfs_given += set.len();
-                all.extend(FrfTarget::new(
-                    test,
-                    set,
-                    &sensors,
-                    &selection,
-                    &is_reversed,
-                )?);
+        for part in &self.parts {
+            let sensors = part.observation_rows()?;
+            for test in part.tests.clone() {
+                let test_data = &measured[test];
+                let selection = selection(&self.options, test_data);
+                let is_reversed = self.at_reversed_sensor(test, test_data.frfs);
+                for set in test_data.frfs {
+                    self.frfs_given += set.len();
+                    all.extend(FrfTarget::new(
+                        test,
+                        set,
+                        &sensors,
+                        &selection,
+                        &is_reversed,
+                    )?);
+                }
             }
         }
         if all.is_empty() {
@@ -226,7 +268,10 @@ impl UpdateProblem<'_> {
         let mut frfs = self.frfs.as_ref().clone();
         for set in &mut frfs {
             let ratios = self.damping_ratios(set.test, at)?;
-            set.set_damping(&at.matrices.mass, &at.modes, &ratios);
+            let ModelState {
+                modes, matrices, ..
+            } = &at.states[self.part_of(set.test)];
+            set.set_damping(&matrices.mass, modes, &ratios);
         }
         Ok(Self {
             frfs: Arc::new(frfs),
@@ -247,25 +292,28 @@ impl UpdateProblem<'_> {
             let count = known.len() as f64;
             (!known.is_empty()).then(|| known.iter().sum::<f64>() / count)
         };
-        let all = mean(
-            &mut at
-                .root_pairs
-                .iter()
-                .flat_map(|root_pair| &root_pair.targets),
-        );
+        let configuration = self.part_of(test);
+        let root_pairs = || {
+            let all = at.root_pairs.iter();
+            all.filter(|root_pair| root_pair.configuration == configuration)
+        };
+        let all = mean(&mut root_pairs().flat_map(|root_pair| &root_pair.targets));
         let all = all.ok_or(UpdateError::NoDamping { test })?;
         let of_mode = |r: usize| {
-            let root_pairs = at
-                .root_pairs
-                .iter()
-                .filter(|root_pair| root_pair.modes.contains(&r));
+            let root_pairs = root_pairs().filter(|root_pair| root_pair.modes.contains(&r));
             mean(&mut root_pairs.flat_map(|root_pair| &root_pair.targets)).unwrap_or(all)
         };
-        Ok((0..at.modes.omega_rad_s.len()).map(of_mode).collect())
+        let count = at.states[configuration].modes.omega_rad_s.len();
+        Ok((0..count).map(of_mode).collect())
     }
 }
 
-type DynamicPair<'a> = (&'a super::target_shapes::TargetShapes, &'a DynamicTarget);
+/// The test, the shapes and the residuals of a target.
+type DynamicPair<'a> = (
+    usize,
+    &'a super::target_shapes::TargetShapes,
+    &'a DynamicTarget,
+);
 
 /// The columns of several parts, one part below the other.
 fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {

@@ -327,3 +327,32 @@ fn a_mode_of_the_mount_is_left_out_where_the_update_fits_only_without_it() {
     assert_eq!(part.left_out[0].0, "t f3");
     assert!((part.parameters[0].updated / 120.0 - 1.0).abs() < 1e-3);
 }
+
+#[test]
+fn one_of_many_starts_at_the_lowest_optimum_identifies_nothing() {
+    let start = [100.0, 200.0, 300.0];
+    let model = chain(&start);
+    let test = measured(&model, &start, 1e-3, false);
+    let modes = [MeasuredModes::new("t", &test)];
+    // The first start is the truth; one iteration leads no other one there.
+    let result = |starts: usize| {
+        let options = UpdateOptions {
+            starts,
+            max_iterations: 1,
+            ..UpdateOptions::default()
+        };
+        let free = free(&["k1", "k2", "k3"]);
+        update(&UpdateProblem::new(&model, &start, &free, &modes, &[], options).unwrap()).unwrap()
+    };
+    let verdicts = |result: &UpdateResult| -> Vec<ParameterVerdict> {
+        let parameters = result.parameters.iter();
+        parameters.map(|parameter| parameter.verdict).collect()
+    };
+    let of_many = result(6);
+    assert_eq!((of_many.starts.count, of_many.starts.reached), (6, 1));
+    assert!(of_many.starts.is_scattered());
+    assert_eq!(verdicts(&of_many), [ParameterVerdict::NotSupported; 3]);
+    let of_few = result(4);
+    assert_eq!(of_few.starts.reached, 1);
+    assert_eq!(verdicts(&of_few), [ParameterVerdict::Identified; 3]);
+}

@@ -28,7 +28,7 @@ fn a_chain_gets_its_stiffnesses_back_from_every_start() {
         .expect("parameters of the model");
     let found = solve_from_starts(&problem).expect("every start is in bounds");
     assert!(found.best.stop_reason.converged());
-    for (got, truth) in found.best.at.values.iter().zip(truth) {
+    for (got, truth) in found.best.at.values().iter().zip(truth) {
         // The prior pulls by (deviation/prior)^2 of the distance: about (2e-4)^2.
         assert!((got / truth - 1.0).abs() < 1e-6, "{got} {truth}");
     }
@@ -90,9 +90,9 @@ fn a_parameter_stays_at_its_bound_when_the_test_pulls_beyond() {
         .expect("parameters of the model");
     let found = solve(&problem, &[0.0]).expect("the start is in bounds");
     assert!(
-        (found.at.values[0] - 125.0).abs() < 1e-9,
+        (found.at.values()[0] - 125.0).abs() < 1e-9,
         "{}",
-        found.at.values[0]
+        found.at.values()[0]
     );
     assert!(found.stop_reason.converged());
 }
@@ -123,7 +123,7 @@ fn crossing_roots_are_tracked_and_the_change_of_order_is_reported() {
     )
     .expect("parameters of the model");
     let found = solve(&problem, &[0.0]).expect("the start is in bounds");
-    let k_r = found.at.values[problem.free[0].index];
+    let k_r = found.at.values()[problem.free[0].index];
     assert!((k_r / 3.7e7 - 1.0).abs() < 1e-6, "{k_r}");
     assert!(found.pairing_changes.iter().any(|change| change.followed));
 }
@@ -162,7 +162,7 @@ fn the_masses_of_the_torsional_gear_follow_from_its_printed_frequencies() {
     let values: Vec<f64> = problem
         .free
         .iter()
-        .map(|parameter| found.best.at.values[parameter.index])
+        .map(|parameter| found.best.at.values()[parameter.index])
         .collect();
     // As an independent computation found them to 4 digits; the planets' 5.81 from 2088.00 printed
     // with 6.

@@ -90,10 +90,17 @@ pub enum ShapeWeights {
 }
 
 impl Target {
-    /// Sets the deviation of the residual, the model's floor shared by `tests` tests of the root.
-    pub(super) fn weigh(&mut self, floor: f64, tests: usize) -> Result<(), UpdateError> {
+    /// Sets the deviation of the residual from that of the test, the scatter between tests, and the
+    /// model's floor shared by `tests` tests of the root.
+    pub(super) fn weigh(
+        &mut self,
+        floor: f64,
+        scatter: f64,
+        tests: usize,
+    ) -> Result<(), UpdateError> {
         let stated = self.hz_std.unwrap_or(0.0) / self.hz;
-        self.relative_std = stated.hypot(floor * (tests as f64).sqrt());
+        let of_test = stated.hypot(scatter);
+        self.relative_std = of_test.hypot(floor * (tests as f64).sqrt());
         if self.relative_std.is_finite() && self.relative_std > 0.0 {
             return Ok(());
         }
@@ -271,7 +278,8 @@ pub(super) fn targets_of(
             shapes: None,
             dynamic: None,
         };
-        target.weigh(floor, 1)?;
+        // Scatter between tests, which is not known yet, may be the only uncertainty.
+        target.weigh(floor.max(f64::MIN_POSITIVE), 0.0, 1)?;
         Ok(target)
     };
     roots.map(target).collect()

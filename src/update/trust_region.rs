@@ -228,13 +228,11 @@ impl<'a, 'b> Run<'a, 'b> {
     }
 
     fn record(&mut self, radius: f64, accepted: bool) {
-        let free = self.problem.free.iter();
+        let free = self.problem.free.iter().zip(&self.at.z);
         self.history.push(Iteration {
             objective: self.at.objective(),
             chi_square: self.at.chi_square(),
-            values: free
-                .map(|parameter| self.at.values[parameter.index])
-                .collect(),
+            values: free.map(|(parameter, z)| parameter.value(*z)).collect(),
             radius,
             accepted,
         });

@@ -56,20 +56,20 @@ const FAMILIES: [Family; 9] = [
     Family::CoarseModel,
 ];
 
-const FREQUENCY_STD: f64 = 2e-4;
+pub const FREQUENCY_STD: f64 = 2e-4;
 const SHAPE_STD: f64 = 0.02;
 
 /// A chain of bodies; spring `i` joins body `i - 1` (or the ground) and body `i`, and the last one
 /// the last body and the ground, where it is there.
-struct Chain {
-    masses: Vec<f64>,
-    springs: Vec<f64>,
+pub struct Chain {
+    pub masses: Vec<f64>,
+    pub springs: Vec<f64>,
     /// Further springs between two bodies.
-    extra: Vec<(usize, usize, f64)>,
+    pub extra: Vec<(usize, usize, f64)>,
 }
 
 impl Chain {
-    fn model(&self) -> LumpedModel {
+    pub fn model(&self) -> LumpedModel {
         let n = self.masses.len();
         let point = |body: usize| format!("p-b{body}");
         let mut text = "schema = \"modalign-model/1\"\n".to_owned();

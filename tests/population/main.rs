@@ -5,6 +5,7 @@
 //! damaged files.
 
 mod close_pairs;
+mod configurations;
 mod deviations;
 mod efficiency;
 #[path = "../support/extended_precision.rs"]

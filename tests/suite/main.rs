@@ -8,6 +8,7 @@ mod changes;
 mod check_command;
 mod claimed_sizes;
 mod command;
+mod configurations;
 mod correlate_command;
 mod correlate_tables;
 mod cycloid_ball;

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::scene::SceneUpdate;
 use crate::theory::ParameterStatus;
 use crate::update::{
-    Alternative, Combination, Explanation, Fit, Iteration, ModelError, OtherOptimum, PairingChange,
-    ParameterVerdict, Residuals, ReversedSensors, ShapeWeights, Starts, StopReason, SubsetFit,
-    UnpredictedMode, UpdatedParameter,
+    Alternative, Combination, Contradiction, Contribution, Explanation, Fit, Iteration, ModelError,
+    OtherOptimum, PairingChange, ParameterVerdict, Residuals, ReversedSensors, Scatter,
+    ShapeWeights, Starts, StopReason, SubsetFit, UnpredictedMode, UpdatedParameter,
 };
 
 use super::comparison::{JsonError, parsed};
@@ -50,6 +50,15 @@ pub struct UpdateFile {
     /// Modes that the others do not predict.
     #[serde(default)]
     pub unpredicted: Vec<UnpredictedMode>,
+    /// What each configuration contributes; none where there is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub configurations: Vec<Contribution>,
+    /// The shared parameter that contradicts most between configurations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contradiction: Option<Contradiction>,
+    /// Scatter of the frequencies between tests of one configuration, where it was requested.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scatters: Vec<Scatter>,
     /// Other optima of about the same objective, with the values of the free parameters.
     #[serde(default)]
     pub alternatives: Vec<Alternative>,
@@ -77,6 +86,9 @@ fn of_modes() -> Residuals {
 pub struct UpdatedParameterFile {
     /// Name.
     pub name: String,
+    /// The only configuration that has it; none for a shared parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub configuration: Option<String>,
     /// Unit.
     pub unit: String,
     /// Source of the value in the model.
@@ -301,6 +313,9 @@ pub fn update_file(scene_update: &SceneUpdate) -> UpdateFile {
         fits: result.fits(),
         model_errors: result.model_errors.clone(),
         unpredicted: result.unpredicted.clone(),
+        configurations: result.contributions.clone(),
+        contradiction: result.contradiction.clone(),
+        scatters: result.scatters.clone(),
         alternatives: result.alternatives.clone(),
         left_out: left_out.collect(),
         reversed_sensors: result.reversed.clone(),
@@ -353,6 +368,7 @@ fn iteration(step: &Iteration) -> IterationFile {
 fn parameter(parameter: &UpdatedParameter) -> UpdatedParameterFile {
     UpdatedParameterFile {
         name: parameter.name.clone(),
+        configuration: parameter.configuration.clone(),
         unit: parameter.unit.clone(),
         status: parameter.status,
         initial: parameter.initial,

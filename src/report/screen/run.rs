@@ -146,7 +146,7 @@ fn verdict(result: &SceneResult) -> Vec<String> {
         table.and_then(common_error),
         table.and_then(|_| peaks_without_mode(&result.tests)),
         (!hits.is_empty()).then(|| hit_sentence(&hits)),
-        synthetic(&result.tests),
+        synthetic(result.tests.iter()),
         assumptions(&result.theory),
         unmoved_sensors(&result.theory),
     ];

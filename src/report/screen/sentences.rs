@@ -194,8 +194,9 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
 
 /// The tests whose recordings are synthetic, and the models that they were computed from; `None`
 /// without any.
-pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
-    let synthetic = tests.iter().filter(|test| test.is_synthetic());
+pub(super) fn synthetic<'a>(tests: impl Iterator<Item = &'a TestResult> + Clone) -> Option<String> {
+    let count = tests.clone().count();
+    let synthetic = tests.filter(|test| test.is_synthetic());
     let names: Vec<&str> = synthetic.clone().map(|test| test.name.as_str()).collect();
     let findings = synthetic.flat_map(|test| &test.modes.findings);
     let findings = findings.filter(|finding| finding.code == Code::Synthetic);
@@ -212,7 +213,7 @@ pub(super) fn synthetic(tests: &[TestResult]) -> Option<String> {
     let sources = format!("{}{changes}", models.join(" and "));
     match names.len() {
         0 => None,
-        all if all == tests.len() => Some(format!(
+        all if all == count => Some(format!(
             "The recordings are synthetic, not measured: computed from {sources}."
         )),
         _ => Some(format!(

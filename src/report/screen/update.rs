@@ -5,6 +5,9 @@ use crate::report::update::{
     alternatives_text, convergence_text, fit_before, fit_summary, misfit_footnote,
     parameter_verdict, reasons_without_support,
 };
+use crate::report::update_configurations::{
+    configurations_block, contradiction_text, scatter_text,
+};
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
 
@@ -35,6 +38,8 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         rows: result.parameters.iter().map(row).collect(),
         footnotes: [
             Some(misfit_footnote(result)),
+            contradiction_text(result),
+            scatter_text(result),
             reasons_without_support(result),
             alternatives_text(result),
         ]
@@ -49,12 +54,13 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         convergence_text(result),
     ];
     let mut blocks = vec![Block::Heading(title.to_owned())];
-    blocks.extend(sentences::synthetic(&scene_update.tests).map(Block::Text));
+    blocks.extend(sentences::synthetic(scene_update.all_tests()).map(Block::Text));
     blocks.push(Block::Table(fitted(
         parameters,
         &["unit", "change (%)"],
         width,
     )));
+    blocks.extend(configurations_block(result));
     blocks.push(Block::Text(fits.join("\n")));
     let proposed = scene_update.explanation.as_ref();
     blocks.extend(proposed.map(crate::report::update::proposal));
