@@ -39,6 +39,8 @@ const MIN_PART_LEFT: f64 = 1e-9;
 pub struct Contribution {
     /// Name of the configuration.
     pub configuration: String,
+    /// Its tests.
+    pub tests: Vec<String>,
     /// Number of its measured roots that are paired.
     pub paired: usize,
     /// Number of its residuals.
@@ -95,6 +97,10 @@ pub(super) fn contributions(
         let pairs = pairs.filter(|root_pair| root_pair.configuration == c);
         Ok(Contribution {
             configuration: part.name.clone(),
+            tests: problem.reversed[part.tests.clone()]
+                .iter()
+                .map(|reversed| reversed.test.clone())
+                .collect(),
             paired: pairs.map(|root_pair| root_pair.targets.len()).sum(),
             residuals: rows.len(),
             chi_square: rows.iter().map(|&row| at.residual[row].powi(2)).sum(),

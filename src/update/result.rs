@@ -31,9 +31,8 @@ const MAX_END_DIFFERENCE: f64 = 2.0 * MAX_OBJECTIVE_DIFFERENCE;
 const MIN_MODEL_ERROR_FREEDOM: f64 = 3.0;
 /// Fewest starts that ended from which the lowest optimum is expected to be reached twice.
 ///
-/// Larger (30): of the 20 starts of the cycloid ball transmission one ends at the lowest optimum,
-/// and a bearing is called identified that 120 starts show to be ambiguous. Smaller (2): an update
-/// from two starts, one of which ends elsewhere, identifies nothing. Test:
+/// Larger (7): an update from six starts, five of which end elsewhere, identifies all parameters.
+/// Smaller (2): one from two starts, one of which ends elsewhere, identifies none. Test:
 /// `one_of_many_starts_at_the_lowest_optimum_identifies_nothing`.
 const MIN_STARTS_TO_COMPARE: usize = 5;
 /// Number of fits to FRFs, each with the damping at the frequencies of the fit before.

@@ -85,7 +85,14 @@ pub(super) fn belongs_to_run(updated: &Value, figures: &Figures) -> bool {
                 .iter()
                 .any(|frequency| (frequency - hz).abs() <= MODEL_FREQUENCY_TOLERANCE * hz)
     };
-    rows.into_iter().flatten().all(|row| {
+    let others = tests_of_other_configurations(updated);
+    let is_other = |row: &Value| {
+        let label = row["label"].as_str().unwrap_or_default();
+        let test = label.rsplit_once(" f").map(|(test, _)| test);
+        test.is_some_and(|test| others.contains(&test))
+    };
+    let rows = rows.into_iter().flatten().filter(|row| !is_other(row));
+    rows.into_iter().all(|row| {
         if row["model_hz"].as_f64().is_some_and(|hz| !of_model(hz)) {
             return false;
         }
@@ -113,6 +120,46 @@ pub(super) fn belongs_to_run(updated: &Value, figures: &Figures) -> bool {
     })
 }
 
+/// Tests of the configurations that a run of the base does not have.
+fn tests_of_other_configurations(updated: &Value) -> Vec<&str> {
+    let configurations = updated["configurations"].as_array().into_iter().flatten();
+    let tests = configurations
+        .skip(1)
+        .filter_map(|configuration| configuration["tests"].as_array());
+    tests.flatten().filter_map(Value::as_str).collect()
+}
+
+/// What each configuration contributes to the update.
+fn contributions_table(updated: &Value, language: Language) -> Option<Block> {
+    let heading = |key: &str| {
+        let mut all = TEXTS.headings.iter();
+        let found = all.find(|(known, _)| *known == key);
+        found.map_or("", |(_, text)| text.in_language(language))
+    };
+    let configurations = updated["configurations"].as_array()?;
+    let row = |configuration: &Value| {
+        let count = |key: &str| Cell::number(configuration[key].as_f64(), 0);
+        vec![
+            configuration["configuration"]
+                .as_str()
+                .map_or(Cell::Missing, Cell::text),
+            count("paired"),
+            count("residuals"),
+            Cell::number(configuration["chi_square"].as_f64(), 1),
+        ]
+    };
+    let numbers = ["modes", "residual_count"].map(heading);
+    let numbers = numbers.into_iter().chain(["χ²"]).map(Column::number);
+    Some(Block::Table(Table {
+        caption: heading("contribution_of_configurations").to_owned(),
+        columns: std::iter::once(Column::text(heading("configuration")))
+            .chain(numbers)
+            .collect(),
+        rows: configurations.iter().map(row).collect(),
+        footnotes: Vec::new(),
+    }))
+}
+
 /// The verdict above the tables of the tab.
 pub(super) fn verdict_paragraph(updated: &Value, language: Language) -> String {
     let class = match has_failed(updated) {
@@ -130,7 +177,7 @@ pub(super) fn verdict_paragraph(updated: &Value, language: Language) -> String {
 pub(super) fn identifiability_tables(updated: &Value, language: Language) -> String {
     let texts = &TEXTS.page;
     let w = |text: &'static Text| text.in_language(language);
-    let mut blocks = Vec::new();
+    let mut blocks: Vec<Block> = contributions_table(updated, language).into_iter().collect();
     let combinations = updated["combinations"].as_array();
     let combinations = combinations.into_iter().flatten();
     let combinations: Vec<Vec<Cell>> = combinations
@@ -377,5 +424,13 @@ mod tests {
             belongs_to_run(&serde_json::json!({"before": {"rows": rows}}), &figures)
         };
         assert!(partner(11.0) && partner(30.0) && !partner(12.0));
+        let of_part = |tests: &str| {
+            let updated = serde_json::json!({
+                "before": {"rows": [{"label": "part f1", "test_hz": 10.0, "model_hz": 12.0}]},
+                "configurations": [{"tests": ["a f"]}, {"tests": [tests]}],
+            });
+            belongs_to_run(&updated, &figures)
+        };
+        assert!(of_part("part") && !of_part("other"));
     }
 }
