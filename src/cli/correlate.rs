@@ -18,8 +18,8 @@ use crate::io::modes_to_json;
 use crate::modal::ModalModel;
 use crate::report::{
     abridged, alignment_block, auto_mac_blocks, comparison_of_all_tests,
-    comparison_page_of_all_tests, comparison_screen, json, measures_blocks, orthogonality_blocks,
-    reversed_sensors_block, tables_with_values,
+    comparison_page_of_all_tests, comparison_screen, counts_block, json, measures_blocks,
+    orthogonality_blocks, reversed_sensors_block, tables_with_values,
 };
 use crate::scene::{
     LoadedModel, ModelKind, ModesOptions, NamedTest, SceneError, Theory, built_in_name_finding,
@@ -164,12 +164,11 @@ fn compare_with_theory(
     );
     let further = blocks[comparison_count..].to_vec();
     let screen = |width: usize| {
-        let mut table = comparison_screen(&comparison.table, width);
         if further.is_empty() {
-            return table;
+            return comparison_screen(&comparison.table, width);
         }
         // The requested measures have the room of the modes.
-        table.truncate(1);
+        let mut table = vec![counts_block(&comparison.table, width)];
         table.extend(tables_with_values(further.clone()));
         abridged(table, width)
     };

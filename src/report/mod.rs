@@ -15,6 +15,7 @@ mod frf;
 mod html;
 mod indicators;
 pub mod json;
+mod label_texts;
 mod language;
 mod latex;
 mod markdown;
@@ -85,9 +86,9 @@ pub use regression_check::regression_check_blocks;
 pub use response::response_blocks;
 pub use screen::{
     abridged, breakdown_screen, comparison_page, comparison_page_of_all_tests, comparison_screen,
-    hits_screen, modes_page, modes_screen, next_step, order_screen, regression_check_screen,
-    roots_screen, run_screen, speed_accuracy_screen, step_after_update, step_to_check,
-    tables_with_values, update_screen, without_whole_shares,
+    counts_block, hits_screen, modes_page, modes_screen, next_step, order_screen,
+    regression_check_screen, roots_screen, run_screen, speed_accuracy_screen, step_after_update,
+    step_to_check, tables_with_values, update_screen, without_whole_shares,
 };
 pub use speed_accuracy::{speed_accuracy_blocks, speed_accuracy_table, times_table};
 pub use stabilization::stabilization_block;

@@ -240,7 +240,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
         "The recordings are synthetic, not measured: computed from cycloid-ball with changes",
         "Warning: The supports of test and model differ: large cylinder, small cylinder, centre",
         "(above-valid-band, close-modes).",
-        "Not reproduced: 14 single roots, counted in Table 2: printed 14, here 13; 11 more (--full).",
+        "- 14 single roots, counted in Table 2: printed 14, here 13",
         "3 parameters (trochoid_ratio, ball_phase, pin_phase)",
         "~: paired by frequency alone. ?: ambiguous.",
         "f9, centre disc face: from housing.3:+S to output.3:+Y its peak would stand 76.8 dB",
@@ -258,6 +258,20 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     );
     assert!(row(" f6 (4-fold) ").contains("-5.470 ~"), "{}", row(" f6 "));
     assert!(row(" f13 ").contains("-5.482 ~!"), "{}", row(" f13 "));
+    // Every mode has one row, with the tests side by side.
+    for mode in 2..=17 {
+        let rows = screen.lines();
+        let rows = rows.filter(|line| line.starts_with(&format!(" f{mode} ")));
+        assert_eq!(rows.count(), 1, "f{mode} in\n{screen}");
+    }
+    let closing = ["11/12", "10/12", "7/12", "14/16", "15/15"];
+    let counts: Vec<&str> = row(" paired ").split_whitespace().skip(1).collect();
+    assert_eq!(counts, closing, "{screen}");
+    let errors: Vec<&str> = row(" rms, min MAC ").split_whitespace().skip(3).collect();
+    assert_eq!(
+        errors,
+        ["4.647", "3.255", "4.992", "1.051", "0.994", "1.050", "0.987"]
+    );
     // What changes the verdict comes first.
     assert!(
         findings.starts_with("warning: 3× The supports of test and model differ"),

@@ -24,14 +24,22 @@ const NAME_WIDTH: usize = 10;
 /// Counts and errors of every test; the modes with their errors, MAC and verdicts; and why a mode
 /// is unmatched or ambiguous.
 pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
-    let mut blocks = comparison_tables(table, width, MAX_ROWS, usize::MAX);
+    let mut blocks = Vec::new();
+    blocks.extend((table.summary.len() == 1).then(|| counts_block(table, width)));
+    blocks.extend(comparison_tables(table, width, MAX_ROWS, usize::MAX));
     blocks.extend(empty_band_block(table));
     let reasons = reasons(table);
     blocks.extend((!reasons.is_empty()).then(|| Block::Text(reasons.join("\n"))));
     blocks
 }
 
-/// Counts and errors of every test, and the modes, at most so many and of so many tests.
+/// Counts and errors of every test.
+pub fn counts_block(table: &ComparisonTable, width: usize) -> Block {
+    Block::Table(counts_table(table, width))
+}
+
+/// The modes, at most so many and of so many tests, several tests with the counts and errors of
+/// each as closing rows; those of every test in a table where tests are omitted.
 pub(super) fn comparison_tables(
     table: &ComparisonTable,
     width: usize,
@@ -46,7 +54,8 @@ pub(super) fn comparison_tables(
         tests.sort_by(|a, b| size(b).total_cmp(&size(a)));
         tests.truncate(most_tests);
     }
-    let mut blocks = vec![Block::Table(counts_table(table, width))];
+    let mut blocks = Vec::new();
+    blocks.extend((omitted > 0).then(|| counts_block(table, width)));
     blocks.extend(no_pair_block(table));
     let form = Form::Screen;
     let tables = ModeTables {
@@ -112,7 +121,7 @@ pub(super) fn counts_table(table: &ComparisonTable, width: usize) -> Table {
         "lowest\nMAC",
     ];
     let row = |summary: &TestSummary| {
-        let in_band = summary.paired + summary.ambiguous + summary.missed + summary.not_observable;
+        let in_band = modes_in_band(summary);
         let largest = largest_error(table, &summary.test);
         let mut cells = vec![Cell::text(wrapped(
             &summary.test,
@@ -165,6 +174,11 @@ pub(super) fn counts_table(table: &ComparisonTable, width: usize) -> Table {
     fitted(table, &omissible, width)
 }
 
+/// Number of model modes in the band of a test.
+pub(super) fn modes_in_band(summary: &TestSummary) -> usize {
+    summary.paired + summary.ambiguous + summary.missed + summary.not_observable
+}
+
 /// The largest error of a test, percent, with the label of its mode.
 fn largest_error<'a>(table: &'a ComparisonTable, test: &str) -> Option<(&'a str, f64)> {
     let error = |row: &'a Row| {
@@ -197,9 +211,13 @@ impl ModeTables<'_> {
     /// One table of all tests with as many columns of each as fit; where the errors alone do not
     /// fit, tables of fewer tests.
     pub(super) fn of(&self, tests: &[&str]) -> Vec<Table> {
-        if let [test] = tests {
-            return vec![self.of_one(test)];
+        match tests {
+            [test] => vec![self.of_one(test)],
+            _ => self.of_several(tests),
         }
+    }
+
+    fn of_several(&self, tests: &[&str]) -> Vec<Table> {
         let details = [
             &[Detail::Frequency, Detail::Error, Detail::Mac][..],
             &[Detail::Error, Detail::Mac],
@@ -207,7 +225,7 @@ impl ModeTables<'_> {
         ];
         let fits = |details: &&[Detail]| {
             let table = self.side_by_side(tests, details, Form::Screen);
-            table_width(&table) <= self.width
+            tests.len() == 1 || table_width(&table) <= self.width
         };
         details.into_iter().find(fits).map_or_else(
             || {
@@ -215,7 +233,7 @@ impl ModeTables<'_> {
                 let halves = [left, right].into_iter();
                 halves
                     .filter(|half| !half.is_empty())
-                    .flat_map(|half| self.of(half))
+                    .flat_map(|half| self.of_several(half))
                     .collect()
             },
             |details| vec![self.side_by_side(tests, details, self.form)],
@@ -285,7 +303,13 @@ impl ModeTables<'_> {
 
     fn side_by_side(&self, tests: &[&str], details: &[Detail], form: Form) -> Table {
         let (shown, omitted) = self.rows(tests);
-        let mut columns = vec![Column::text("mode"), Column::number("theory (Hz)")];
+        let theory_head = match form {
+            Form::Screen => "theory\n(Hz)",
+            Form::Page => "theory (Hz)",
+        };
+        let mut columns = vec![Column::text("mode"), Column::number(theory_head)];
+        let has_mac = details.contains(&Detail::Mac) && has_macs(&shown, tests);
+        let mut closing = closing_labels(has_mac, form);
         let mut rows: Vec<Vec<Cell>> = shown
             .iter()
             .map(|row| {
@@ -319,8 +343,14 @@ impl ModeTables<'_> {
                 for (row, cell) in rows.iter_mut().zip(&cells) {
                     row.push(cell.map_or(Cell::Missing, |cell| detail.cell(cell, mark_width)));
                 }
+                let summary = self.table.summary.iter().find(|s| s.test == *test);
+                let values = summary.map(|summary| detail.closing(summary, mark_width));
+                for (row, value) in closing.iter_mut().zip(values.into_iter().flatten()) {
+                    row.push(value);
+                }
             }
         }
+        rows.extend(closing);
         let cells = shown.iter().flat_map(|row| &row.tests);
         let cells: Vec<&TestCell> = cells.filter(|cell| tests.contains(&&*cell.test)).collect();
         let marks = MARKS
@@ -389,6 +419,27 @@ fn importance(cell: &TestCell) -> f64 {
     }
 }
 
+/// Whether a row has a MAC of one of the tests.
+fn has_macs(rows: &[&Row], tests: &[&str]) -> bool {
+    let mut cells = rows.iter().flat_map(|row| &row.tests);
+    cells.any(|cell| tests.contains(&&*cell.test) && cell.mac.is_some())
+}
+
+/// The labels of the closing rows with a blank below the frequency of the model: pairs of modes in
+/// the band, and rms error with the smallest MAC. Pages have them in the table of counts.
+fn closing_labels(has_mac: bool, form: Form) -> Vec<Vec<Cell>> {
+    let errors = match has_mac {
+        true => "rms, min MAC",
+        false => "rms error",
+    };
+    let labels = match form {
+        Form::Screen => &["paired", errors][..],
+        Form::Page => &[],
+    };
+    let row = |label: &&str| vec![Cell::text(*label), Cell::text("")];
+    labels.iter().map(row).collect()
+}
+
 /// What a table of several tests holds of each.
 #[derive(Clone, Copy, PartialEq)]
 enum Detail {
@@ -412,6 +463,25 @@ impl Detail {
             Detail::Frequency => Cell::measured(cell.hz, cell.hz_std),
             Detail::Error => Cell::text(marked_error(cell, mark_width)),
             Detail::Mac => Cell::mac(cell.mac, MAC_DECIMALS),
+        }
+    }
+
+    /// The values of the closing rows: counts, then errors.
+    fn closing(self, summary: &TestSummary, mark_width: usize) -> [Cell; 2] {
+        let blank = || Cell::text("");
+        // Below the errors, behind which the marks stand.
+        let aligned = |text: String| match mark_width {
+            0 => Cell::text(text),
+            _ => Cell::text(format!("{text} {:mark_width$}", "")),
+        };
+        match self {
+            Detail::Frequency => [blank(), blank()],
+            Detail::Error => {
+                let rms = Cell::number(summary.rms_error_percent, 3).display();
+                let paired = format!("{}/{}", summary.paired, modes_in_band(summary));
+                [aligned(paired), aligned(rms)]
+            }
+            Detail::Mac => [blank(), Cell::mac(summary.min_mac, MAC_DECIMALS)],
         }
     }
 }

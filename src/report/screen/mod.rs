@@ -26,7 +26,7 @@ use crate::printable::counted;
 
 pub use abridged::{abridged, tables_with_values, without_whole_shares};
 pub(super) use abridged::{omissible_column, omitted_columns};
-pub use comparison::comparison_screen;
+pub use comparison::{comparison_screen, counts_block};
 pub use hits::hits_screen;
 pub use modes::{modes_screen, roots_screen};
 pub use next_step::{next_step, step_after_update, step_to_check};
