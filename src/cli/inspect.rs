@@ -467,7 +467,9 @@ fn mode_table(modes: &[ModeEntry]) -> Table {
         let mode = &entry.mode;
         let points: BTreeSet<&str> = mode.shape.iter().map(|(dof, _)| dof.point()).collect();
         let number = |value: Option<f64>| {
-            value.map_or(Cell::Missing, |value| Cell::text(round(value).to_string()))
+            let text = value.map(|value| round(value).to_string());
+            let decimals = text.and_then(|text| Some(text.split_once('.')?.1.len()));
+            Cell::number(value, decimals.unwrap_or(0))
         };
         vec![
             Cell::text((index + 1).to_string()),
@@ -579,8 +581,8 @@ fn stored_name(format: SampleFormat) -> &'static str {
 fn axis_text(axis: EntryAxis) -> String {
     match axis {
         EntryAxis::Time(axis) => format!(
-            "{:.6} s at {} Hz",
-            axis.duration_s(),
+            "{} s at {} Hz",
+            round(axis.duration_s()),
             round(axis.sampling_rate_hz())
         ),
         EntryAxis::Frequency(axis) => format!(

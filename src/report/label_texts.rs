@@ -93,6 +93,7 @@ pub(super) static LABELS: &[(&str, &Group)] = &[
             max_error: "max |error|", "最大 |误差|";
             mean_error: "mean |error|", "平均 |误差|";
             rms_error: "rms error", "均方根误差";
+            rigid_body: "rigid body", "刚体";
             repeated_root: "{} ({}-fold)", "{} ({} 重)";
             paired: "paired", "已配对";
             rms_and_mac: "rms, min MAC", "均方根，最小 MAC";
@@ -106,6 +107,76 @@ pub(super) static LABELS: &[(&str, &Group)] = &[
             near: "near", "邻近";
             not_observable: "not obs.", "不可观测";
             test_only: "test only", "仅试验";
+        },
+    ),
+    (
+        "event",
+        group! {
+            crossing: "crossing", "交叉";
+            veering: "veering", "转向";
+        },
+    ),
+    (
+        "target",
+        group! {
+            met: "met", "达到";
+            not_met: "not met", "未达到";
+        },
+    ),
+    (
+        "proposal",
+        group! {
+            combination: "combination", "组合";
+            alone: "{} alone", "仅 {}";
+        },
+    ),
+    (
+        "meaning",
+        group! {
+            deflection_at_sun: "deflection of the mesh of sun and planet 1", "太阳轮与行星轮 1 的啮合变形";
+            deflection_at_ring: "deflection of the mesh of ring and planet 1", "齿圈与行星轮 1 的啮合变形";
+            sharing_at_sun: "load sharing of planet 1 at the sun, 4 k δ / sum of k δ", "行星轮 1 在太阳轮处的载荷分配，4 k δ / Σ k δ";
+            sharing_at_ring: "load sharing of planet 1 at the ring", "行星轮 1 在齿圈处的载荷分配";
+        },
+    ),
+    (
+        "detail",
+        group! {
+            constant_angle: "constant angle", "恒定压力角";
+            angle_as_printed: "varying angle as printed", "变压力角 (按原文)";
+            exact_angle: "varying angle, exact", "变压力角 (精确)";
+        },
+    ),
+    (
+        "simplest_model_head",
+        group! {
+            constant_angle: "constant angle", "恒定压力角";
+            angle_as_printed: "varying angle as printed", "变压力角 (按原文)";
+            exact_angle: "varying angle, exact", "变压力角 (精确)";
+        },
+    ),
+    (
+        "what",
+        group! {
+            frequency_change: "frequency change (%)", "频率变化 (%)";
+            damping_change: "damping change (%)", "阻尼比变化 (%)";
+            frequency_std_change_factor: "frequency std change (factor)", "频率标准差之比";
+            hz_std_change_factor: "hz_std change (factor)", "频率标准差之比";
+            damping_std_change_factor: "damping std change (factor)", "阻尼比标准差之比";
+            frequency_change_of_the_test: "frequency change of the test (%)", "试验频率变化 (%)";
+            frequency_change_of_the_model: "frequency change of the model (%)", "模型频率变化 (%)";
+            value_change: "value change (%)", "数值变化 (%)";
+            std_change_factor: "std change (factor)", "标准差之比";
+            reduced_chi_square_change_factor: "reduced chi-square change (factor)", "每自由度卡方之比";
+            status_changed: "status changed", "状态改变";
+            in_the_baseline: "in the baseline", "在基线中";
+            verdict_changed: "verdict changed", "结论改变";
+            unit_initial_value_prior_or_bounds_changed: "unit, initial value, prior or bounds changed", "单位、初值、先验或界限改变";
+            stop_reason_changed: "stop reason changed", "停止原因改变";
+            assumptions_changed: "assumptions changed", "假定改变";
+            kind_of_residuals_changed: "kind of residuals changed", "残差种类改变";
+            change_of_paired_modes: "change of paired modes", "配对模态数的变化";
+            change_of_degrees_of_freedom: "change of degrees of freedom", "自由度的变化";
         },
     ),
 ];

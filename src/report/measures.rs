@@ -338,11 +338,12 @@ pub(super) fn matrix_table(
     let mut heads = vec![Column::number("mode"), Column::number("f (Hz)")];
     heads.extend(kept.iter().map(|&j| {
         let mode = columns[j];
-        Column::number(format!("{}\n{:.2}", mode.mode, mode.hz))
+        let hz = Cell::measured(Some(mode.hz), None).display();
+        Column::number(format!("{}\n{hz}", mode.mode))
     }));
     let row = |(mode, values): (&ModeName, &Vec<Option<f64>>)| {
-        let mut cells = vec![name_cell(mode), Cell::number(Some(mode.hz), 2)];
-        cells.extend(kept.iter().map(|&j| Cell::number(values[j], 4)));
+        let mut cells = vec![name_cell(mode), Cell::measured(Some(mode.hz), None)];
+        cells.extend(kept.iter().map(|&j| Cell::mac(values[j], 4)));
         cells
     };
     let left_out = columns.len() - kept.len();

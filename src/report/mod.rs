@@ -30,6 +30,7 @@ mod published;
 mod regression_check;
 mod response;
 mod screen;
+mod screen_texts;
 mod speed_accuracy;
 mod stabilization;
 mod states;
@@ -76,8 +77,8 @@ pub use order::{order_blocks, order_table};
 pub use placement::placement_blocks;
 pub use plot::{
     breakdown_svg, details_svg, energies_svg, figure_files, figures_svg, order_figures,
-    png_lacks_letters, response_svg, speed_accuracy_figures, stability_svg, sweeps_svg,
-    update_figures_svg,
+    png_lacks_letters, response_svg, speed_accuracy_figures, stability_svg,
+    sweeps_svg, update_figures_svg,
 };
 pub use published::{
     claims_block, published_comparison_block, published_roots_block, quantities_block,

@@ -274,7 +274,12 @@ pub fn sensitivities_block(
     let elastic = roots.iter().filter(|root| root.omega_rad_s > 0.0);
     let shown: Vec<&RootSensitivity> = elastic.filter(inside).collect();
     let mut columns = vec![Column::text("parameter")];
-    let head = |root: &&RootSensitivity| Column::number(format!("{:.4} Hz", hz(root)));
+    let head = |root: &&RootSensitivity| {
+        Column::number(format!(
+            "{} Hz",
+            Cell::measured(Some(hz(root)), None).display()
+        ))
+    };
     columns.extend(shown.iter().map(head));
     let row = |(j, (spec, value)): (usize, &(ParameterSpec, f64))| {
         let cell = |root: &&RootSensitivity| {

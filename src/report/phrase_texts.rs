@@ -66,8 +66,20 @@ pub(super) static PHRASES: &[Text] = &[
         "其中 [update] 的 band_hz 之外的模态计入",
     ),
     text("repeated roots count once there", "其中重根计一次"),
-    text("another, of", "另一最优点，为"),
-    text("{} others, the lowest of", "其他 {} 个最优点，最低为"),
+    text("{} reach another, of {}", "{} 个到达另一最优点，为 {}"),
+    text(
+        "{} reach {} others, the lowest of {}",
+        "{} 个到达其他 {} 个最优点，最低为 {}",
+    ),
+    text(
+        "from {} the model had no modes or no derivatives",
+        "自 {} 个起点模型无模态或无导数",
+    ),
+    text("no change", "不改变"),
+    text(
+        "no change besides the parameters that are always free",
+        "除始终自由的参数外不改变",
+    ),
     text("of frequencies {} (noise: {})", "频率 {} (仅噪声 {})"),
     text("of shapes {} (noise: {})", "振型 {} (仅噪声 {})"),
     text(
@@ -125,6 +137,11 @@ pub(super) static PHRASES: &[Text] = &[
     text("{} ambiguous", "{} 个不明确"),
     text("{} not observable", "{} 个不可观测"),
     text("unmatched: {}", "未配对：{}"),
+    text("not observable at the points: {}", "在各测点不可观测：{}"),
+    text(
+        "unmatched, observability unknown: {}",
+        "未配对，可观测性未知：{}",
+    ),
     text("test modes without partner: {}", "无配对的试验模态：{}"),
     text("{} statements and {}", "{} 条陈述与 {}"),
     text("{} statements", "{} 条陈述"),
@@ -149,6 +166,229 @@ pub(super) static PHRASES: &[Text] = &[
         "单项修改见 [update] 中 explain = true",
     ),
     text("the single changes: --full", "单项修改见 --full"),
+    text("{} responses", "{} 个响应"),
+    text("{} response", "{} 个响应"),
+    text("{} excitation points", "{} 个激励点"),
+    text("{} excitation point", "{} 个激励点"),
+    text("{} averages", "{} 次平均"),
+    text("{} average", "{} 次平均"),
+    text("{} lines", "{} 条谱线"),
+    text("{} line", "{} 条谱线"),
+    text("{} hits", "{} 次锤击"),
+    text("{} hit", "{} 次锤击"),
+    text("{} FRFs", "{} 个频响函数"),
+    text("{} FRF", "{} 个频响函数"),
+    text("{} rows", "{} 行"),
+    text("{} row", "{} 行"),
+    text("{} checks", "{} 项检查"),
+    text("{} check", "{} 项检查"),
+    text("{} sensors", "{} 个传感器"),
+    text("{} sensor", "{} 个传感器"),
+    text("{} points", "{} 点"),
+    text("{} point", "{} 点"),
+    text("{} nodes", "{} 个节点"),
+    text("{} node", "{} 个节点"),
+    text("{} trace lines", "{} 条连线"),
+    text("{} trace line", "{} 条连线"),
+    text("{} elements", "{} 个单元"),
+    text("{} element", "{} 个单元"),
+    text("{} coordinate systems", "{} 个坐标系"),
+    text("{} coordinate system", "{} 个坐标系"),
+    text("{} groups", "{} 个组"),
+    text("{} group", "{} 个组"),
+    text("{} modes", "{} 阶模态"),
+    text("{} mode", "{} 阶模态"),
+    text("{} arrays", "{} 个数组"),
+    text("{} array", "{} 个数组"),
+    text("{} damaged parts", "{} 处损坏"),
+    text("{} damaged part", "{} 处损坏"),
+    text("{} to {} averages", "{} 至 {} 次平均"),
+    text("free motion", "自由运动"),
+    text("time: {}", "时间记录：{}"),
+    text("FRF: {}", "频响函数：{}"),
+    text("coherence: {}", "相干：{}"),
+    text("multiple coherence: {}", "多重相干：{}"),
+    text("variance: {}", "方差：{}"),
+    text("{} good hits of {}", "合格锤击 {} / {}"),
+    text("{} good hit of {}", "合格锤击 {} / {}"),
+    text("rejected by the user in hit {}", "第 {} 次锤击由用户剔除"),
+    text("best hits {}", "最好的锤击 {}"),
+    text(
+        "std of the FRF at {} Hz {} %",
+        "频响函数在 {} Hz 处的标准差 {} %",
+    ),
+    text("with {} more {} %", "再加 {} 次则 {} %"),
+    text(
+        "hammer force in hit {} {} dB against the others (limit at least {} dB)",
+        "第 {} 次锤击的力与其他相差 {} dB (限值：至少 {} dB)",
+    ),
+    text(
+        "coherence {} at {} Hz (limit at least {})",
+        "相干 {}，位于 {} Hz (限值：至少 {})",
+    ),
+    text(
+        "coherence of {} {} at {} Hz (limit at least {})",
+        "{} 的相干 {}，位于 {} Hz (限值：至少 {})",
+    ),
+    text(
+        "overload of {} in hit {}: {} samples clipped (limit below {})",
+        "{} 过载 (第 {} 次锤击)：削波 {} 个样本 (限值：少于 {})",
+    ),
+    text(
+        "overload in hit {}: {} samples clipped (limit below {})",
+        "过载 (第 {} 次锤击)：削波 {} 个样本 (限值：少于 {})",
+    ),
+    text(
+        "response of {} not decayed in hit {}: {} % at the end (limit at most {} %)",
+        "{} 的响应未衰减 (第 {} 次锤击)：末端 {} % (限值：至多 {} %)",
+    ),
+    text(
+        "double hit in hit {}: {} (limit {})",
+        "双击 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "double hit of {} in hit {}: {} (limit {})",
+        "{} 的双击 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text("double hit in hit {}", "双击 (第 {} 次锤击)"),
+    text(
+        "peak force over the median in hit {}: {} (limit {})",
+        "峰值力与中位数之比 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "peak force over the median of {} in hit {}: {} (limit {})",
+        "{} 的峰值力与中位数之比 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "peak force over the median in hit {}",
+        "峰值力与中位数之比 (第 {} 次锤击)",
+    ),
+    text(
+        "vibration before the hit in hit {}: {} (limit {})",
+        "锤击前的振动 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "vibration before the hit of {} in hit {}: {} (limit {})",
+        "{} 的锤击前的振动 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "vibration before the hit in hit {}",
+        "锤击前的振动 (第 {} 次锤击)",
+    ),
+    text(
+        "no signal in hit {}: {} (limit {})",
+        "无信号 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "no signal of {} in hit {}: {} (limit {})",
+        "{} 的无信号 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text("no signal in hit {}", "无信号 (第 {} 次锤击)"),
+    text(
+        "FRF unlike the other hits in hit {}: {} (limit {})",
+        "频响函数与其他锤击不一致 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "FRF unlike the other hits of {} in hit {}: {} (limit {})",
+        "{} 的频响函数与其他锤击不一致 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "FRF unlike the other hits in hit {}",
+        "频响函数与其他锤击不一致 (第 {} 次锤击)",
+    ),
+    text(
+        "roll-off of the force in hit {}: {} (limit {})",
+        "力谱滚降 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "roll-off of the force of {} in hit {}: {} (limit {})",
+        "{} 的力谱滚降 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text("roll-off of the force in hit {}", "力谱滚降 (第 {} 次锤击)"),
+    text(
+        "negative force in hit {}: {} (limit {})",
+        "力为负 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "negative force of {} in hit {}: {} (limit {})",
+        "{} 的力为负 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text("negative force in hit {}", "力为负 (第 {} 次锤击)"),
+    text(
+        "offset or drift in hit {}: {} (limit {})",
+        "偏置或漂移 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text(
+        "offset or drift of {} in hit {}: {} (limit {})",
+        "{} 的偏置或漂移 (第 {} 次锤击)：{} (限值 {})",
+    ),
+    text("offset or drift in hit {}", "偏置或漂移 (第 {} 次锤击)"),
+    text(
+        "[x, y, z] in metres, without quotes",
+        "[x, y, z]，单位米，不加引号",
+    ),
+    text(
+        "samples per second, a number without quotes",
+        "每秒采样数，不加引号的数",
+    ),
+    text(
+        "with `scale` where a calibration is missing",
+        "缺少标定时加 `scale`",
+    ),
+    text(
+        "the hit point with its direction, such as 1:+Z",
+        "锤击点及其方向，如 1:+Z",
+    ),
+    text(
+        "the sensor with its direction, such as 1:+Z",
+        "传感器及其方向，如 1:+Z",
+    ),
+    text("{} and {} more", "{} 等另 {} 个"),
+    text("smallest MAC {} (at least {})", "最小 MAC {} (至少 {})"),
+    text(
+        "largest |frequency error| (%) {} (at most {})",
+        "最大频率误差 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: frequency change (%) {} (at most {})",
+        "{}：频率变化 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: damping change (%) {} (at most {})",
+        "{}：阻尼比变化 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: frequency std change (factor) {} (at most {})",
+        "{}：频率标准差之比 {} (至多 {})",
+    ),
+    text(
+        "{}: hz_std change (factor) {} (at most {})",
+        "{}：频率标准差之比 {} (至多 {})",
+    ),
+    text(
+        "{}: damping std change (factor) {} (at most {})",
+        "{}：阻尼比标准差之比 {} (至多 {})",
+    ),
+    text(
+        "{}: frequency change of the test (%) {} (at most {})",
+        "{}：试验频率变化 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: frequency change of the model (%) {} (at most {})",
+        "{}：模型频率变化 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: value change (%) {} (at most {})",
+        "{}：数值变化 (%) {} (至多 {})",
+    ),
+    text(
+        "{}: std change (factor) {} (at most {})",
+        "{}：标准差之比 {} (至多 {})",
+    ),
+    text(
+        "{}: reduced chi-square change (factor) {} (at most {})",
+        "{}：每自由度卡方之比 {} (至多 {})",
+    ),
 ];
 
 /// The phrases whose values are words.
@@ -169,6 +409,21 @@ pub(super) static WORDS: &[Text] = &[
     text("suspended", "悬挂"),
     text("fixed", "固定"),
     text("mounted", "安装"),
+];
+
+/// Kinds of records and functions, and quantities.
+pub(super) static KINDS: &[Text] = &[
+    text("time", "时间记录"),
+    text("FRF", "频响函数"),
+    text("coherence", "相干"),
+    text("multiple coherence", "多重相干"),
+    text("variance", "方差"),
+    text("auto spectrum", "自谱"),
+    text("cross spectrum", "互谱"),
+    text("force", "力"),
+    text("acceleration", "加速度"),
+    text("velocity", "速度"),
+    text("displacement", "位移"),
 ];
 
 const fn text(english: &'static str, chinese: &'static str) -> Text {

@@ -46,6 +46,10 @@ const MAX_STD_DECIMALS: i32 = 9;
 const FINEST_RELATIVE_DIGIT: f64 = 1e-5;
 /// The same of a damping ratio, which is known less well.
 const FINEST_DAMPING_DIGIT: f64 = 1e-4;
+/// Digits of a number that is rounded to that part of it.
+const MAX_DIGITS: usize = 5;
+/// Decimals of a 0 beside values that have few; with more it prints as `0`.
+const MAX_DECIMALS_OF_ZERO: usize = 3;
 /// Normalised deviations beyond this are all the same to a reader.
 const LARGEST_NORMALISED: f64 = 1000.0;
 
@@ -130,6 +134,32 @@ impl Cell {
         Cell::number(value, decimals)
     }
 
+    /// The cell with no digit finer than 0.001 % of its value; also a decimal number that is text.
+    pub(super) fn without_fine_digits(self, is_number: bool) -> Self {
+        match self {
+            Cell::Number {
+                value,
+                decimals,
+                signed,
+            } => Cell::Number {
+                value,
+                decimals: match value == 0.0 {
+                    true if decimals > MAX_DECIMALS_OF_ZERO => 0,
+                    true => decimals,
+                    false => decimals.min(measured_decimals(value, None)),
+                },
+                signed,
+            },
+            Cell::Text(text) if is_number && text.contains('.') => match text.parse::<f64>() {
+                Ok(value) if digit_count(&text) > MAX_DIGITS => {
+                    Cell::Text(significant(value, MAX_DIGITS))
+                }
+                _ => Cell::Text(text),
+            },
+            other => other,
+        }
+    }
+
     /// A MAC, an MPC or a coherence, or missing.
     pub fn mac(value: Option<f64>, decimals: usize) -> Self {
         value.map_or(Cell::Missing, |value| Cell::Correlation { value, decimals })
@@ -182,6 +212,13 @@ impl Cell {
             Cell::Missing => String::new(),
         }
     }
+}
+
+/// Number of digits of a number in text without leading zeros and exponent.
+fn digit_count(text: &str) -> usize {
+    let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
+    let mantissa = mantissa.trim_start_matches(['-', '+', '0', '.']);
+    mantissa.chars().filter(char::is_ascii_digit).count()
 }
 
 /// Decimals at which a digit counts `resolution` or more.
@@ -284,6 +321,33 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_on_a_screen_has_no_digit_finer_than_a_hundred_thousandth() {
+        for (value, decimals, expected) in [
+            (1403.9634, 4, "1404.0"),
+            (0.062826, 6, "0.062826"),
+            (0.201531, 6, "0.20153"),
+            (1e-9, 6, "0.000000"),
+            (0.0, 6, "0"),
+            (0.0, 1, "0.0"),
+            (7293.9, 1, "7293.9"),
+        ] {
+            let cell = Cell::number(Some(value), decimals).without_fine_digits(true);
+            assert_eq!(cell.display(), expected);
+        }
+        for (text, is_number, expected) in [
+            ("2.378993130496427", true, "2.379"),
+            ("3.800333e-10", true, "3.8003e-10"),
+            ("138949549", true, "138949549"),
+            ("0.000123", true, "0.000123"),
+            ("1.2345678", false, "1.2345678"),
+            ("version 1.2345678", true, "version 1.2345678"),
+        ] {
+            let cell = Cell::text(text).without_fine_digits(is_number);
+            assert_eq!(cell.display(), expected);
+        }
+    }
 
     #[test]
     fn small_standard_deviation_is_not_printed_as_zero() {

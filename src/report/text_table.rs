@@ -56,6 +56,7 @@ macro_rules! page {
 pub(super) static TEXTS: Texts = Texts {
     headings: group! {
         records_and_functions: "Records and functions: {}", "记录与函数：{}";
+        roots_of_the_model: "Roots of the model", "模型的特征根";
         roots: "Roots of {}", "{} 的特征根";
         comparison: "Theory and test compared", "理论与试验对比";
         summary: "Summary", "汇总";
@@ -89,7 +90,7 @@ pub(super) static TEXTS: Texts = Texts {
         inspected_damping: "damping [%]", "阻尼比 [%]";
         inspected_mass: "modal mass [kg]", "模态质量 [kg]";
         points: "points", "点数";
-        values: "values", "数值数";
+        values: "values", "数值";
         title: "title", "标题";
         arrays: "{} arrays", "{} 个数组";
         hz_in_test: "{}\n(Hz)", "{}\n(Hz)";
@@ -328,6 +329,58 @@ pub(super) static TEXTS: Texts = Texts {
         poles_by_held_out: "by held-out\nlines", "按留出\n谱线";
         poles_by_residual: "by\nresidual", "按\n残差";
         order_of_method: "order\nof {}", "{} 的\n阶次";
+        files: "{} files", "{} 个文件";
+        one_file: "1 file", "1 个文件";
+        files_of_a_kind: "{} files alike, {} to {} ({})", "{} 个相同的文件，{} 至 {} ({})";
+        simplest_model: "The simplest model of {} within {} % of the most detailed", "{} 的最简模型，与最详细者相差 {} % 以内";
+        detail_and_cost: "Detail and cost of the models of {}", "{} 各模型的详细程度与代价";
+        natural_frequencies_of_simpler: "Natural frequencies of simpler models of {}", "{} 的简化模型的固有频率";
+        loci: "Loci of the roots of {} over {}", "{} 的特征根随 {} 的轨迹";
+        crossings: "Crossings and veerings of {} over {}", "{} 随 {} 的交叉与转向";
+        energies: "Energy of the roots of {}", "{} 的特征根的能量";
+        sensitivities: "Sensitivities of the roots of {}", "{} 的特征根的灵敏度";
+        damped_modes: "Damped modes of {}", "{} 的阻尼模态";
+        modes_of: "Modes of {}", "{} 的模态";
+        modes_before_and_after: "Modes of {} before and after {}", "{} 在 {} 前后的模态";
+        changes_for: "Changes of {} for {}", "{} 为达到 {} 的修改";
+        modes_with_combination: "Modes with the combination", "采用该组合的模态";
+        truth: "Truth of the synthetic test", "合成试验的真值";
+        multiplicity_of_root: "multiplicity", "重数";
+        f_before: "f before (Hz)", "修正前频率 (Hz)";
+        f_after: "f after (Hz)", "修正后频率 (Hz)";
+        interval_of_f_after: "95 % interval of f after (Hz)", "修正后频率的 95 % 区间 (Hz)";
+        first_order_hz: "first order (Hz)", "一阶估计 (Hz)";
+        its_error: "its error (%)", "其误差 (%)";
+        proposal: "proposal", "方案";
+        target: "target", "目标";
+        cost: "cost", "代价";
+        cost_percent: "cost (%)", "代价 (%)";
+        short_by: "short by (%)", "差额 (%)";
+        event: "event", "事件";
+        loci_of_event: "loci", "轨迹";
+        f_lower: "f lower (Hz)", "较低频率 (Hz)";
+        f_upper: "f upper (Hz)", "较高频率 (Hz)";
+        gap: "gap (Hz)", "间隙 (Hz)";
+        coupling: "coupling", "耦合";
+        width: "width ({})", "宽度 ({})";
+        signal: "signal", "信号";
+        simplest_model_head: "simplest model", "最简模型";
+        coordinates: "coordinates", "坐标数";
+        detail: "detail", "模型";
+        evaluations: "evaluations per period", "每周期求值次数";
+        functions_per_evaluation: "functions per evaluation", "每次求值的函数数";
+        class: "class", "类别";
+        missed_limits_rows: "{} rows, {} MISSED", "{} 行，{} 未满足";
+        row_head: "row", "行";
+        allowed: "allowed", "允许";
+        steady_response: "Steady response of {}", "{} 的稳态响应";
+        harmonics: "Harmonics of the deflections of {}", "{} 的变形的谐波";
+        locus: "locus {} (Hz)", "轨迹 {} (Hz)";
+        locus_of_modes: "locus {}, {} modes (Hz)", "轨迹 {}，{} 阶 (Hz)";
+        omega: "omega (rad/s)", "ω (rad/s)";
+        group: "group", "组";
+        index_of_modes: "{} modes", "{} 阶模态";
+        one_mode: "1 mode", "1 阶模态";
     },
     paragraphs: group! {
         pairs: "{} paired: {} by shape, {} by frequency alone", "{} 个已配对：{} 个按振型，{} 个仅按频率";

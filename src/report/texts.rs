@@ -45,11 +45,19 @@ pub(super) fn labels_of(head: &str) -> &'static Group {
 mod tests {
     use std::collections::BTreeSet;
 
+    use super::super::screen_texts::SCREEN_TEXTS;
     use super::super::verdict_texts::VERDICT_TEXTS;
     use super::*;
 
     /// Headings and labels that the code composes of several literals.
-    const COMPOSED: [&str; 9] = [
+    const COMPOSED: [&str; 16] = [
+        "locus {} (Hz)",
+        "locus {}, {} modes (Hz)",
+        "{} modes",
+        "1 mode",
+        "{} files",
+        "1 file",
+        "{} rows, {} MISSED",
         "{} arrays",
         "Hits: {}",
         "Points to hit again: {}",
@@ -71,7 +79,7 @@ mod tests {
     /// The texts of every group.
     fn all_groups() -> Vec<Vec<&'static Text>> {
         let mut groups = groups_in_code();
-        groups.extend([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS]);
+        groups.extend([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS, SCREEN_TEXTS]);
         let texts = |group: &'static Group| group.iter().map(|(_, text)| text).collect();
         let page = TEXTS.page.texts();
         groups.into_iter().map(texts).chain([page]).collect()
@@ -96,7 +104,7 @@ mod tests {
     fn keys_are_unique_and_labels_belong_to_a_head() {
         let keys = |group: &Group| group.iter().map(|(key, _)| *key).collect::<BTreeSet<_>>();
         let groups = groups_in_code().into_iter();
-        for group in groups.chain([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS]) {
+        for group in groups.chain([TEXTS.paragraphs, TEXTS.script, VERDICT_TEXTS, SCREEN_TEXTS]) {
             assert_eq!(keys(group).len(), group.len());
         }
         let heads = keys(TEXTS.headings);

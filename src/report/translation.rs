@@ -3,7 +3,8 @@
 
 use crate::finding::{Code, Severity};
 
-use super::phrase_texts::{OF_WORDS, PHRASES, WORDS};
+use super::phrase_texts::{KINDS, OF_WORDS, PHRASES, WORDS};
+use super::screen_texts::SCREEN_TEXTS;
 use super::texts::{TEXTS, Text, labels_of};
 use super::verdict_texts::VERDICT_TEXTS;
 use super::{Block, Cell, Language, Table};
@@ -85,7 +86,31 @@ fn label(head: &str, text: &str) -> String {
     let unwrapped = text.replace('\n', " ");
     match best_match(labels.iter().map(|(_, text)| text), &unwrapped) {
         Some((label, names)) => label.filled(Language::Chinese, &names),
-        None => text.to_owned(),
+        None => {
+            let list = LISTS.iter().find(|(head, _)| *head == kind);
+            list.map_or_else(
+                || text.to_owned(),
+                |(_, phrases)| wrapped_as(text, &value(&unwrapped, phrases)),
+            )
+        }
+    }
+}
+
+/// Heads of columns whose cells are lists of phrases, with these.
+const LISTS: [(&str, &[Text]); 5] = [
+    ("contents", PHRASES),
+    ("responses", PHRASES),
+    ("references", PHRASES),
+    ("type", KINDS),
+    ("quantity", KINDS),
+];
+
+/// The new text in lines as wide as those of the old one.
+fn wrapped_as(old: &str, new: &str) -> String {
+    let width = old.lines().map(|line| line.chars().count()).max();
+    match old.contains('\n') {
+        true => textwrap::fill(new, width.unwrap_or(0)),
+        false => new.to_owned(),
     }
 }
 
@@ -116,11 +141,21 @@ fn sentences(line: &str) -> Vec<&str> {
     bounds.map(|(start, end)| &line[start..*end]).collect()
 }
 
+/// The sentence whose value lists captions of tables.
+const FURTHER_TABLES: &str = "Further tables (--full): {}.";
+
 /// The translation of a text as a whole, with the phrases that are its values.
 fn whole(text: &str) -> Option<String> {
-    let groups = [TEXTS.paragraphs, VERDICT_TEXTS].into_iter().flatten();
+    let groups = [TEXTS.paragraphs, VERDICT_TEXTS, SCREEN_TEXTS]
+        .into_iter()
+        .flatten();
     let (found, names) = best_match(groups.map(|(_, text)| text), text)?;
-    let values: Vec<String> = names.into_iter().map(|name| value(name, PHRASES)).collect();
+    let captions = |list: &str| list.split("; ").map(heading).collect::<Vec<_>>().join("；");
+    let translated = |name: &str| match found.english {
+        FURTHER_TABLES => captions(name),
+        _ => value(name, PHRASES),
+    };
+    let values: Vec<String> = names.into_iter().map(translated).collect();
     Some(without_gaps(&found.filled(Language::Chinese, &values)))
 }
 
@@ -142,9 +177,21 @@ fn without_gaps(text: &str) -> String {
 /// The translation of a value, or of its parts where it is a list; names remain as they are.
 fn value(text: &str, phrases: &'static [Text]) -> String {
     parts(text, "; ", "；", phrases)
+        .or_else(|| list(text, phrases))
         .or_else(|| phrase(text, phrases))
         .or_else(|| parts(text, ", ", "、", phrases))
         .unwrap_or_else(|| text.to_owned())
+}
+
+/// The translation of a list whose parts all are phrases: as a whole it may also match a phrase,
+/// the values of which would hold other parts.
+fn list(text: &str, phrases: &'static [Text]) -> Option<String> {
+    let parts: Vec<&str> = text.split(", ").collect();
+    let translated = parts.iter().map(|part| phrase(part, phrases));
+    let translated: Option<Vec<String>> = translated.collect();
+    translated
+        .filter(|_| parts.len() > 1)
+        .map(|all| all.join("、"))
 }
 
 /// The translation of a list, if it is one and a part of it has one.
@@ -161,6 +208,11 @@ fn parts(text: &str, separator: &str, chinese: &str, phrases: &'static [Text]) -
 
 fn phrase(text: &str, phrases: &'static [Text]) -> Option<String> {
     let (found, names) = best_match(phrases.iter(), text)?;
+    // A number with its noun ends a list that is no phrase.
+    let first = names.first().filter(|_| found.english.starts_with("{} "));
+    if first.is_some_and(|first| first.contains(',')) {
+        return None;
+    }
     let of_values = match OF_WORDS.contains(&found.english) {
         true => WORDS,
         false => PHRASES,
@@ -237,11 +289,39 @@ mod tests {
             ),
             (
                 "Pairs: 3 of 5 model modes, 3 by shape, 0 by frequency, 1 ambiguous; unmatched: f4, f5.",
-                "配对：3 / 5 阶模型模态，按振型 3，仅按频率 0, 1 个不明确；未配对：f4, f5。",
+                "配对：3 / 5 阶模型模态，按振型 3，仅按频率 0、1 个不明确；未配对：f4, f5。",
             ),
             (
                 "Before you leave, drift: hit again 3:+Z: 2 good hits of 3; not tested: drift, support.",
                 "离开之前，drift：需重新锤击 3:+Z：合格锤击 2 / 3；未检验：漂移、支承。",
+            ),
+            (
+                "1 of 4 starts (seed 1) reach this optimum, the lowest, of objective 48.95; 3 reach 3 others, the lowest of 233.7.",
+                "1 / 4 个起点 (种子 1) 到达此最优点，其目标函数最低，为 48.95；3 个到达其他 3 个最优点，最低为 233.7。",
+            ),
+            (
+                "1 of 2 starts (seed 1) reach this optimum, the lowest, of objective 4; 1 reach another, of 5; from 1 the model had no modes or no derivatives.",
+                "1 / 2 个起点 (种子 1) 到达此最优点，其目标函数最低，为 4；1 个到达另一最优点，为 5；自 1 个起点模型无模态或无导数。",
+            ),
+            (
+                "Not supported by the data: 8 of 10 because of their std, 1 of 10 because the model error has fewer than 3 degrees of freedom.",
+                "数据不支持：8 / 10 个因标准差过大、1 / 10 个因模型误差的自由度少于 3。",
+            ),
+            (
+                "Fits as well: m_5 = 0.08993; model mode 19 differs most: 7293.9 Hz against 4745.8 Hz, MAC 0.00.",
+                "同样符合：m_5 = 0.08993；模型第 19 阶模态差别最大：7293.9 Hz 与 4745.8 Hz，MAC 0.00。",
+            ),
+            (
+                "Proposed: m_3, j_0 (the smallest set that brings the residual to its uncertainty).",
+                "建议：m_3, j_0 (使残差降到其不确定度的最小参数组)。",
+            ),
+            (
+                "Not compared with the baseline: before, starts.",
+                "未与基线比较：before, starts。",
+            ),
+            (
+                "Further tables (--full): AutoMAC of a; Harmonics of the deflections of gear.",
+                "其他表格 (--full)：a 的自 MAC；gear 的变形的谐波。",
             ),
             (
                 "Assumed in the model: 3 statements and 1 parameter (support).",

@@ -614,13 +614,6 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
-        "starts_at_lowest_optimum",
-        Text {
-            english: "{} of {} (seed {}) reach this optimum, the lowest, of objective {}; {} reach {} {}.",
-            chinese: "{} / {} (种子 {}) 到达此最优点，其目标函数最低，为 {}；{} 个到达{} {}。",
-        },
-    ),
-    (
         "meaning_of_objective",
         Text {
             english: "Objective: chi-square of data and prior, with the stated deviations.",

@@ -270,7 +270,9 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     let errors: Vec<&str> = row(" rms, min MAC ").split_whitespace().skip(3).collect();
     assert_eq!(
         errors,
-        ["4.647", "3.255", "4.992", "1.051", "0.994", "1.050", "0.987"]
+        [
+            "4.647", "3.255", "4.992", "1.051", "0.994", "1.050", "0.987"
+        ]
     );
     // What changes the verdict comes first.
     assert!(

@@ -565,6 +565,53 @@ fn a_chinese_screen_has_no_english_sentence() {
 }
 
 #[test]
+fn every_verb_prints_its_screen_in_chinese() {
+    let files = Files::made();
+    // Texts of publications are in their language.
+    let is_tested = |example: &&&[&str]| example[0] != "run" && !example.contains(&"--quantities");
+    let of_scene = scene_texts(BEAM);
+    let more: [&[&str]; 2] = [
+        &["new", "{}/scene", "{}/hits.uff", "--model", "beam"],
+        &["study", "order", BEAM],
+    ];
+    for example in EXAMPLES.iter().filter(is_tested).chain(&more) {
+        let mut arguments = arguments(example, &files.folder);
+        if example[0] == "new" {
+            let name = format!("zh-{}", example[2].replace("{}/", ""));
+            arguments[1] = files.path(&name).display().to_string();
+        }
+        arguments.extend(["--lang", "zh"].map(str::to_owned));
+        let text = succeed(&arguments).replace(&files.folder.display().to_string(), "");
+        let found = english_words(&text, &of_scene);
+        assert_eq!(found, None, "{arguments:?}\n{text}");
+    }
+}
+
+#[test]
+fn no_number_on_a_screen_has_more_than_five_significant_digits_behind_a_point() {
+    let files = Files::made();
+    let is_tested = |example: &&&[&str]| !["run", "new"].contains(&example[0]);
+    for example in EXAMPLES.iter().filter(is_tested) {
+        let text = succeed(arguments(example, &files.folder));
+        for word in text.split_whitespace() {
+            let mantissa = word.split('e').next().unwrap_or_default();
+            if word.parse::<f64>().is_err() || !mantissa.contains('.') {
+                continue;
+            }
+            let digits = mantissa.trim_start_matches(['+', '-', '0', '.']);
+            let count = digits.chars().filter(char::is_ascii_digit).count();
+            assert!(count <= 5, "{word} in {example:?}\n{text}");
+        }
+    }
+}
+
+#[test]
+fn an_update_says_how_many_hits_it_rests_on() {
+    let screen = succeed(["update", BEAM]);
+    assert!(screen.contains("\nHits: all 33 used.\n"), "{screen}");
+}
+
+#[test]
 fn shapes_of_one_degree_of_freedom_are_not_compared() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.json").display().to_string();

@@ -118,9 +118,16 @@ fn line_count(block: &Block, width: usize) -> usize {
     terminal.render(std::slice::from_ref(block)).lines().count()
 }
 
-/// The table with as many notes, columns and rows as there is room for; `None` where few rows are
+/// The table with as many notes, columns and rows as there is room for, and no digits finer than
+/// 0.001 % of a value; `None` where few rows are
 /// left, unless it `is_first`.
 fn abridged_table(mut table: Table, width: usize, room: usize, is_first: bool) -> Option<Table> {
+    for row in &mut table.rows {
+        for (cell, column) in row.iter_mut().zip(&table.columns) {
+            let is_number = column.align == Align::Right;
+            *cell = std::mem::replace(cell, Cell::Missing).without_fine_digits(is_number);
+        }
+    }
     let notes = table.footnotes.len().saturating_sub(MAX_NOTES);
     if notes > 0 {
         table.footnotes.truncate(MAX_NOTES);

@@ -228,4 +228,25 @@ mod tests {
              largest +4.000 % at f2 (bar)."
         );
     }
+
+    #[test]
+    fn modes_that_the_points_do_not_see_are_named_with_their_tests() {
+        use crate::report::screen::sentences::unseen_modes;
+        let pairs = [(-3.0, 0.95), (4.0, 0.99), (1.0, 0.99), (2.0, 0.99)];
+        assert_eq!(
+            unseen_modes(&table(&[cells("bar", &pairs, Basis::Shape)])),
+            None
+        );
+        let mut bar = cells("bar", &pairs, Basis::Shape);
+        bar[1].status = Status::NotObservable;
+        bar[3].status = Status::MissedUnexpected;
+        assert_eq!(
+            unseen_modes(&table(&[bar.clone()])).unwrap(),
+            "Model modes without partner: not observable at the points: f2; unmatched, observability unknown: f4."
+        );
+        let mut rod = cells("rod", &pairs, Basis::Shape);
+        rod[1].status = Status::NotObservable;
+        let both = unseen_modes(&table(&[bar, rod])).unwrap();
+        assert!(both.contains("points: f2 (bar, rod); "), "{both}");
+    }
 }

@@ -10,6 +10,7 @@ use crate::report::comparison::label_with_multiplicity;
 use crate::report::terminal::table_width;
 use crate::report::{Block, Cell, Column, Table};
 
+use super::sentences::unseen_modes;
 use super::{MAC_DECIMALS, MAX_ROWS, counted, fitted, without_empty_columns};
 
 /// Maximum number of reasons of unmatched and ambiguous modes of one test on the screen.
@@ -28,8 +29,9 @@ pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
     blocks.extend((table.summary.len() == 1).then(|| counts_block(table, width)));
     blocks.extend(comparison_tables(table, width, MAX_ROWS, usize::MAX));
     blocks.extend(empty_band_block(table));
-    let reasons = reasons(table);
-    blocks.extend((!reasons.is_empty()).then(|| Block::Text(reasons.join("\n"))));
+    let mut last: Vec<String> = unseen_modes(table).into_iter().collect();
+    last.extend(reasons(table));
+    blocks.extend((!last.is_empty()).then(|| Block::Text(last.join("\n"))));
     blocks
 }
 

@@ -243,7 +243,8 @@ pub fn roots_screen(
     };
     let omitted = labelled.get(most).map(|(_, first)| {
         let more = counted(labelled.len() - most, "further root");
-        format!("{more} from {:.2} Hz: --full, or --band LO:HI.", hz(first))
+        let from = Cell::measured(Some(hz(first)), None).display();
+        format!("{more} from {from} Hz: --full, or --band LO:HI.")
     });
     let mut columns = vec![Column::text("mode")];
     columns.extend(["multiplicity", "f (Hz)"].map(Column::number));

@@ -109,8 +109,16 @@ pub(super) fn limit(check: &LimitCheck) -> String {
     format!("{} {}", check.what, value_and_limit(check))
 }
 
+/// Characters of a stated limit, of which a computed one has more.
+const MAX_LIMIT_CHARACTERS: usize = 10;
+
 fn value_and_limit(check: &LimitCheck) -> String {
-    let limit = check.limit.to_string();
+    let exact = check.limit.to_string();
+    let is_computed = exact.len() > MAX_LIMIT_CHARACTERS;
+    let limit = match is_computed {
+        true => significant(check.limit, 4),
+        false => exact,
+    };
     let value = check.value.map_or("none".to_owned(), |value| {
         // Rounded, a missed limit could read as met.
         let rounded = significant(value, 4);
@@ -133,34 +141,15 @@ const MAX_NAMED_MODES: usize = 4;
 
 /// Pairs in numbers, and the modes that a test should have shown.
 pub(super) fn pairs(table: &ComparisonTable) -> String {
+    let is_missed =
+        |cell: &TestCell| cell.status == Status::MissedUnexpected && cell.is_status_certain();
+    let missed = named_rows(table, is_missed).map(|named| format!("; unmatched: {named}"));
+    let missed = missed.unwrap_or_default();
     let sum = |count: fn(&TestSummary) -> usize| table.summary.iter().map(count).sum::<usize>();
     let in_band = sum(|s| s.paired + s.ambiguous + s.missed + s.not_observable);
     let paired = sum(|s| s.paired);
     let (by_shape, by_frequency) = (sum(|s| s.paired_by_shape), sum(|s| s.paired_by_frequency));
     let several = table.summary.len() > 1;
-    let is_missed =
-        |cell: &&TestCell| cell.status == Status::MissedUnexpected && cell.is_status_certain();
-    let missed_row = |row: &Row| {
-        let missed: Vec<&str> = row
-            .tests
-            .iter()
-            .filter(is_missed)
-            .map(|cell| cell.test.as_str())
-            .collect();
-        match (missed.is_empty(), several) {
-            (true, _) => None,
-            (false, true) => Some(format!("{} ({})", row.label, listed(&missed))),
-            (false, false) => Some(row.label.clone()),
-        }
-    };
-    let mut missed: Vec<String> = table.rows.iter().filter_map(missed_row).collect();
-    let further = missed.len().saturating_sub(MAX_NAMED_MODES);
-    missed.truncate(MAX_NAMED_MODES);
-    missed.extend((further > 0).then(|| format!("{further} more")));
-    let missed = match missed.is_empty() {
-        true => String::new(),
-        false => format!("; unmatched: {}", missed.join(", ")),
-    };
     let extra = match sum(|s| s.extra) {
         0 => String::new(),
         count => format!("; test modes without partner: {count}"),
@@ -190,6 +179,47 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
     format!(
         "Pairs: {paired} of {of_model}, {by_shape} by shape, {by_frequency} by frequency{others}{missed}{extra}."
     )
+}
+
+/// The modes of the model that the points of the tests do not see, and those that they should have
+/// seen; `None` where each mode in the band of a test has a partner.
+pub(super) fn unseen_modes(table: &ComparisonTable) -> Option<String> {
+    let kinds: [(&str, fn(&TestCell) -> bool); 3] = [
+        ("not observable at the points", |cell| {
+            cell.status == Status::NotObservable
+        }),
+        ("unmatched", |cell| {
+            cell.status == Status::MissedUnexpected && cell.is_status_certain()
+        }),
+        ("unmatched, observability unknown", |cell| {
+            cell.status == Status::MissedUnexpected && !cell.is_status_certain()
+        }),
+    ];
+    let of_kind = |(what, applies): &(&str, fn(&TestCell) -> bool)| {
+        Some(format!("{what}: {}", named_rows(table, *applies)?))
+    };
+    let all: Vec<String> = kinds.iter().filter_map(of_kind).collect();
+    (!all.is_empty()).then(|| format!("Model modes without partner: {}.", all.join("; ")))
+}
+
+/// The rows with a cell to which this applies, the first of many, with their tests where there are
+/// several; `None` without any.
+fn named_rows(table: &ComparisonTable, applies: fn(&TestCell) -> bool) -> Option<String> {
+    let several = table.summary.len() > 1;
+    let named = |row: &Row| {
+        let cells = row.tests.iter().filter(|cell| applies(cell));
+        let tests: Vec<&str> = cells.map(|cell| cell.test.as_str()).collect();
+        match (tests.is_empty(), several) {
+            (true, _) => None,
+            (false, true) => Some(format!("{} ({})", row.label, listed(&tests))),
+            (false, false) => Some(row.label.clone()),
+        }
+    };
+    let mut names: Vec<String> = table.rows.iter().filter_map(named).collect();
+    let further = names.len().saturating_sub(MAX_NAMED_MODES);
+    names.truncate(MAX_NAMED_MODES);
+    names.extend((further > 0).then(|| format!("{further} more")));
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// The tests whose recordings are synthetic, and the models that they were computed from; `None`

@@ -1,5 +1,6 @@
 //! The screen of `update`: parameters, misfit before and after, and whether it converged.
 
+use crate::frf::HitReport;
 use crate::report::table::significant;
 use crate::report::update::{
     alternatives_text, convergence_text, fit_before, fit_summary, misfit_footnote,
@@ -11,10 +12,12 @@ use crate::report::update_configurations::{
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
 
+use super::hits::hit_sentence;
 use super::{fitted, sentences};
 
-/// The parameters before and after with standard deviation and verdict, the fit before and after,
-/// and the end of the iteration.
+/// The hits used and the modes of the model that the tests did not see; the parameters before and
+/// after with standard deviation and verdict, the fit before and after, and the end of the
+/// iteration.
 pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> Vec<Block> {
     let row = |parameter: &crate::update::UpdatedParameter| {
         let change = 100.0 * (parameter.updated / parameter.initial - 1.0);
@@ -54,7 +57,17 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         convergence_text(result),
     ];
     let mut blocks = vec![Block::Heading(title.to_owned())];
-    blocks.extend(sentences::synthetic(scene_update.all_tests()).map(Block::Text));
+    let hits: Vec<HitReport> = scene_update
+        .all_tests()
+        .flat_map(|test| test.hits.clone())
+        .collect();
+    let seen = [
+        (!hits.is_empty()).then(|| hit_sentence(&hits)),
+        sentences::unseen_modes(&scene_update.after),
+        sentences::synthetic(scene_update.all_tests()),
+    ];
+    let seen: Vec<String> = seen.into_iter().flatten().collect();
+    blocks.extend((!seen.is_empty()).then(|| Block::Text(seen.join("\n"))));
     blocks.push(Block::Table(fitted(
         parameters,
         &["unit", "change (%)"],
