@@ -12,8 +12,8 @@ use crate::report::json::{
 use crate::report::{
     Block, abridged, details_blocks, details_svg, energies_block, energies_svg, parameters_block,
     quantities_block, response_blocks, response_svg, roots_block, roots_screen,
-    sensitivities_block, simplest_details_block, sweep_blocks, sweeps_svg, theory_block,
-    without_whole_shares,
+    sensitivities_block, signal_details_svg, simplest_details_block, sweep_blocks, sweeps_svg,
+    theory_block, without_whole_shares,
 };
 use crate::scene::{
     BeforeChanges, LoadedModel, ModelKind, ModesOptions, Scene, SceneError, Theory,
@@ -385,7 +385,10 @@ fn separate_results(
         blocks.extend(response_blocks(name, &found));
         return Ok(Some(SeparateResult {
             json: response_to_json(&found),
-            figure: response_svg(name, &found),
+            figure: match within {
+                Some(within) => signal_details_svg(name, &found, within),
+                None => response_svg(name, &found),
+            },
         }));
     }
     if let Some(within) = within {

@@ -77,7 +77,7 @@ pub use order::{order_blocks, order_table};
 pub use placement::placement_blocks;
 pub use plot::{
     breakdown_svg, details_svg, energies_svg, figure_files, figures_svg, order_figures,
-    png_lacks_letters, response_svg, speed_accuracy_figures, stability_svg,
+    png_lacks_letters, response_svg, signal_details_svg, speed_accuracy_figures, stability_svg,
     sweeps_svg, update_figures_svg,
 };
 pub use published::{

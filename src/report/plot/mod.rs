@@ -34,7 +34,7 @@ pub use order::order_figures;
 #[cfg(feature = "png")]
 pub use png::png_lacks_letters;
 pub use speed_accuracy::speed_accuracy_figures;
-pub use theory::{details_svg, response_svg, sweeps_svg};
+pub use theory::{details_svg, response_svg, signal_details_svg, sweeps_svg};
 pub use update::update_figures_svg;
 
 /// Every figure with its name, unique and made of letters, digits, points and hyphens.

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
-use crate::theory::{DetailComparison, EventKind, Locus, Sweep, TimeResponse};
+use crate::theory::{DetailComparison, DetailResponse, EventKind, Locus, Sweep, TimeResponse};
 
 use super::axis::{Axis, draw_frame, range};
 use super::canvas::{Anchor, Canvas, FAINT, INK, LEGEND_ROW_PX, legend_rows};
@@ -200,6 +200,64 @@ pub fn response_svg(name: &str, response: &TimeResponse) -> Option<String> {
     (!signals.is_empty()).then(|| canvas.finish())
 }
 
+/// Distance of each signal of simpler models from that of the most detailed one, a curve for each
+/// signal over the details, with the stated limit; `None` without a signal of a simpler model.
+pub fn signal_details_svg(name: &str, response: &TimeResponse, within: f64) -> Option<String> {
+    let (last, simpler) = response.details.split_last()?;
+    let distances = |signal: &str| -> Vec<Option<f64>> {
+        let distance = |detail: &DetailResponse| {
+            let distance = response.difference(signal, detail.detail, last.detail)?;
+            Some((100.0 * distance).max(MIN_ERROR_PERCENT))
+        };
+        simpler.iter().map(distance).collect()
+    };
+    let signals = last.signals.iter().map(|signal| signal.name);
+    let curves: Vec<(&str, Vec<Option<f64>>)> =
+        signals.map(|name| (name, distances(name))).collect();
+    let all = curves.iter().flat_map(|(_, of)| of).flatten().copied();
+    all.clone().next()?;
+    let limit = 100.0 * within;
+    let (lo, hi) = range(all.chain([limit]))?;
+    let colors = curves.iter().enumerate();
+    let names: Vec<(&str, &str)> = colors
+        .map(|(number, (name, _))| (*name, curve_color(number)))
+        .collect();
+    let legend = LEGEND_ROW_PX * legend_rows(LEFT_PX, WIDTH_PX, &names) as f64;
+    let height = 400.0 + legend;
+    let mut canvas = Canvas::new(WIDTH_PX, height);
+    let title = format!(
+        "Simpler models of {name}: distance of their signals from those of \"{}\"",
+        last.detail
+    );
+    canvas.text([LEFT_PX, 18.0], &title, Anchor::Start, INK);
+    let x = Axis::linear((0.5, simpler.len() as f64 + 0.5), (LEFT_PX, RIGHT_PX));
+    let y = Axis::log((0.5 * lo, 2.0 * hi), (320.0, TOP_PX));
+    let details = (1..).zip(simpler);
+    let details: Vec<String> = details
+        .map(|(number, detail)| format!("{number}: {}", detail.detail))
+        .collect();
+    let labels = (&*details.join(", "), "|a - b|/|b| (%)");
+    draw_frame(&mut canvas, (&x, &y), labels);
+    let level = y.position(limit);
+    let ends = [Some([LEFT_PX, level]), Some([RIGHT_PX, level])];
+    canvas.curve("limit", &ends, INK, 1.0, "7 4");
+    for (number, (_, distances)) in curves.iter().enumerate() {
+        let point = |(detail, distance): (usize, &Option<f64>)| {
+            Some([x.position(detail as f64 + 1.0), y.position((*distance)?)])
+        };
+        let points: Vec<Option<[f64; 2]>> = distances.iter().enumerate().map(point).collect();
+        let dashes = DASHES[number % DASHES.len()];
+        canvas.curve("distance", &points, curve_color(number), 1.4, dashes);
+        for at in points.iter().flatten() {
+            canvas.dot(*at, 3.0, curve_color(number), curve_color(number));
+        }
+    }
+    let note = "Dashed: stated error.";
+    canvas.text([LEFT_PX, 372.0], note, Anchor::Start, FAINT);
+    canvas.legend([LEFT_PX, height - legend], &names);
+    Some(canvas.finish())
+}
+
 fn draw_signal(canvas: &mut Canvas, response: &TimeResponse, name: &str, top: f64) -> Option<()> {
     const TIME_PX: (f64, f64) = (LEFT_PX, 395.0);
     const SPECTRUM_PX: (f64, f64) = (475.0, RIGHT_PX);
@@ -286,7 +344,7 @@ fn draw_signal(canvas: &mut Canvas, response: &TimeResponse, name: &str, top: f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::{DetailResponse, ResponseSignal, ResponseSpan};
+    use crate::theory::{ResponseSignal, ResponseSpan};
 
     /// A signal of three periods: a cosine of this amplitude, and its harmonics.
     fn detail(name: &'static str, amplitude: f64) -> DetailResponse {
@@ -304,6 +362,40 @@ mod tests {
                 harmonics: vec![amplitude, 0.5 * amplitude, 1e-4 * amplitude, 0.0],
             }],
         }
+    }
+
+    #[test]
+    fn a_comparison_of_signals_shows_the_distance_of_each_simpler_model() {
+        let response = |amplitudes: [f64; 3]| TimeResponse {
+            excitation_hz: 100.0,
+            span: ResponseSpan {
+                recorded_periods: 3,
+                ..ResponseSpan::default()
+            },
+            details: ["torsional", "constant angle", "varying angle"]
+                .into_iter()
+                .zip(amplitudes)
+                .map(|(name, amplitude)| detail(name, amplitude))
+                .collect(),
+        };
+        let svg = signal_details_svg("gear", &response([1.5, 1.1, 1.0]), 0.01).unwrap();
+        for part in [
+            "distance of their signals",
+            "1: torsional, 2: constant angle",
+            "|a - b|/|b| (%)",
+        ] {
+            assert!(svg.contains(part), "{part} in {svg}");
+        }
+        // One curve of the signal and the limit; no signal over time.
+        assert_eq!(svg.matches("class=\"distance\"").count(), 1);
+        assert_eq!(svg.matches("class=\"limit\"").count(), 1);
+        let other = signal_details_svg("gear", &response([1.5, 1.3, 1.0]), 0.01).unwrap();
+        assert_ne!(svg, other);
+        let single = TimeResponse {
+            details: vec![detail("torsional", 1.0)],
+            ..response([1.0; 3])
+        };
+        assert!(signal_details_svg("gear", &single, 0.01).is_none());
     }
 
     #[test]
