@@ -80,12 +80,46 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     blocks
 }
 
-/// A value to the second digit of its standard deviation, in two to five significant digits.
+/// A value to the second digit of its standard deviation, in two to five significant digits, zeros
+/// at the end among them.
 fn as_fine_as(value: f64, std: f64) -> String {
     let digits = value.abs().log10().floor() - std.log10().floor() + 2.0;
-    let digits = match digits.is_finite() {
-        true => digits.clamp(2.0, 5.0) as usize,
-        false => 5,
-    };
-    significant(value, digits)
+    if value == 0.0 || !digits.is_finite() {
+        return significant(value, MAX_DIGITS);
+    }
+    let digits = digits.clamp(2.0, MAX_DIGITS as f64) as usize;
+    let rounded = format!("{value:.*e}", digits - 1);
+    let exponent = rounded.split_once('e').map(|(_, exponent)| exponent);
+    match exponent.and_then(|exponent| exponent.parse::<i32>().ok()) {
+        Some(exponent @ -3..=5) => {
+            let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+            let value: f64 = rounded.parse().unwrap_or(value);
+            format!("{value:.decimals$}")
+        }
+        _ => rounded,
+    }
+}
+
+/// Most significant digits of a value.
+const MAX_DIGITS: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_has_every_digit_that_its_standard_deviation_supports() {
+        for (value, std, expected) in [
+            (2.02e11, 2.3e8, "2.0200e11"),
+            (0.012, 0.0011, "0.0120"),
+            (0.131, 0.042, "0.131"),
+            (0.027, 0.031, "0.027"),
+            (1234.5, 80.0, "1234"),
+            (3.0e-5, 2.3e-6, "3.00e-5"),
+            (0.0, 0.1, "0"),
+            (7850.0, 0.0, "7850"),
+        ] {
+            assert_eq!(as_fine_as(value, std), expected);
+        }
+    }
 }
