@@ -102,6 +102,7 @@ fn stated(seed: u64, coherence_given: bool) -> FrfSet {
 }
 
 #[test]
+#[ignore = "long: in release by .ci/run"]
 fn damping_under_a_stated_hann_window_is_unbiased_and_within_its_deviation() {
     for given in [true, false] {
         let draws =
@@ -156,6 +157,7 @@ fn has(findings: &[Finding], code: Code) -> bool {
 }
 
 #[test]
+#[ignore = "long: in release by .ci/run"]
 fn random_force_under_an_unstated_window_makes_no_second_poles() {
     let mut split = 0;
     for seed in 1..=6 {

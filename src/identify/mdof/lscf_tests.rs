@@ -75,7 +75,7 @@ fn dof(text: &str) -> Dof {
 
 #[test]
 fn poles_without_noise_are_exact_at_five_and_more_orders_per_mode() {
-    for seed in 0..6 {
+    for seed in 0..3 {
         let (structure, how) = separated_modes(seed);
         let set = structure.measured(&how);
         let count = structure.modes.len();
@@ -88,6 +88,7 @@ fn poles_without_noise_are_exact_at_five_and_more_orders_per_mode() {
 }
 
 #[test]
+#[ignore = "long: in release by .ci/run"]
 fn pole_errors_match_their_standard_deviations_and_stay_near_the_bound() {
     // The circle fit has 1 % of the damping and 1 % of the decay rate in frequency at 30 dB; a
     // method may have twice that.

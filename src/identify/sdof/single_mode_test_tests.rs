@@ -79,6 +79,7 @@ fn assert_reported_or_resolved(
 }
 
 #[test]
+#[ignore = "long: in release by .ci/run"]
 fn close_pairs_of_any_shapes_are_reported_or_resolved() {
     assert_reported_or_resolved((6.0, 15.0), &[None, Some(60.0), Some(40.0)], seeds(4));
 }

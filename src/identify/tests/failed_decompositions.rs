@@ -51,6 +51,7 @@ fn assert_right(structure: &Structure, model: &ModalModel, what: &str) {
 }
 
 #[test]
+#[ignore = "long: in release by .ci/run"]
 fn failed_decomposition_gives_an_error_or_correct_modes() {
     let (structure, mut how) = separated_modes(3);
     how.snr_db = Some(50.0);
