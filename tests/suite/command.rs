@@ -61,6 +61,17 @@ pub fn shared_folder(name: &str) -> PathBuf {
     folder
 }
 
+/// The scene of the beam with an eighth of its record, in a folder.
+pub fn short_beam(folder: &Path) -> String {
+    let beam = root().join("measurements/free-free-beam");
+    for name in ["scene.toml", "model.toml", "synth.toml", "expected.toml"] {
+        let text = std::fs::read_to_string(beam.join(name)).unwrap();
+        let text = text.replace("samples = 32768", "samples = 4096");
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    folder.to_str().unwrap().to_owned()
+}
+
 /// Asserts that a text, perhaps wrapped, has every sentence of these lists of a JSON.
 pub fn assert_has_sentences(text: &str, json: &serde_json::Value, keys: &[&str]) {
     let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -105,7 +105,9 @@ fn a_beam_is_drafted_along_the_points_and_pairs_with_its_test() {
 pub fn stated_values(model: &str) -> String {
     let lines = model.lines();
     let lines = lines.filter(|line| !line.starts_with("example_values"));
-    lines.map(|line| line.to_owned() + "\n").collect()
+    let stated: String = lines.map(|line| line.to_owned() + "\n").collect();
+    // An update solves the model some hundred times, and time goes with the cube.
+    stated.replace("elements = 60", "elements = 30")
 }
 
 #[test]
@@ -148,7 +150,7 @@ fn sensors_that_the_model_cannot_move_are_said_before_an_update() {
         "deflection = [0.0, 1.0, 0.0]",
         "deflection = [1.0, 0.0, 0.0]",
     );
-    let model = model.replace("elements = 60", "elements = 2");
+    let model = model.replace("elements = 30", "elements = 2");
     write(
         folder,
         &[("bar/scene.toml", &scene), ("bar/model.toml", &model)],

@@ -169,11 +169,12 @@ fn every_format_holds_the_same_table() {
 #[test]
 fn the_same_scene_gives_the_same_bytes_for_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
+    let beam = crate::command::short_beam(folder.path());
     let out = |name: &str| folder.path().join(name);
     for (name, threads) in [("one", "1"), ("three", "3")] {
         succeed([
             "run",
-            "measurements/free-free-beam",
+            &beam,
             "--threads",
             threads,
             "-o",

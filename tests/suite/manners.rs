@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use modalign::finding::Code;
 
-use crate::command::{fail, modalign, root, succeed, write};
+use crate::command::{fail, modalign, root, short_beam, succeed, write};
 
 #[test]
 fn completion_scripts_of_every_shell_have_every_verb() {
@@ -76,28 +76,17 @@ fn colours_are_printed_on_request_and_never_in_json() {
             .starts_with("\u{1b}[1;31merror\u{1b}[0m: ")
     );
     let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().to_str().unwrap();
-    let run = succeed([
-        "run",
-        "measurements/free-free-beam",
-        "-o",
-        out,
-        "--color",
-        "always",
-    ]);
+    let beam = short_beam(folder.path());
+    let out = folder.path().join("out");
+    let out_name = out.to_str().unwrap();
+    let run = succeed(["run", &beam, "-o", out_name, "--color", "always"]);
     assert!(run.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{run}");
-    let plain = succeed(["run", "measurements/free-free-beam", "-o", out]);
+    let plain = succeed(["run", &beam, "-o", out_name]);
     assert_eq!(
         run.replace("\u{1b}[1;32m", "").replace("\u{1b}[0m", ""),
         plain
     );
-    let json = succeed([
-        "run",
-        "measurements/free-free-beam",
-        "--json",
-        "--color",
-        "always",
-    ]);
+    let json = succeed(["run", &beam, "--json", "--color", "always"]);
     assert!(!json.contains(painted));
     for name in [
         "comparison.md",
@@ -105,7 +94,7 @@ fn colours_are_printed_on_request_and_never_in_json() {
         "comparison.csv",
         "comparison.json",
     ] {
-        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        let text = std::fs::read_to_string(out.join(name)).unwrap();
         assert!(!text.contains(painted), "no colours in {name}");
     }
 }
@@ -134,12 +123,13 @@ pub fn on_a_terminal(line: &str, environment: &[(&str, &str)]) -> String {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_terminal_has_colours_unless_no_color_is_set_and_sees_the_progress_of_long_work() {
-    let verdicts = "modalign run measurements/free-free-beam";
-    let shown = on_a_terminal(verdicts, &[]);
+    let beam = tempfile::tempdir().unwrap();
+    let verdicts = format!("modalign run {}", short_beam(beam.path()));
+    let shown = on_a_terminal(&verdicts, &[]);
     assert!(shown.contains("\u{1b}[1;32mmet\u{1b}[0m"), "{shown}");
-    let plain = on_a_terminal(verdicts, &[("NO_COLOR", "1")]);
+    let plain = on_a_terminal(&verdicts, &[("NO_COLOR", "1")]);
     assert!(!plain.contains("\u{1b}[1;"), "{plain}");
-    let empty = on_a_terminal(verdicts, &[("NO_COLOR", "")]);
+    let empty = on_a_terminal(&verdicts, &[("NO_COLOR", "")]);
     assert!(
         empty.contains("\u{1b}[1;"),
         "an empty NO_COLOR says nothing"

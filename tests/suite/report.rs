@@ -223,8 +223,10 @@ fn studies_in_the_folder_of_a_run_are_on_its_page() {
     let beam = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(beam.join(name)).unwrap();
     let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
+    // Four of the six modes, the fewest of which some can be outside the band of a twin.
+    let scene = text("scene.toml").replace("band_hz = [60.0, 3200.0]", "band_hz = [60.0, 1600.0]");
     let files = [
-        ("scene.toml", text("scene.toml")),
+        ("scene.toml", scene),
         ("model.toml", text("model.toml")),
         ("synth.toml", spec),
         ("study.toml", STUDY.to_owned()),
@@ -259,7 +261,7 @@ fn studies_in_the_folder_of_a_run_are_on_its_page() {
     let inside = slice["points"].as_array().unwrap().len() as u64;
     assert_eq!(
         inside + slice["outside"].as_u64().unwrap(),
-        6,
+        4,
         "modes of the bar"
     );
     assert_eq!(studies["breakdown"]["courses"].as_array().unwrap().len(), 4);
