@@ -351,6 +351,9 @@ pub struct TheoryArgs {
     /// --response, --compare or --energies (.svg).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
+    /// The model of this [[configuration]] of a scene.
+    #[arg(long, value_name = "NAME", default_value = BASE_CONFIGURATION, hide_default_value = true)]
+    pub configuration: String,
     /// Set a parameter; may be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub settings: Vec<(String, f64)>,

@@ -54,7 +54,7 @@ pub fn run(args: &RunArgs, format: Option<&str>, output: &mut Output) -> Result<
         )?);
         earlier = earlier_figures(folder, &files, |name| output.names_result(name));
         left_out = left_out_companions(folder);
-        add_folder_files(RUN_VERB, folder, files, &scene, output)?;
+        add_folder_files(RUN_VERB, folder, files, &whole, output)?;
     }
     output.add_result(|width| run_screen(&scene, &result, width), || blocks);
     let rest = match &args.output {
@@ -102,7 +102,7 @@ fn other_configurations(scene: &Scene, shown: &str) -> Option<String> {
         .map(|name| format!("--configuration {name:?}"))
         .collect();
     let has_others = !scene.configurations.is_empty();
-    has_others.then(|| format!("Other configurations: {}.", others.join(", ")))
+    has_others.then(|| format!("Not compared here: {}.", others.join(", ")))
 }
 
 /// A line on the figures in the folder that are of an earlier run and that no manifest names.

@@ -60,7 +60,7 @@ pub(super) fn load_scene_and_study(
         (false, None) => folder.join("scene.toml"),
         (false, Some(scene)) => folder.join(scene),
     };
-    Ok((reading.scene(&scene)?.base(), file))
+    Ok((reading.scene(&scene)?.base_alone(), file))
 }
 
 /// Adds the findings on damaged files of the tests; whether there are any.

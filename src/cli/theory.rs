@@ -227,6 +227,7 @@ impl ModelInput {
             }
         }
         let scene = SceneReading { format, partial }.scene(&args.model)?;
+        let scene = scene.configuration(&args.configuration)?;
         let mut table = scene.model.clone().unwrap_or_default();
         table.parameters.extend(settings);
         let (folder, path) = (&scene.folder, &scene.path);

@@ -37,8 +37,13 @@ pub fn update(
             ("model.toml".to_owned(), outcome.model_toml.clone()),
         ];
         files.extend(comparison_files("", &outcome.before, &outcome.after));
-        for other in &outcome.configurations {
-            let stem = file_stem(&other.name) + ".";
+        for (number, other) in outcome.configurations.iter().enumerate() {
+            let stem = file_stem(&other.name);
+            let mut before = outcome.configurations[..number].iter();
+            let stem = match before.any(|before| file_stem(&before.name) == stem) {
+                true => format!("{stem}-{}.", number + 1),
+                false => stem + ".",
+            };
             files.extend(comparison_files(&stem, &other.before, &other.after));
             let model = other.model_toml.clone();
             files.extend(model.map(|text| (format!("{stem}model.toml"), text)));

@@ -396,12 +396,14 @@ pub(super) static TEXTS: Texts = Texts {
         rest_of_update: "All tables and columns: --full; updated model and tables: -o DIR.", "全部表格与列：--full；修正后的模型与表格：-o DIR。";
         rest_of_update_in_folder: "All tables, columns and notes: --full, or update.txt in the folder.", "全部表格、列与说明：--full，或文件夹中的 update.txt。";
         counted_modes: "Model modes: those in the band of the test. Errors and MAC: of paired and ambiguous modes.", "理论模态：试验频带内的模态。误差与 MAC：已配对与不明确的模态。";
-        configurations_disagree: "Configurations disagree: {} = {} in {}, {} elsewhere (chi-square {} less).", "各构型不一致：{} = {} ({})，其他构型为 {} (卡方降低 {})。";
-        scatter_between_tests: "Scatter of the frequencies between the tests: {} % ({} degrees of freedom), part of each deviation.", "各次试验之间频率的分散度：{} % ({} 个自由度)，计入各标准差。";
-        scatter_of_configuration: "Scatter of the frequencies between the tests of {}: {} % ({} degrees of freedom), part of each deviation.", "{} 的各次试验之间频率的分散度：{} % ({} 个自由度)，计入各标准差。";
+        configurations_disagree: "Configurations disagree: {} = {} in {}, {} elsewhere explains {} of chi-square {}.", "各构型不一致：{} = {} ({})，其他构型为 {}，可解释卡方中的 {} / {}。";
+        more_than_this_differs: "Configurations disagree: {} = {} in {}, {} elsewhere explains {} of chi-square {}. More than this parameter differs.", "各构型不一致：{} = {} ({})，其他构型为 {}，可解释卡方中的 {} / {}。不同之处不止此参数。";
+        scatter_between_tests: "Scatter of the frequencies between tests: {} % ({} degrees of freedom), part of each deviation.", "各次试验之间频率的分散度：{} % ({} 个自由度)，计入各标准差。";
+        scatter_unknown: "Scatter between tests: unknown, no two tests of a configuration measure a root.", "各次试验之间的分散度：未知，没有两次试验在同一构型中测得同一特征根。";
+        next_contradiction: "Next, as the configurations disagree: modify, parameters, tests and preload of {}; if {} does differ there, list it in separate.", "下一步，各构型不一致：检查 {} 的 modify、parameters、试验和预紧；若 {} 在其中确实不同，列入 separate。";
         before_of_configuration: "Configuration {}, before", "构型 {}，修正前";
         after_of_configuration: "Configuration {}, after", "构型 {}，修正后";
-        other_configurations: "Other configurations: {}.", "其他构型：{}。";
+        other_configurations: "Not compared here: {}.", "此处未对比：{}。";
         chi_square: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";

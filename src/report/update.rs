@@ -105,7 +105,7 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     footnotes.extend(residual_footnote(scene_update));
     footnotes.push(misfit_footnote(&scene_update.result));
     footnotes.extend(contradiction_text(&scene_update.result));
-    footnotes.extend(scatter_text(&scene_update.result));
+    footnotes.extend(scatter_text(scene_update));
     footnotes.extend(reasons_without_support(&scene_update.result));
     footnotes.extend(alternatives_text(&scene_update.result));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());

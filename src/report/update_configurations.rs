@@ -1,6 +1,7 @@
 //! The tables of an update of several configurations: what each one contributes, and whether they
 //! agree.
 
+use crate::scene::SceneUpdate;
 use crate::update::{Contribution, MAX_POSTERIOR_OVER_PRIOR, UpdateResult};
 
 use super::table::significant;
@@ -96,30 +97,35 @@ pub(super) fn deviations_block(result: &UpdateResult) -> Option<Block> {
 /// The shared parameter that contradicts most between the configurations.
 pub(super) fn contradiction_text(result: &UpdateResult) -> Option<String> {
     let found = result.contradiction.as_ref()?;
+    let rest = match found.explains {
+        true => "",
+        false => " More than this parameter differs.",
+    };
     Some(format!(
-        "Configurations disagree: {} = {} {} in {}, {} elsewhere (chi-square {} less).",
+        "Configurations disagree: {} = {} {} in {}, {} elsewhere explains {} of chi-square {}.{rest}",
         found.parameter,
         significant(found.there, 4),
         found.unit,
         found.configuration,
         significant(found.elsewhere, 4),
-        significant(found.decrease, 3)
+        significant(found.decrease, 3),
+        significant(found.chi_square, 3)
     ))
 }
 
 /// The scatter of the frequencies between tests, where it was requested.
-pub(super) fn scatter_text(result: &UpdateResult) -> Option<String> {
-    let text = |scatter: &crate::update::Scatter| {
-        let percent = significant(100.0 * scatter.relative_std, 3);
-        let freedom = scatter.degrees_of_freedom;
-        let of = match scatter.configuration.as_str() {
-            "" => String::new(),
-            name => format!(" of {name}"),
-        };
-        format!(
-            "Scatter of the frequencies between the tests{of}: {percent} % ({freedom} degrees of freedom), part of each deviation."
-        )
+pub(super) fn scatter_text(update: &SceneUpdate) -> Option<String> {
+    if !update.options.scatter_between_tests {
+        return None;
+    }
+    let Some(scatter) = &update.result.scatter else {
+        let text =
+            "Scatter between tests: unknown, no two tests of a configuration measure a root.";
+        return Some(text.to_owned());
     };
-    let all: Vec<String> = result.scatters.iter().map(text).collect();
-    (!all.is_empty()).then(|| all.join("\n"))
+    let percent = significant(100.0 * scatter.relative_std, 3);
+    let freedom = scatter.degrees_of_freedom;
+    Some(format!(
+        "Scatter of the frequencies between tests: {percent} % ({freedom} degrees of freedom), part of each deviation."
+    ))
 }

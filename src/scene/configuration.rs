@@ -10,7 +10,6 @@ use super::SceneError;
 use super::configuration_tables::{BASE_CONFIGURATION, other_table};
 use super::error::value_error;
 use super::faults::Faults;
-use super::limits::Limits;
 use super::model::{LoadedModel, table_model};
 use super::model_name::first_root;
 use super::plan::Scene;
@@ -51,6 +50,18 @@ impl Scene {
         faults.into_result().map(|()| all)
     }
 
+    /// The base alone, without other configurations and what `[update]` states for all of them.
+    pub fn base_alone(&self) -> Self {
+        if self.configurations.is_empty() {
+            return self.clone();
+        }
+        Self {
+            configurations: Vec::new(),
+            update: None,
+            ..self.base()
+        }
+    }
+
     /// The scene of the tests that no other configuration names.
     pub fn base(&self) -> Self {
         let named = |test: &str| {
@@ -64,7 +75,8 @@ impl Scene {
         let mut scene = self.with_tests(|test| table.tests.iter().any(|name| name == test));
         scene.configurations.clear();
         scene.title = format!("{} ({})", self.title, table.name);
-        scene.limits = Limits::default();
+        // Limits of a mode state its frequency, which another state of the machine changes.
+        scene.limits.mode.clear();
         scene.expected = None;
         // `[update]` may name parameters of other configurations.
         scene.update = None;
@@ -77,16 +89,16 @@ impl Scene {
             }
         };
         model.parameters.extend(table.parameters.clone());
+        if table.model.is_some() {
+            let loaded = table_model(&model, &self.folder, &self.path)?;
+            scene.sensors = sensors_on(loaded.as_ref(), &self.sensors);
+        }
         if !table.modify.is_empty() {
             model.added = Some(AddedParts {
                 configuration: table.name.clone(),
                 modify: table.modify.clone(),
-                sensors: self.sensors.clone(),
+                sensors: scene.sensors.clone(),
             });
-        }
-        if table.model.is_some() {
-            let loaded = table_model(&model, &self.folder, &self.path)?;
-            scene.sensors = sensors_on(loaded.as_ref(), &self.sensors);
         }
         scene.model = Some(model);
         Ok(scene)

@@ -63,6 +63,19 @@ pub(super) fn check_configurations(
             }
             taken.push(test);
         }
+        for (number, name) in table.separate.iter().enumerate() {
+            if table.separate[..number].contains(name) {
+                refuse(
+                    "separate",
+                    &format!("{name:?} twice"),
+                    "each parameter once",
+                );
+            }
+            if table.parameters.contains_key(name) {
+                let got = format!("{name:?} in `parameters`, too");
+                refuse("separate", &got, "a parameter in one of them");
+            }
+        }
         if let Some(name) = &table.model {
             let model = other_table(name, &ModelTable::default());
             faults.take(named_model(&model, folder, path));

@@ -5,7 +5,7 @@ use crate::axis::Band;
 use crate::dof::{Axis, Dof};
 use crate::geometry::{Sensor, Target};
 use crate::theory::{
-    AddedKind, Addition, Coordinate, MODIFICATION, ModelRoot, ModifiedModel, TheoreticalModel,
+    AddedKind, Addition, Coordinate, ModelRoot, ModifiedModel, TheoreticalModel,
     coordinate_sensors, override_values,
 };
 use crate::update::{
@@ -16,7 +16,7 @@ use super::error::{SceneError, value_error};
 use super::faults::Faults;
 use super::model::LoadedModel;
 use super::typed::UpdateTable;
-use super::update::choices;
+use super::update::{ChoosableModel, choices};
 
 /// Syntax of a change.
 const CHANGES: &str = "mass:POINT=KG, mass:DOF=KG, spring:DOF=N/m, spring:DOF,DOF=N/m, \
@@ -195,9 +195,11 @@ impl LoadedModel {
         }
         faults.into_result()?;
         let table = stated.update.cloned().unwrap_or_default();
-        let mut all = choices(&table, &[self], stated.path)?;
-        // The factor of added parts is no parameter of the structure.
-        all.retain(|choice| choice.name != MODIFICATION);
+        let model = ChoosableModel {
+            model: self,
+            held: &[],
+        };
+        let mut all = choices(&table, &[model], stated.path)?;
         if !stated.names.is_empty() {
             all.retain(|choice| stated.names.contains(&choice.name));
         }

@@ -115,6 +115,8 @@ struct LoadedConfiguration {
     measured: Vec<Measured>,
     /// The part of it that counts.
     counted: Vec<Measured>,
+    /// Whether the text of its model is another one than that of the base.
+    has_text: bool,
     /// Parameters that keep the values of its model.
     held: Vec<String>,
     /// Free parameters that have another value than elsewhere.
@@ -158,7 +160,19 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let band = update_band(&stated, &scene.path)?;
     let mut all = Vec::with_capacity(scenes.len());
     for ((name, configured), (model, sensors)) in scenes.into_iter().zip(models) {
-        all.push(load(scene, &stated, name, configured, model, sensors)?);
+        let loaded = load(scene, &stated, name, configured, model, sensors)?;
+        // The base has the parameters; another configuration without a test has nothing to say.
+        if all.is_empty() || !loaded.measured.is_empty() {
+            all.push(loaded);
+        }
+    }
+    if all
+        .iter()
+        .all(|configuration| configuration.measured.is_empty())
+    {
+        let expected = "a [[test]], or published = true in [update]";
+        let got = "nothing measured";
+        return Err(value_error(&scene.path, "[update]", got, expected));
     }
     check_something_good(scene, &stated, band, &all)?;
     let (result, explanation) = updated(scene, &stated, &all)?;
@@ -170,7 +184,7 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let doubtful: Vec<Finding> = doubtful.collect();
     for (configuration, values) in all.into_iter().zip(&result.configuration_values) {
         let outcome = compared(configuration, &stated, values)?;
-        add_new(&mut findings, outcome.findings);
+        add_findings(&mut findings, outcome.findings);
         outcomes.push(outcome.update);
     }
     findings.extend(result.findings());
@@ -192,14 +206,17 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     })
 }
 
-/// Adds the findings that are not there yet.
-fn add_new(findings: &mut Vec<Finding>, more: Vec<Finding>) {
+/// Adds findings, those of a model once: configurations may have the same one.
+fn add_findings(findings: &mut Vec<Finding>, more: Vec<Finding>) {
     for finding in more {
-        if !findings.contains(&finding) {
+        if !CODES_OF_MODELS.contains(&finding.code) || !findings.contains(&finding) {
             findings.push(finding);
         }
     }
 }
+
+/// Findings of a model that an update repeats.
+const CODES_OF_MODELS: [Code; 2] = [Code::ParameterUnused, Code::ExampleValues];
 
 /// The model of a configuration with the sensors on it, checked before the long work on the tests.
 fn opened_model(scene: &Scene) -> Result<(LoadedModel, Vec<Sensor>), SceneError> {
@@ -228,8 +245,8 @@ fn load(
     model: LoadedModel,
     sensors: Vec<Sensor>,
 ) -> Result<LoadedConfiguration, SceneError> {
-    let tests = counted_tests(&scene, stated)?;
     let is_base = name == BASE_CONFIGURATION;
+    let tests = counted_tests(&scene, stated, is_base)?;
     let measured = measured(&scene, stated, &tests, is_base)?;
     let band = update_band(stated, &scene.path)?;
     let counted = measured
@@ -241,6 +258,7 @@ fn load(
     Ok(LoadedConfiguration {
         held: table.map_or_else(Vec::new, |table| table.parameters.keys().cloned().collect()),
         separate: table.map_or_else(Vec::new, |table| table.separate.clone()),
+        has_text: is_base || table.is_some_and(|table| table.model.is_some()),
         // Names tell configurations apart; a single one has none.
         name: match whole.configurations.is_empty() {
             true => String::new(),
@@ -262,14 +280,12 @@ fn check_something_good(
     band: Option<Band>,
     all: &[LoadedConfiguration],
 ) -> Result<(), SceneError> {
-    let counted = || all.iter().flat_map(|configuration| &configuration.counted);
-    let measured: Vec<Measured> = all
-        .iter()
-        .flat_map(|configuration| configuration.measured.clone())
-        .collect();
-    if counted().all(|measured| measured.modes.modes.is_empty())
-        && !doubtful_left_out(&measured, band, stated.doubtful_modes).is_empty()
-    {
+    let mut counted = all.iter().flat_map(|configuration| &configuration.counted);
+    let has_doubtful = |configuration: &LoadedConfiguration| {
+        let measured = &configuration.measured;
+        !doubtful_left_out(measured, band, stated.doubtful_modes).is_empty()
+    };
+    if counted.all(|measured| measured.modes.modes.is_empty()) && all.iter().any(has_doubtful) {
         let expected = "good modes, or doubtful_modes = true";
         let got = "doubtful modes alone";
         return Err(value_error(&scene.path, "[update]", got, expected));
@@ -302,13 +318,29 @@ fn updated(
             separate: &configuration.separate,
         })
         .collect();
-    let models: Vec<&LoadedModel> = all.iter().map(|other| &other.model).collect();
-    let choices = choices(stated, &models, &scene.path)?;
+    let models = all.iter().map(|configuration| ChoosableModel {
+        model: &configuration.model,
+        held: &configuration.held,
+    });
+    let choices = choices(stated, &models.collect::<Vec<_>>(), &scene.path)?;
     let options = options(scene, stated)?;
     let problem = UpdateProblem::of_configurations(&configurations, &choices, options);
     let problem = match problem {
         Err(error @ UpdateError::NothingPaired { .. }) => {
             return Err(nothing_paired(&all[0], error)?);
+        }
+        Err(
+            error @ (UpdateError::SharedValue { .. }
+            | UpdateError::Separate { .. }
+            | UpdateError::NothingShared { .. }),
+        ) => {
+            let (got, expected) = ("parameters that do not agree", error.to_string());
+            return Err(value_error(
+                &scene.path,
+                "[[configuration]]",
+                got,
+                &expected,
+            ));
         }
         problem => problem?,
     };
@@ -371,6 +403,7 @@ fn compared(
         sensors,
         tests,
         measured,
+        has_text,
         ..
     } = configuration;
     let mode_options = ModeOptions {
@@ -378,8 +411,6 @@ fn compared(
         ..ModeOptions::default()
     };
     let table = model_table_of(&scene)?;
-    // The text of a model with added parts is that of the base.
-    let has_text = name.is_empty() || name == BASE_CONFIGURATION || table.added.is_none();
     let model_toml = has_text.then(|| model_text(table, &model, &scene, values));
     let model_toml = model_toml.transpose()?;
     let theory_before = model.solve(&sensors, &mode_options)?;
@@ -415,8 +446,7 @@ fn compared(
         .collect();
     findings.extend(new);
     let of_model = theory_before.modes.findings.iter();
-    let of_model = of_model
-        .filter(|finding| [Code::ParameterUnused, Code::ExampleValues].contains(&finding.code));
+    let of_model = of_model.filter(|finding| CODES_OF_MODELS.contains(&finding.code));
     findings.extend(of_model.cloned());
     Ok(Compared {
         update: ConfigurationUpdate {
@@ -483,12 +513,16 @@ fn check_test_names(scene: &Scene, stated: &UpdateTable) -> Result<(), SceneErro
     Ok(())
 }
 
-/// The tests that `[update]` names; all of them where it names none and no published frequencies
-/// count.
-fn counted_tests(scene: &Scene, stated: &UpdateTable) -> Result<Vec<TestResult>, SceneError> {
+/// The tests that `[update]` names; all of them where it names none, those of the base unless
+/// published frequencies count.
+fn counted_tests(
+    scene: &Scene,
+    stated: &UpdateTable,
+    is_base: bool,
+) -> Result<Vec<TestResult>, SceneError> {
     let counts = |name: &String| match &stated.tests {
         Some(names) => names.contains(name),
-        None => !stated.published,
+        None => !stated.published || !is_base,
     };
     let counted = scene.tests.iter().filter(|test| counts(&test.name));
     counted.map(|test| run_test(scene, test)).collect()
@@ -586,11 +620,6 @@ fn measured(
         })?;
         all.push(Measured::published(expected, scene.first_root));
     }
-    if all.is_empty() && is_base {
-        let expected = "a [[test]], or published = true in [update]";
-        let got = "nothing measured";
-        return Err(value_error(&scene.path, "[update]", got, expected));
-    }
     Ok(all)
 }
 
@@ -624,10 +653,26 @@ fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneEr
     })
 }
 
+/// A model with the parameters that keep their values.
+#[derive(Clone, Copy)]
+pub(super) struct ChoosableModel<'a> {
+    pub model: &'a LoadedModel,
+    pub held: &'a [String],
+}
+
+impl ChoosableModel<'_> {
+    /// The parameters that may change, each with its index.
+    fn parameters(&self) -> impl Iterator<Item = (usize, &ParameterSpec)> {
+        let all = self.model.model.parameters().iter().enumerate();
+        // The factor of added parts is no parameter of the structure.
+        all.filter(|(_, spec)| spec.name != MODIFICATION && !self.held.contains(&spec.name))
+    }
+}
+
 /// The parameters that are named; where none is, the stiffnesses of the models above 0.
 pub(super) fn choices(
     stated: &UpdateTable,
-    models: &[&LoadedModel],
+    models: &[ChoosableModel<'_>],
     path: &str,
 ) -> Result<Vec<ParameterChoice>, SceneError> {
     let plain = |name: &str| ParameterChoice {
@@ -639,13 +684,11 @@ pub(super) fn choices(
         all.push(choice(table, stated, models, path)?);
     }
     if all.is_empty() {
-        for model in models {
-            for (j, spec) in model.model.parameters().iter().enumerate() {
-                // The factor of added parts is no parameter of the structure.
-                let is_open = model.values[j] > 0.0
-                    && spec.name != MODIFICATION
-                    && !all.iter().any(|choice| choice.name == spec.name);
-                if is_open && is_stiffness(model.model.as_ref(), &model.values, j)? {
+        for choosable in models {
+            let LoadedModel { model, values, .. } = choosable.model;
+            for (j, spec) in choosable.parameters() {
+                let is_new = !all.iter().any(|choice| choice.name == spec.name);
+                if is_new && values[j] > 0.0 && is_stiffness(model.as_ref(), values, j)? {
                     all.push(plain(&spec.name));
                 }
             }
@@ -666,17 +709,16 @@ pub(super) fn choices(
 fn choice(
     table: &UpdateParameterTable,
     stated: &UpdateTable,
-    models: &[&LoadedModel],
+    models: &[ChoosableModel<'_>],
     path: &str,
 ) -> Result<ParameterChoice, SceneError> {
     let key = format!("[[update.parameter]] {:?} prior", table.name);
-    let specs = |model: &&LoadedModel| -> Vec<(ParameterSpec, f64)> {
-        let specs = model.model.parameters().iter().cloned();
-        specs.zip(model.values.iter().copied()).collect()
-    };
-    let mut specs = models.iter().flat_map(specs);
-    let named = specs.find(|(spec, _)| spec.name == table.name);
-    let value = named.map_or(0.0, |(_, value)| value.abs());
+    let value = models.iter().find_map(|choosable| {
+        let mut parameters = choosable.parameters();
+        let (j, _) = parameters.find(|(_, spec)| spec.name == table.name)?;
+        Some(choosable.model.values[j].abs())
+    });
+    let value = value.unwrap_or(0.0);
     let part = table.prior_std.or(stated.prior_std);
     let part = part.unwrap_or(UpdateOptions::default().prior_std);
     let prior = match table.prior.as_deref() {
@@ -727,7 +769,15 @@ fn model_text(
     scene: &Scene,
     values: &[f64],
 ) -> Result<String, SceneError> {
-    let specs = model.model.parameters();
+    // The factor of added parts, the last one, does not stand in the text.
+    let specs: Vec<ParameterSpec> = model
+        .model
+        .parameters()
+        .iter()
+        .filter(|spec| spec.name != MODIFICATION)
+        .cloned()
+        .collect();
+    let specs = specs.as_slice();
     let Some(file) = &named.file else {
         let name = named.name.clone().unwrap_or_default();
         return Ok(model_table_text("name", &name, specs, values));

@@ -8,7 +8,6 @@ use std::ops::Range;
 
 use crate::dof::Dof;
 use crate::geometry::Sensor;
-use crate::linalg::real_matrix;
 use crate::theory::{ParameterSpec, SystemDerivative, TheoreticalModel};
 
 use super::model_state::ModelState;
@@ -94,17 +93,15 @@ impl Part<'_> {
         self.places[j].is_some()
     }
 
-    /// Derivatives of the matrices by each free parameter; zeros for one that the model does not
+    /// Derivatives of the matrices by each free parameter; `None` for one that the model does not
     /// have.
-    pub fn derivatives(&self, state: &ModelState) -> Result<Vec<SystemDerivative>, UpdateError> {
-        let n = state.matrices.mass.nrows();
-        let by = |place: &Option<usize>| match *place {
-            Some(j) => Ok(self.model.derivative(&state.values, j)?),
-            None => Ok(SystemDerivative {
-                mass: real_matrix(n, n, |_, _| 0.0),
-                damping: None,
-                stiffness: real_matrix(n, n, |_, _| 0.0),
-            }),
+    pub fn derivatives(
+        &self,
+        state: &ModelState,
+    ) -> Result<Vec<Option<SystemDerivative>>, UpdateError> {
+        let by = |place: &Option<usize>| {
+            let by = place.map(|j| self.model.derivative(&state.values, j));
+            Ok(by.transpose()?)
         };
         self.places.iter().map(by).collect()
     }
@@ -143,12 +140,12 @@ pub(super) fn parts_of<'a>(
             None => return Err(unknown(configurations, &choice.name, "there is none")),
         };
         names.push((&choice.name, None));
-        free.push(FreeParameter::new(
-            first.model,
-            first.values,
-            choice,
-            options,
-        )?);
+        let parameter = FreeParameter::new(first.model, first.values, choice, options)?;
+        let is_of_base = first.name == configurations[0].name;
+        free.push(FreeParameter {
+            configuration: (!is_of_base).then(|| first.name.to_owned()),
+            ..parameter
+        });
     }
     for (c, configuration) in configurations.iter().enumerate() {
         for name in configuration.separate {
@@ -179,10 +176,21 @@ pub(super) fn parts_of<'a>(
             None => position(configuration, name).filter(|_| shares(configuration, name)),
         };
         let places: Vec<Option<usize>> = names.iter().map(place).collect();
-        for (place, parameter) in places.iter().zip(&free) {
-            let Some(value) = place.map(|place| configuration.values[place]) else {
+        if configurations.len() > 1 && places.iter().all(Option::is_none) {
+            return Err(UpdateError::NothingShared {
+                configuration: configuration.name.to_owned(),
+                free: choices.iter().map(|choice| choice.name.clone()).collect(),
+            });
+        }
+        for (place, parameter) in places.iter().zip(&mut free) {
+            let Some(place) = *place else {
                 continue;
             };
+            // The bounds of every model that has the parameter.
+            let spec = &configuration.model.parameters()[place];
+            parameter.lower = parameter.lower.max(spec.lower.unwrap_or(f64::NEG_INFINITY));
+            parameter.upper = parameter.upper.min(spec.upper.unwrap_or(f64::INFINITY));
+            let value = configuration.values[place];
             if (value - parameter.initial).abs() > MAX_SHARED_DIFFERENCE * parameter.initial.abs() {
                 return Err(UpdateError::SharedValue {
                     name: parameter.name.clone(),

@@ -188,14 +188,14 @@ fn a_stiffness_that_differs_between_configurations_is_named_with_its_values() {
 fn a_held_parameter_keeps_the_value_of_its_configuration() {
     let models = models();
     let data = measured_of(&models, [&[120.0, 180.0, 300.0], &START], false);
-    let held = ["k1", "k2", "k3"];
+    let held = ["k1", "k2"];
     let result = with_problem(&models, &data, [&held, &[]], options(), |problem| {
         update(&problem).unwrap()
     });
     let result = result.unwrap();
-    assert_eq!(result.configuration_values[1], START);
+    assert_eq!(result.configuration_values[1][..2], START[..2]);
     assert!((result.values[0] / 120.0 - 1.0).abs() < 1e-3);
-    assert_eq!(result.contributions[1].std_alone, [None; 3]);
+    assert_eq!(result.contributions[1].std_alone[..2], [None; 2]);
 }
 
 #[test]
@@ -317,9 +317,7 @@ fn scatter_between_reassemblies_enters_the_deviations() {
         update(&problem.unwrap()).unwrap()
     };
     let with = result(true);
-    let [scatter] = &with.scatters[..] else {
-        panic!("{:?}", with.scatters)
-    };
+    let scatter = with.scatter.unwrap();
     assert_eq!(scatter.degrees_of_freedom, 6);
     assert!(
         (scatter.relative_std / 0.01 - 1.0).abs() < 0.01,
@@ -332,6 +330,6 @@ fn scatter_between_reassemblies_enters_the_deviations() {
             .all(|p| p.verdict == ParameterVerdict::Identified)
     );
     let without = result(false);
-    assert_eq!(without.scatters, []);
+    assert_eq!(without.scatter, None);
     assert!(!without.fits());
 }

@@ -31,7 +31,8 @@ use super::{Evaluation, UpdateError, UpdateProblem};
 /// 67 differences below six of their deviations 18 are named in place of 29. Test:
 /// `contradictions_between_configurations_are_named_and_none_is_invented` of the population.
 const CONTRADICTION_PROBABILITY: f64 = 0.01;
-/// Smallest part of the sum of squares of a column that the parameters leave: below it is rounding.
+/// Smallest part of the sum of squares of a column that the parameters leave: below it is rounding,
+/// as of a parameter that no other configuration determines.
 const MIN_PART_LEFT: f64 = 1e-9;
 
 /// What one configuration contributes to an update.
@@ -65,20 +66,24 @@ pub struct Contradiction {
     pub there: f64,
     /// Its value in the others then.
     pub elsewhere: f64,
-    /// Decrease of the objective.
+    /// Decrease of chi-square of the data.
     pub decrease: f64,
+    /// Chi-square of the data before.
+    pub chi_square: f64,
+    /// Whether noise explains what remains.
+    pub explains: bool,
     /// Probability of a larger decrease where the configurations agree.
     pub probability: f64,
 }
 
 /// What each configuration contributes to the parameters at a solution: `data` are the derivatives
 /// of the data's residuals with the deviations that the residuals support, `at` has the stated
-/// ones, `slopes` the changes of the values by `z`.
+/// ones; `widen` gives the posterior over prior deviation of a parameter as it is reported.
 pub(super) fn contributions(
     problem: &UpdateProblem<'_>,
     at: &Evaluation,
     data: &RealMatrix,
-    widen: impl Fn(f64) -> f64,
+    widen: impl Fn(usize, f64) -> f64,
 ) -> Result<Vec<Contribution>, UpdateError> {
     if problem.parts.len() < 2 {
         return Ok(Vec::new());
@@ -91,7 +96,7 @@ pub(super) fn contributions(
         let std = |(j, z): (usize, &f64)| {
             let parameter = &problem.free[j];
             let slope = parameter.slope(parameter.value(*z));
-            part.has(j).then(|| slope * widen(alone.ratio[j]))
+            part.has(j).then(|| slope * widen(j, alone.ratio[j]))
         };
         let pairs = at.root_pairs.iter();
         let pairs = pairs.filter(|root_pair| root_pair.configuration == c);
@@ -116,6 +121,10 @@ pub(super) fn contradiction(
     solution: &Solution,
 ) -> Result<Option<Contradiction>, UpdateError> {
     let candidates = candidates(problem);
+    // Lines of FRFs share errors of whole functions, and are no independent evidence.
+    if candidates.is_empty() || problem.compares_frfs {
+        return Ok(None);
+    }
     let at = &solution.at;
     let owners = problem.configurations_of_rows(at);
     let remaining = Remaining::new(&solution.jacobian)?;
@@ -146,7 +155,8 @@ pub(super) fn contradiction(
     };
     let decrease = at.chi_square() - found.chi_square();
     let nu = problem.data_count(&found).saturating_sub(z.len());
-    let probability = probability(decrease, found.chi_square(), nu as f64);
+    let pairs = found.root_pairs.len().saturating_sub(z.len());
+    let probability = probability(decrease, &found, [nu as f64, pairs as f64]);
     let probability = (probability * candidates.len() as f64).min(1.0);
     let value = |place: usize| separate.free[place].value(found.z[place]);
     let parameter = &problem.free[j];
@@ -158,6 +168,8 @@ pub(super) fn contradiction(
             there: value(z.len() - 1),
             elsewhere: value(j),
             decrease,
+            chi_square: at.chi_square(),
+            explains: found.chi_square() <= max_chi_square((nu as f64).max(1.0)),
             probability,
         }),
     )
@@ -180,14 +192,15 @@ fn candidates(problem: &UpdateProblem<'_>) -> Vec<(usize, usize)> {
     all
 }
 
-/// Probability of a larger decrease by one more parameter, where `chi^2` remains with `nu` degrees
-/// of freedom: of residuals that noise explains by their stated deviations, else by the deviations
-/// that the residuals show.
-fn probability(decrease: f64, chi_square: f64, nu: f64) -> f64 {
+/// Probability of a larger decrease by one more parameter: of residuals that noise explains, by
+/// their stated deviations; else by the deviations that the residuals show, with the degrees of
+/// freedom of root pairs, whose residuals have one cause.
+fn probability(decrease: f64, after: &Evaluation, [nu, pairs]: [f64; 2]) -> f64 {
     let decrease = decrease.max(0.0);
+    let chi_square = after.chi_square();
     if nu >= 1.0 && chi_square > max_chi_square(nu) {
         let ratio = decrease / (chi_square / nu);
-        return FisherSnedecor::new(1.0, nu).map_or(1.0, |f| f.sf(ratio));
+        return FisherSnedecor::new(1.0, pairs.max(1.0)).map_or(1.0, |f| f.sf(ratio));
     }
     ChiSquared::new(1.0).map_or(1.0, |chi| chi.sf(decrease))
 }

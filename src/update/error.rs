@@ -107,6 +107,17 @@ pub enum UpdateError {
         /// The free ones.
         free: Vec<String>,
     },
+    /// A configuration whose model has none of the free parameters.
+    #[error(
+        "configuration {configuration:?}: its model has no free parameter, expected one of {}, with the same name as in the other models",
+        first_names(free)
+    )]
+    NothingShared {
+        /// The configuration.
+        configuration: String,
+        /// The free parameters.
+        free: Vec<String>,
+    },
     /// No parameter to change.
     #[error("no parameter is free, expected at least one")]
     NothingFree,

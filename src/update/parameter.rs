@@ -47,7 +47,7 @@ pub struct FreeParameter {
     pub index: usize,
     /// Name.
     pub name: String,
-    /// The only configuration that has it; `None` for a shared parameter.
+    /// The configuration that has it, where the first one does not.
     pub configuration: Option<String>,
     /// Unit.
     pub unit: String,

@@ -9,6 +9,7 @@ use crate::correlate::PairOptions;
 use crate::correlate::measures::reversed_sensors;
 use crate::dof::Dof;
 use crate::geometry::Sensor;
+use crate::linalg::real_matrix;
 use crate::modal::{ModalModel, Mode};
 use crate::theory::{
     ModeDerivatives, ModeOptions, TheoreticalModel, TheoryError, TheoryModes, check_values,
@@ -20,7 +21,7 @@ use super::frfs::FrfTarget;
 use super::mode_tracking::{PairedModes, follow, with_whole_roots, without_unseen};
 use super::model_state::ModelState;
 use super::residual::RootPairResidual;
-use super::scatter::{Scatter, scatters};
+use super::scatter::{Scatter, scatter};
 use super::target::{ReversedSensors, ShapeRows, targets_of};
 use super::{
     Evaluation, FreeParameter, MeasuredModes, ParameterChoice, Residuals, RootPair, Target,
@@ -48,8 +49,8 @@ pub struct UpdateProblem<'a> {
     /// Sensors of each test with the opposite sign of the model at the start; their values take no
     /// part.
     pub reversed: Vec<ReversedSensors>,
-    /// Scatter between the tests of each configuration, where it was requested.
-    pub(super) scatters: Vec<Scatter>,
+    /// Scatter between the tests of a configuration, where it was requested and can be estimated.
+    pub(super) scatter: Option<Scatter>,
     /// Options.
     pub options: UpdateOptions,
     pub(super) tests: Vec<PairedModes>,
@@ -120,7 +121,7 @@ impl<'a> UpdateProblem<'a> {
             left_out: Vec::new(),
             far: Vec::new(),
             reversed: Vec::new(),
-            scatters: Vec::new(),
+            scatter: None,
             options,
             tests: Vec::new(),
             prior_weight: 1.0,
@@ -146,7 +147,7 @@ impl<'a> UpdateProblem<'a> {
     fn weigh(&mut self, measured: &[MeasuredModes<'_>]) -> Result<(), UpdateError> {
         let root_pairs = self.root_pairs(&self.initial(), &self.options.pair)?;
         if self.options.scatter_between_tests {
-            self.scatters = scatters(&self.parts, &self.targets, &root_pairs);
+            self.scatter = scatter(&self.targets, &root_pairs);
         }
         let mut rows: Vec<Option<ShapeRows>> = Vec::with_capacity(measured.len());
         for part in &self.parts {
@@ -160,10 +161,7 @@ impl<'a> UpdateProblem<'a> {
         for t in 0..self.targets.len() {
             let others = others_of(t, &root_pairs, &self.targets);
             let floor = self.options.frequency_floor;
-            let part = &self.parts[self.part_of(self.targets[t].test)];
-            let mut scatters = self.scatters.iter();
-            let scatter = scatters.find(|scatter| scatter.configuration == part.name);
-            let scatter = scatter.map_or(0.0, |scatter| scatter.relative_std);
+            let scatter = self.scatter.map_or(0.0, |scatter| scatter.relative_std);
             let target = &mut self.targets[t];
             target.weigh(floor, scatter, 1 + others.len())?;
             let Some(pairing_rows) = &rows[target.test] else {
@@ -572,7 +570,10 @@ impl<'a> UpdateProblem<'a> {
                 .collect();
             let by = self.parts[c].derivatives(state)?;
             for ((column, _), by) in all.iter_mut().zip(&by) {
-                column.extend(mode_derivatives(&state.modes, &roots, by)?);
+                match by {
+                    Some(by) => column.extend(mode_derivatives(&state.modes, &roots, by)?),
+                    None => column.extend(roots.iter().map(|root| unchanged(state, root.len()))),
+                }
             }
         }
         for (place, residual) in residuals.iter().enumerate() {
@@ -617,6 +618,15 @@ fn others_of(target: usize, root_pairs: &[RootPair], targets: &[Target]) -> Vec<
     others.sort_unstable();
     others.dedup();
     others
+}
+
+/// Derivatives of the modes of a root by a parameter that its model does not have.
+fn unchanged(state: &ModelState, modes: usize) -> ModeDerivatives {
+    let coordinates = state.modes.vectors.nrows();
+    ModeDerivatives {
+        projected: real_matrix(modes, modes, |_, _| 0.0),
+        vectors: real_matrix(coordinates, modes, |_, _| 0.0),
+    }
 }
 
 /// The root pairs of an evaluation after the modes of the models have changed, those of each

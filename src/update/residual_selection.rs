@@ -59,9 +59,16 @@ impl UpdateProblem<'_> {
             let by = self.system_derivatives(at)?;
             let part = |set: &FrfTarget| {
                 let c = self.part_of(set.test);
-                set.derivatives(&at.states[c].matrices, &by[c])
+                let columns =
+                    |by: &[SystemDerivative]| Ok(set.derivatives(&at.states[c].matrices, by));
+                columns_of_known(&by[c], set.len(), columns)
             };
-            joined(self.frfs.iter().map(part).collect())
+            joined(
+                self.frfs
+                    .iter()
+                    .map(part)
+                    .collect::<Result<_, UpdateError>>()?,
+            )
         } else if self.options.residuals == Residuals::ModalDynamic {
             let by = self.system_derivatives(at)?;
             let of_target = |(test, shapes, dynamic): DynamicPair<'_>| {
@@ -69,7 +76,10 @@ impl UpdateProblem<'_> {
                 let ModelState {
                     modes, matrices, ..
                 } = &at.states[c];
-                dynamic.derivatives(shapes, matrices, modes.condensation.as_deref(), &by[c])
+                let columns = |by: &[SystemDerivative]| {
+                    dynamic.derivatives(shapes, matrices, modes.condensation.as_deref(), by)
+                };
+                columns_of_known(&by[c], dynamic.len(shapes), columns)
             };
             let parts = self.dynamic().map(of_target);
             joined(parts.collect::<Result<_, UpdateError>>()?)
@@ -107,11 +117,12 @@ impl UpdateProblem<'_> {
         Ok(jacobian)
     }
 
-    /// Derivatives of the matrices of each configuration by each free parameter.
+    /// Derivatives of the matrices of each configuration by each free parameter; `None` for one
+    /// that its model does not have.
     fn system_derivatives(
         &self,
         at: &Evaluation,
-    ) -> Result<Vec<Vec<SystemDerivative>>, UpdateError> {
+    ) -> Result<Vec<Vec<Option<SystemDerivative>>>, UpdateError> {
         let parts = self.parts.iter().zip(&at.states);
         parts.map(|(part, state)| part.derivatives(state)).collect()
     }
@@ -314,6 +325,21 @@ type DynamicPair<'a> = (
     &'a super::target_shapes::TargetShapes,
     &'a DynamicTarget,
 );
+
+/// The columns of the parameters that a model has, and columns of zeros of the others.
+fn columns_of_known(
+    by: &[Option<SystemDerivative>],
+    rows: usize,
+    columns: impl Fn(&[SystemDerivative]) -> Result<Vec<Vec<f64>>, UpdateError>,
+) -> Result<Vec<Vec<f64>>, UpdateError> {
+    let known: Vec<SystemDerivative> = by.iter().flatten().cloned().collect();
+    let mut known = columns(&known)?.into_iter();
+    let column = |by: &Option<SystemDerivative>| {
+        let column = by.as_ref().and_then(|_| known.next());
+        column.unwrap_or_else(|| vec![0.0; rows])
+    };
+    Ok(by.iter().map(column).collect())
+}
 
 /// The columns of several parts, one part below the other.
 fn joined(parts: Vec<Vec<Vec<f64>>>) -> Vec<Vec<f64>> {

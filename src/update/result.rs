@@ -43,7 +43,7 @@ const FRF_ROUNDS: usize = 2;
 pub struct UpdatedParameter {
     /// Name.
     pub name: String,
-    /// The only configuration that has it; `None` for a shared parameter.
+    /// The configuration that has it, where the first one does not.
     pub configuration: Option<String>,
     /// Unit.
     pub unit: String,
@@ -209,8 +209,9 @@ pub struct UpdateResult {
     pub contributions: Vec<Contribution>,
     /// The shared parameter that contradicts most between configurations.
     pub contradiction: Option<Contradiction>,
-    /// Scatter of the frequencies between tests of one configuration, where it was requested.
-    pub scatters: Vec<Scatter>,
+    /// Scatter of the frequencies between tests of one configuration, where it was requested and
+    /// can be estimated.
+    pub scatter: Option<Scatter>,
     /// Other optima of about the same objective.
     pub alternatives: Vec<Alternative>,
 }
@@ -365,7 +366,7 @@ fn summarise(
     let jacobian = weighted.jacobian(&at)?;
     let data = data_rows(&weighted, &jacobian, at.data_rows);
     let known = Identifiability::new(&data, &problem.free)?;
-    let widen = |ratio: f64| student_factor * ratio;
+    let widen = |j: usize, ratio: f64| student_factor * ratio.max(jackknife[j]);
     let before = problem.start(&vec![0.0; problem.free.len()])?;
     let at = problem.at_root_pairs(&at.z, at.root_pairs)?;
     let after = fit(problem, &at, Some(&known))?;
@@ -389,7 +390,7 @@ fn summarise(
     Ok(UpdateResult {
         contributions: contributions(problem, &at, &data, widen)?,
         contradiction,
-        scatters: problem.scatters.clone(),
+        scatter: problem.scatter,
         parameters: parameters(problem, &at, &judged),
         correlation: (0..problem.free.len())
             .map(|i| {

@@ -5,7 +5,8 @@
 //! `s^2` and weights `w = 1/s^2`, the sum `Q = sum w (y - mean y)^2` has the expectation `nu +
 //! tau^2 C` with `nu = sum (k - 1)` and `C = sum (sum w - sum w^2/sum w)` over the roots. The
 //! variance `tau^2` of the scatter is `(Q - nu)/C`, and 0 where noise explains `Q`. Without
-//! standard deviations it is the pooled variance of `y`.
+//! standard deviations it is the pooled variance of `y`. The scatter is taken as independent between
+//! roots, as the same fraction of all frequencies, and as that of each configuration.
 //!
 //! # Reference
 //! DerSimonian and Laird (1986), Meta-analysis in clinical trials, Controlled Clinical Trials 7,
@@ -13,15 +14,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::configuration::Part;
 use super::evaluate::max_chi_square;
 use super::{RootPair, Target};
 
-/// Scatter of the natural frequencies between the tests of a configuration.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Scatter of the natural frequencies between tests of one configuration.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
-    /// Name of the configuration; none where there is one.
-    pub configuration: String,
     /// Standard deviation, a fraction of the frequency.
     pub relative_std: f64,
     /// Degrees of freedom that it is estimated from.
@@ -31,32 +29,20 @@ pub struct Scatter {
 /// A frequency of one test: its logarithm and relative variance.
 type Logarithm = (f64, f64);
 
-/// Scatter of each configuration with two or more tests of a root.
-pub(super) fn scatters(
-    parts: &[Part<'_>],
-    targets: &[Target],
-    root_pairs: &[RootPair],
-) -> Vec<Scatter> {
-    let scatter = |(c, part): (usize, &Part<'_>)| {
-        let pairs = root_pairs.iter();
-        let pairs = pairs.filter(|root_pair| root_pair.configuration == c);
-        let roots = roots(pairs, targets);
-        let degrees_of_freedom = roots.iter().map(|root| root.len() - 1).sum();
-        (degrees_of_freedom > 0).then(|| Scatter {
-            configuration: part.name.clone(),
-            relative_std: variance(&roots).sqrt(),
-            degrees_of_freedom,
-        })
-    };
-    parts.iter().enumerate().filter_map(scatter).collect()
+/// Scatter between the tests of each configuration, of all configurations together; `None` where no
+/// root is measured by two tests of a configuration.
+pub(super) fn scatter(targets: &[Target], root_pairs: &[RootPair]) -> Option<Scatter> {
+    let roots = roots(root_pairs, targets);
+    let degrees_of_freedom = roots.iter().map(|root| root.len() - 1).sum();
+    (degrees_of_freedom > 0).then(|| Scatter {
+        relative_std: variance(&roots).sqrt(),
+        degrees_of_freedom,
+    })
 }
 
 /// The mean frequency of each root of the model in each test.
-fn roots<'a>(
-    root_pairs: impl Iterator<Item = &'a RootPair>,
-    targets: &[Target],
-) -> Vec<Vec<Logarithm>> {
-    let mut roots: Vec<(&[usize], Vec<Logarithm>)> = Vec::new();
+fn roots(root_pairs: &[RootPair], targets: &[Target]) -> Vec<Vec<Logarithm>> {
+    let mut roots: Vec<(&RootPair, Vec<Logarithm>)> = Vec::new();
     for root_pair in root_pairs {
         let count = root_pair.targets.len() as f64;
         let targets = || root_pair.targets.iter().map(|&t| &targets[t]);
@@ -66,12 +52,12 @@ fn roots<'a>(
             std * std
         });
         let one = (logarithm, variances.sum::<f64>() / (count * count));
-        match roots
-            .iter_mut()
-            .find(|(modes, _)| *modes == root_pair.modes)
-        {
+        let is_same = |other: &RootPair| {
+            (other.configuration, &other.modes) == (root_pair.configuration, &root_pair.modes)
+        };
+        match roots.iter_mut().find(|(other, _)| is_same(other)) {
             Some((_, tests)) => tests.push(one),
-            None => roots.push((&root_pair.modes, vec![one])),
+            None => roots.push((root_pair, vec![one])),
         }
     }
     roots.into_iter().map(|(_, tests)| tests).collect()

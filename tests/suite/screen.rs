@@ -546,7 +546,7 @@ fn a_chinese_screen_has_no_english_sentence() {
                 text.replace("samples = 32768", "samples = 8192")
             }
             Some("scene.toml") => text
-                .replace("starts = 120", "starts = 1")
+                .replace("[update]\n", "[update]\nstarts = 1\n")
                 .replace("[500.0, 9750.0]", "[500.0, 9300.0]"),
             _ => text,
         };

@@ -57,8 +57,8 @@ pub struct UpdateFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contradiction: Option<Contradiction>,
     /// Scatter of the frequencies between tests of one configuration, where it was requested.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub scatters: Vec<Scatter>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
     /// Other optima of about the same objective, with the values of the free parameters.
     #[serde(default)]
     pub alternatives: Vec<Alternative>,
@@ -86,7 +86,7 @@ fn of_modes() -> Residuals {
 pub struct UpdatedParameterFile {
     /// Name.
     pub name: String,
-    /// The only configuration that has it; none for a shared parameter.
+    /// The configuration that has it, where the base does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub configuration: Option<String>,
     /// Unit.
@@ -315,7 +315,7 @@ pub fn update_file(scene_update: &SceneUpdate) -> UpdateFile {
         unpredicted: result.unpredicted.clone(),
         configurations: result.contributions.clone(),
         contradiction: result.contradiction.clone(),
-        scatters: result.scatters.clone(),
+        scatter: result.scatter,
         alternatives: result.alternatives.clone(),
         left_out: left_out.collect(),
         reversed_sensors: result.reversed.clone(),

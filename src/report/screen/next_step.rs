@@ -144,6 +144,12 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
         let text = "Next, as the update did not converge: fewer parameters or tighter bounds in [update], or a higher max_iterations.";
         return Some(text.to_owned());
     }
+    if let Some(found) = &result.contradiction {
+        return Some(format!(
+            "Next, as the configurations disagree: modify, parameters, tests and preload of {}; if {} does differ there, list it in separate.",
+            found.configuration, found.parameter
+        ));
+    }
     if !result.fits() {
         let trials = match (&update.explanation, result.parameters.len()) {
             (Some(_), _) => "the single changes: --full",

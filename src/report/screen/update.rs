@@ -42,7 +42,7 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         footnotes: [
             Some(misfit_footnote(result)),
             contradiction_text(result),
-            scatter_text(result),
+            scatter_text(scene_update),
             reasons_without_support(result),
             alternatives_text(result),
         ]
