@@ -5,8 +5,8 @@
 //! `s^2` and weights `w = 1/s^2`, the sum `Q = sum w (y - mean y)^2` has the expectation `nu +
 //! tau^2 C` with `nu = sum (k - 1)` and `C = sum (sum w - sum w^2/sum w)` over the roots. The
 //! variance `tau^2` of the scatter is `(Q - nu)/C`, and 0 where noise explains `Q`. Without
-//! standard deviations it is the pooled variance of `y`. The scatter is taken as independent between
-//! roots, as the same fraction of all frequencies, and as that of each configuration.
+//! standard deviations it is the pooled variance of `y`. The scatter is taken as independent
+//! between roots, as the same fraction of all frequencies, and as that of each configuration.
 //!
 //! # Reference
 //! DerSimonian and Laird (1986), Meta-analysis in clinical trials, Controlled Clinical Trials 7,
