@@ -177,12 +177,22 @@ impl Draw {
     }
 }
 
+/// Result of a draw whose configurations agree.
+struct Agreeing {
+    /// Free stiffnesses, those that are identified, and those of them whose interval holds the
+    /// truth.
+    all: usize,
+    identified: usize,
+    held: usize,
+    is_invented: bool,
+}
+
 /// The limit of the probability of a contradiction by chance was moved either way on the even
 /// draws; the odd ones, which are counted here, were run once.
 #[test]
 fn contradictions_between_configurations_are_named_and_none_is_invented() {
     let numbers: Vec<u64> = (0..draws(200)).map(|number| 2 * number + 1).collect();
-    let agreeing: Vec<(usize, usize, usize, bool)> = numbers
+    let agreeing: Vec<Agreeing> = numbers
         .par_iter()
         .map(|&number| {
             let draw = draw(number, false);
@@ -196,8 +206,12 @@ fn contradictions_between_configurations_are_named_and_none_is_invented() {
                 let (lower, upper) = parameter.interval_95;
                 (lower..=upper).contains(*truth)
             });
-            let (all, identified, held) = (draw.truth.len(), identified.count(), held.count());
-            (all, identified, held, result.contradiction.is_some())
+            Agreeing {
+                all: draw.truth.len(),
+                identified: identified.count(),
+                held: held.count(),
+                is_invented: result.contradiction.is_some(),
+            }
         })
         .collect();
     let differing: Vec<(bool, bool, bool)> = numbers
@@ -217,11 +231,10 @@ fn contradictions_between_configurations_are_named_and_none_is_invented() {
             (draw.is_shown(), is_right, identified)
         })
         .collect();
-    let sum = |of: &dyn Fn(&(usize, usize, usize, bool)) -> usize| -> usize {
-        agreeing.iter().map(of).sum()
-    };
-    let (all, identified, held) = (sum(&|t| t.0), sum(&|t| t.1), sum(&|t| t.2));
-    let invented = sum(&|t| usize::from(t.3));
+    let sum = |of: fn(&Agreeing) -> usize| -> usize { agreeing.iter().map(of).sum() };
+    let (all, identified) = (sum(|draw| draw.all), sum(|draw| draw.identified));
+    let held = sum(|draw| draw.held);
+    let invented = sum(|draw| usize::from(draw.is_invented));
     let shown: Vec<_> = differing.iter().filter(|(shown, _, _)| *shown).collect();
     let right = shown.iter().filter(|(_, right, _)| *right).count();
     let still = shown

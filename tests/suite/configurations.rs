@@ -109,7 +109,7 @@ fn configurations_update_the_stiffnesses_that_they_share() {
     let out = folder.path().join("out");
     let scene = folder.path().join("scene.toml");
     let (out_name, scene) = (out.to_str().unwrap(), scene.to_str().unwrap());
-    let screen = succeed(&["update", scene, "-o", out_name]);
+    let screen = succeed(["update", scene, "-o", out_name]);
     assert!(
         screen.contains("Contribution of each configuration"),
         "{screen}"
@@ -129,7 +129,7 @@ fn a_run_compares_the_tests_of_one_configuration_with_its_model() {
     write_scene(folder.path(), &TRUTH, CONFIGURATIONS);
     let scene = folder.path().join("scene.toml");
     let scene = scene.to_str().unwrap();
-    let base = succeed(&["run", scene]);
+    let base = succeed(["run", scene]);
     let others =
         "Not compared here: --configuration \"with mass\", --configuration \"lower storeys\".";
     assert!(base.replace('\n', " ").contains(others), "{base}");
@@ -139,7 +139,7 @@ fn a_run_compares_the_tests_of_one_configuration_with_its_model() {
         let rows = of(name)["rows"].as_array().unwrap().len();
         assert_eq!(rows, modes, "{name}");
     }
-    let message = fail(&["run", scene, "--configuration", "loaded"]);
+    let message = fail(["run", scene, "--configuration", "loaded"]);
     let expected = "got \"loaded\", expected one of base, with mass, lower storeys";
     assert!(message.contains(expected), "{message}");
 }
@@ -159,13 +159,13 @@ fn a_stiffness_that_differs_in_one_configuration_is_named() {
     assert!((there / loaded[1] - 1.0).abs() < 0.01, "{found}");
     let scene = folder.path().join("scene.toml");
     let scene = scene.to_str().unwrap();
-    let screen = succeed(&["update", scene]).replace('\n', " ");
+    let screen = succeed(["update", scene]).replace('\n', " ");
     assert!(
         screen.contains("Configurations disagree: k2 = 765"),
         "{screen}"
     );
     assert!(!screen.contains("  identified"), "{screen}");
-    let chinese = succeed(&["update", scene, "--lang", "zh"]);
+    let chinese = succeed(["update", scene, "--lang", "zh"]);
     assert!(chinese.contains("各构型不一致：k2 = 765"), "{chinese}");
     // Listed as separate it has both values.
     let separate = CONFIGURATIONS.replace("modify", "separate = [\"k2\"]\nmodify");
@@ -216,7 +216,7 @@ fn an_invalid_configuration_is_refused_with_its_reason() {
     let refused = |configurations: &str| {
         write_scene(folder.path(), &TRUTH, configurations);
         let scene = folder.path().join("scene.toml");
-        fail(&["update", scene.to_str().unwrap()])
+        fail(["update", scene.to_str().unwrap()])
     };
     let table = |keys: &str| format!("[[configuration]]\n{keys}\n");
     let both = table("name = \"base\"\ntests = [\"lost\"]") + &table("name = \"a\"\ntests = []");
@@ -268,7 +268,7 @@ fn an_invalid_configuration_is_refused_with_its_reason() {
     let part = part.replacen("nominal = 1000.0", "nominal = 1100.0", 1);
     write(folder.path(), &[("part.toml", part.as_str())]);
     let scene = folder.path().join("scene.toml");
-    let message = fail(&["update", scene.to_str().unwrap()]);
+    let message = fail(["update", scene.to_str().unwrap()]);
     let expected = "1100 in the configuration \"lower storeys\" and 1000 in the one before";
     assert!(message.contains(expected), "{message}");
 }

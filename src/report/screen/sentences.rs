@@ -181,10 +181,13 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
     )
 }
 
+/// Whether a cell is of a kind of mode without partner.
+type IsOfKind = fn(&TestCell) -> bool;
+
 /// The modes of the model that the points of the tests do not see, and those that they should have
 /// seen; `None` where each mode in the band of a test has a partner.
 pub(super) fn unseen_modes(table: &ComparisonTable) -> Option<String> {
-    let kinds: [(&str, fn(&TestCell) -> bool); 3] = [
+    let kinds: [(&str, IsOfKind); 3] = [
         ("not observable at the points", |cell| {
             cell.status == Status::NotObservable
         }),
@@ -195,7 +198,7 @@ pub(super) fn unseen_modes(table: &ComparisonTable) -> Option<String> {
             cell.status == Status::MissedUnexpected && !cell.is_status_certain()
         }),
     ];
-    let of_kind = |(what, applies): &(&str, fn(&TestCell) -> bool)| {
+    let of_kind = |(what, applies): &(&str, IsOfKind)| {
         Some(format!("{what}: {}", named_rows(table, *applies)?))
     };
     let all: Vec<String> = kinds.iter().filter_map(of_kind).collect();
