@@ -248,3 +248,46 @@ impl<'a> Remaining<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_decrease_is_that_of_a_linear_fit_with_one_more_column() {
+        let columns = [
+            [1.0, 0.4, -0.3, 0.8, 0.1],
+            [0.2, -1.0, 0.5, 0.6, 0.9],
+            [0.0, 0.0, 0.7, -0.4, 1.1],
+        ];
+        let data = [0.3, -0.8, 1.2, 0.5, -0.6];
+        // What Gram-Schmidt leaves of the data, column by column.
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let without = |a: &[f64], unit: &[f64]| -> Vec<f64> {
+            let part = dot(a, unit);
+            a.iter().zip(unit).map(|(a, u)| a - part * u).collect()
+        };
+        let mut units: Vec<Vec<f64>> = Vec::new();
+        let mut left = vec![data.to_vec()];
+        for column in columns {
+            let rest = units
+                .iter()
+                .fold(column.to_vec(), |rest, u| without(&rest, u));
+            let length = dot(&rest, &rest).sqrt();
+            units.push(rest.iter().map(|x| x / length).collect());
+            let next = without(left.last().unwrap(), units.last().unwrap());
+            left.push(next);
+        }
+        let squares = |k: usize| dot(&left[k], &left[k]);
+        let jacobian = real_matrix(5, 2, |i, j| columns[j][i]);
+        let remaining = Remaining::new(&jacobian).unwrap();
+        let decrease = remaining.decrease(&columns[2], &left[2]);
+        let expected = squares(2) - squares(3);
+        assert!(
+            (decrease / expected - 1.0).abs() < 1e-12,
+            "{decrease} {expected}"
+        );
+        // A column that the parameters have leaves nothing.
+        assert!(remaining.decrease(&columns[0], &left[2]) <= 0.0);
+    }
+}
