@@ -139,3 +139,33 @@ fn scaled_svd<T: ComplexField<Real = f64>>(
         v,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::split_mix::SplitMix;
+
+    #[test]
+    fn columns_that_depend_on_each_other_have_singular_values() {
+        let mut random = SplitMix(3);
+        let mut next = || random.next();
+        for (rows, columns, rank) in [(30, 6, 3), (72, 3, 2), (100, 12, 6), (300, 3, 2)] {
+            for draw in 0..500 {
+                let rounding = [0.0, 1e-15, 1e-13, 1e-12, 1e-11][draw % 5];
+                // Frequencies depend more on a parameter than the components of shapes.
+                let size = |i: usize| if i % 12 == 0 { 50.0 } else { 3.0 };
+                let factors = RealMatrix::from_fn(rank, columns, |k, j| match j < rank {
+                    true => f64::from(j == k),
+                    false => next(),
+                });
+                let independent = RealMatrix::from_fn(rows, rank, |i, _| size(i) * next());
+                let mut a = independent * factors;
+                for j in rank..columns {
+                    (0..rows).for_each(|i| a[(i, j)] += rounding * next());
+                }
+                let (values, _) = right_singular_vectors(&a).expect("passes the check");
+                assert!(values[rank] < 1e-10 * values[0], "{values:?}");
+            }
+        }
+    }
+}
