@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::io::{IoError, check_result, check_results};
 use crate::report::json::{
     REPORT_FILE, REPORT_SCHEMA, RunReport, Section, UpdateFile, breakdown_from_json,
-    order_from_json, report_from_json, report_to_json, speed_accuracy_from_json,
+    order_from_json, report_from_json, report_to_json, speed_accuracy_from_json, update_from_json,
 };
 use crate::report::{
     Block, CompanionResults, Language, Table, TableGroup, before_you_leave_blocks, claims_block,
@@ -50,7 +50,7 @@ pub fn report(args: &ReportArgs, output: &mut Output) -> Result<Outcome, Error> 
     let page = page_files(&run, &companions, output.language(), args.png);
     // The page shows an incomplete update as far as possible.
     let updated = companions.updated;
-    let whole: Option<UpdateFile> = updated.and_then(|update| serde_json::from_value(update).ok());
+    let whole = updated.and_then(|update| update_from_json(&update.to_string()).ok());
     let synthetic = run.figures.tests.iter().any(|test| test.synthetic);
     let updated = whole.map(|whole| update_figures(&whole, synthetic, args.png));
     for (verb, files) in [(RUN_VERB, page), (UPDATE_VERB, updated.unwrap_or_default())] {

@@ -84,7 +84,7 @@ impl Manifest {
         if !is_ours {
             return Ok(None);
         }
-        let manifest: Self = serde_json::from_slice(&bytes)
+        let manifest: Self = serde_json::from_str(&String::from_utf8_lossy(&bytes))
             .map_err(|cause| error(cause.line(), cause.column(), cause.to_string()))?;
         match manifest.schema == MANIFEST_SCHEMA {
             true => Ok(Some(manifest)),

@@ -106,9 +106,26 @@ impl<'de> Search<'de> {
         Self { root, tried }
     }
 
-    fn faults<T: DeserializeOwned>(mut self, first: TomlError) -> TomlFaults<T> {
+    fn faults<T: DeserializeOwned>(self, first: TomlError) -> TomlFaults<T> {
+        let mut repaired = None;
+        let (faults, all_found) = self.search(first, &mut |root| {
+            deserialized::<T>(root).map(|value| repaired = Some(value))
+        });
+        TomlFaults {
+            faults,
+            all_found,
+            repaired,
+        }
+    }
+
+    /// Repairs fault after fault until `read` succeeds; the faults in order, and whether it did.
+    fn search(
+        mut self,
+        first: TomlError,
+        read: &mut dyn FnMut(Spanned<DeValue<'de>>) -> Result<(), TomlError>,
+    ) -> (Vec<TomlError>, bool) {
         let mut faults: Vec<TomlError> = Vec::new();
-        let (mut next, mut repaired) = (Some(first), None);
+        let mut next = Some(first);
         for _ in 0..MAX_ATTEMPTS {
             let Some(fault) = &next else { break };
             let span = fault.span.clone().unwrap_or(self.root.span());
@@ -120,21 +137,11 @@ impl<'de> Search<'de> {
             if of_document && is_known || !self.repair(&span, &fault.message) {
                 break;
             }
-            next = match deserialized::<T>(self.root.clone()) {
-                Ok(value) => {
-                    repaired = Some(value);
-                    None
-                }
-                Err(error) => Some(error),
-            };
+            next = read(self.root.clone()).err();
         }
         let start = |fault: &TomlError| fault.span.as_ref().map_or(0, |span| span.start);
         faults.sort_by_key(start);
-        TomlFaults {
-            faults,
-            all_found: next.is_none(),
-            repaired,
-        }
+        (faults, next.is_none())
     }
 
     /// Repairs the fault at a place; false where no repair is known.
