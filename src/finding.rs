@@ -323,6 +323,9 @@ codes! {
     /// Close modes that respond in different runs.
     RunsApart: "This mode and a close one never respond in the same run: two local modes, or one mode that shifted.",
         "Both descriptions leave the same residual, so that both modes are listed. A run is the FRFs of one position of the roving sensor or hammer. The value is the distance of the two in half-power bandwidths. Where the structure has no such local modes and sensors or hammer were moved, the runs were measured in different states: identify them one by one.";
+    /// A shape that the mass of the sensor changes between runs.
+    LoadedShape [AtMost]: "The mass of the roving sensor changes this shape from run to run. The shape is corrected for that.",
+        "The value is the change of the residues by the mass over the residues, to first order from the shifts of the runs and the residues of the other modes. Smaller changes are corrected as well. It is large where the reference is near a node of the mode. Modes outside the band are not known, so that the mode is doubtful. Its frequency remains the mean of the runs. Use a lighter sensor, dummy masses at the other points, or a reference where the mode moves.";
     /// Too few lines across a half-power band.
     FewLines [AtLeast]: "The half-power band holds too few frequency lines for a damping value.",
         "Peak-picking needs about five lines across the half-power band; with fewer, damping is quantised by the line spacing. Record longer or fit a curve.";

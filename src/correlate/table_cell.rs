@@ -18,8 +18,9 @@ use super::{
 const MAX_SPACING_OF_ONE_POLE: f64 = 1e-6;
 
 /// Findings that make a test mode a doubtful partner.
-const DOUBTFUL_MODES: [Code; 9] = [
+const DOUBTFUL_MODES: [Code; 10] = [
     Code::RunsApart,
+    Code::LoadedShape,
     Code::CloseModes,
     Code::NotFitted,
     Code::AboveValidBand,

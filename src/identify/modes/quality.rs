@@ -80,6 +80,10 @@ const EFFECTS: &[(Code, &[(Value, Grade)])] = &[
     ),
     (Code::RunsApart, &[(Verdict, Grade::Doubtful)]),
     (
+        Code::LoadedShape,
+        &[(Verdict, Grade::Doubtful), (Shape, Grade::Doubtful)],
+    ),
+    (
         Code::AboveValidBand,
         &[
             (Verdict, Grade::Doubtful),

@@ -17,6 +17,7 @@ use crate::identify::pole_model::pole_metrics::{
     MAX_PHASE_DIFFERENCE_RAD, MIN_CONTRIBUTION_WITH_MISFIT, PoleMetrics, Rejection,
 };
 use crate::identify::run_variation::RunShifts;
+use crate::identify::run_variation::loaded_shapes::{MAX_SHAPE_CHANGE, Unloaded};
 use crate::identify::run_variation::run_means::RunMean;
 use crate::identify::run_variation::separate_responses::{by_point, run_partners};
 use crate::identify::sdof::findings::{reach, rejected_peak_finding};
@@ -98,6 +99,8 @@ pub(in crate::identify) struct FindingContext<'a> {
     pub kept: &'a [(&'a ModelPole, &'a PoleMetrics)],
     /// The mean of each of their frequencies over runs that differ.
     pub means: &'a [Option<RunMean>],
+    /// Each of them without the mass of a roving sensor, where that shifts the modes.
+    pub unloaded: &'a [Option<Unloaded>],
     /// Poles of mains hum in the band.
     pub hum: &'a [&'a ModelPole],
     /// Poles removed during the fit.
@@ -142,8 +145,8 @@ impl FindingContext<'_> {
         }
         findings.extend(self.run_finding());
         findings.extend(self.misfit_findings());
-        for (pole, metrics) in self.kept {
-            findings.extend(self.mode_findings(pole, metrics));
+        for ((pole, metrics), unloaded) in self.kept.iter().zip(self.unloaded) {
+            findings.extend(self.mode_findings(pole, metrics, unloaded.as_ref()));
         }
         findings.extend(self.run_partner_findings());
         findings.extend(self.rejection_findings());
@@ -194,7 +197,12 @@ impl FindingContext<'_> {
         partners.map(finding).collect()
     }
 
-    fn mode_findings(&self, pole: &ModelPole, metrics: &PoleMetrics) -> Vec<Finding> {
+    fn mode_findings(
+        &self,
+        pole: &ModelPole,
+        metrics: &PoleMetrics,
+        unloaded: Option<&Unloaded>,
+    ) -> Vec<Finding> {
         let location = self.location(pole.lambda);
         let warning = |code, value: f64, unit: &str, limit: f64| {
             Finding::new(Severity::Warning, code, location.clone())
@@ -215,9 +223,14 @@ impl FindingContext<'_> {
             let finding = Finding::new(Severity::Warning, code, location.clone());
             findings.push(finding.value(100.0 * scatter / pole.lambda.im, "%"));
         }
-        if pole.multiplicity() > 1 {
+        let change = unloaded.map(|unloaded| unloaded.change);
+        if let Some(change) = change.filter(|change| *change > MAX_SHAPE_CHANGE) {
+            findings.push(warning(Code::LoadedShape, change, "", MAX_SHAPE_CHANGE));
+        }
+        let multiplicity = unloaded.map_or(pole.multiplicity(), |unloaded| unloaded.multiplicity);
+        if multiplicity > 1 {
             let finding = Finding::new(Severity::Info, Code::RepeatedRoot, location.clone());
-            findings.push(finding.value(pole.multiplicity() as f64, ""));
+            findings.push(finding.value(multiplicity as f64, ""));
         }
         let companion = self
             .companions

@@ -26,6 +26,7 @@ use crate::identify::fit::block_descent::{Convergence, MANY_POLES, mark_unconver
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::run_variation::RunShifts;
+use crate::identify::run_variation::loaded_shapes::Unloaded;
 use crate::identify::run_variation::run_means::{RunMean, RunMeans};
 use crate::linalg::{sort_ascending_by, sort_descending_by};
 
@@ -306,6 +307,11 @@ impl PoleModel {
             })
         };
         let means: Vec<Option<RunMean>> = kept.par_iter().map(|(pole, _)| mean(pole)).collect();
+        let all: Vec<&ModelPole> = kept.iter().map(|(pole, _)| *pole).collect();
+        let unloaded = all.iter();
+        let unloaded: Vec<Option<Unloaded>> = unloaded
+            .map(|pole| self.run_shifts.unloaded(pole, &all, &self.frf_matrix))
+            .collect();
         let evidence = FindingContext {
             set,
             data: &self.data,
@@ -314,21 +320,36 @@ impl PoleModel {
             found,
             kept: &kept,
             means: &means,
+            unloaded: &unloaded,
             hum: &hum,
             dropped: &self.dropped,
             scattered: self.scattered,
             run_shifts: &self.run_shifts,
             companions,
         };
-        let candidate =
-            |((pole, metrics), mean): (&(&ModelPole, &PoleMetrics), &Option<RunMean>)| Candidate {
-                residue_stds: self.residue_stds(pole, metrics),
-                ..self
-                    .run_shifts
-                    .merged(candidate(pole, metrics), *mean, metrics.band_deviation)
-            };
+        let candidate = |index: usize| {
+            let (pole, metrics) = kept[index];
+            let merged = self.run_shifts.merged(
+                candidate(pole, metrics),
+                means[index],
+                metrics.band_deviation,
+            );
+            let residue_stds = self.residue_stds(pole, metrics);
+            match &unloaded[index] {
+                Some(unloaded) => Candidate {
+                    residue_stds,
+                    residues: Some(unloaded.residues.clone()),
+                    multiplicity: unloaded.multiplicity,
+                    ..merged
+                },
+                None => Candidate {
+                    residue_stds,
+                    ..merged
+                },
+            }
+        };
         PoleTable {
-            candidates: kept.iter().zip(&means).map(candidate).collect(),
+            candidates: (0..kept.len()).map(candidate).collect(),
             findings: evidence.findings(),
             stabilization: self.stabilization.clone(),
         }

@@ -31,6 +31,7 @@ use crate::identify::estimator::Candidate;
 use crate::identify::fit::fit_data::FitData;
 use crate::linalg::{sort_ascending_by, sort_descending_by};
 
+pub(in crate::identify) mod loaded_shapes;
 mod model_selection;
 mod pole_shift;
 mod resonance;
@@ -78,6 +79,8 @@ pub(in crate::identify) struct RunShifts {
     runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor rather than an excitation point.
     roving_sensor: bool,
+    /// FRFs at the position of the sensor in each run; empty where no sensor is moved.
+    positions: Vec<Vec<usize>>,
     /// Degrees of freedom of shapes and of participation factors.
     factors: usize,
     modes: Vec<ShiftedMode>,
@@ -117,6 +120,11 @@ impl RunShifts {
         let runs = separate_responses::by_point(functions);
         let frf_matrix = FrfMatrix::new(functions);
         Self {
+            positions: if roving_sensor {
+                runs.clone()
+            } else {
+                Vec::new()
+            },
             runs,
             roving_sensor,
             factors: frf_matrix.outputs.len() + frf_matrix.inputs,
@@ -128,8 +136,11 @@ impl RunShifts {
     pub fn by_function(&self) -> Option<Self> {
         let functions: usize = self.runs.iter().map(Vec::len).sum();
         let runs: Vec<Vec<usize>> = (0..functions).map(|function| vec![function]).collect();
+        let position = |f: usize| self.positions.iter().find(|position| position.contains(&f));
+        let positions = (0..functions).filter_map(position).cloned();
         (self.runs.len() < functions).then(|| Self {
             runs,
+            positions: positions.collect(),
             factors: self.factors,
             ..Self::default()
         })
