@@ -14,6 +14,7 @@ use crate::io::{
 };
 use crate::printable::counted;
 use crate::report::{Block, Cell, Column, Renderer, Table, Terminal, abridged};
+use crate::scene::{ColumnHeading, column_headings};
 
 use super::args::InspectArgs;
 use super::left_out::{LeftOut, Reason};
@@ -144,6 +145,17 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
                 .to_owned()
         });
     }
+    let of_arrays = catalogs.iter().filter(|file| holds_arrays(file));
+    let columns: Vec<Option<ColumnHeading>> = of_arrays.flat_map(headings).collect();
+    let unnamed = columns.iter().filter(|column| column.is_none()).count();
+    let has = |roles: &[&str]| {
+        let mut known = columns.iter().flatten();
+        unnamed > 0 || known.any(|column| roles.contains(&column.role))
+    };
+    let has_frf_column = columns
+        .iter()
+        .flatten()
+        .any(|column| FRF_ROLES.contains(&column.role));
     let mut options = Vec::new();
     let mut missing = |what: &'static str, option: &'static str, is_missing: bool| {
         if is_missing {
@@ -153,27 +165,41 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     missing(
         "the response of functions or records",
         "--response DOF",
-        entries().any(|entry| is_test(&entry) && entry.response.is_none()),
+        has(&["response"])
+            || has_frf_column
+            || entries().any(|entry| is_test(&entry) && entry.response.is_none()),
     );
     missing(
         "the reference of FRFs",
         "--reference DOF",
-        entries().any(|entry| is_frf(&entry) && entry.reference.is_none()),
+        unnamed > 0
+            || has_frf_column
+            || entries().any(|entry| is_frf(&entry) && entry.reference.is_none()),
     );
+    missing(
+        "the excitation point",
+        "--reference DOF",
+        has(&["force"]) && !has_frf_column && unnamed == 0,
+    );
+    let lacks_unit =
+        |column: &Option<ColumnHeading>| column.as_ref().is_none_or(|c| c.lacks_unit());
     missing(
         "units",
         "--unit UNIT",
-        entries().any(|entry| is_test(&entry) && entry.unit_label.is_empty()),
+        columns.iter().any(lacks_unit)
+            || entries().any(|entry| is_test(&entry) && entry.unit_label.is_empty()),
+    );
+    missing(
+        "the sampling rate",
+        "--sampling-rate HZ",
+        arrays && !has_frf_column && !columns.iter().flatten().any(|column| column.is_axis()),
     );
     let mut text = String::new();
-    if arrays {
-        text += "The files do not state what arrays and columns mean; the scene asks for it.\n";
-        // Arrays name no point, unit or time step.
-        for (what, option) in OF_ARRAYS {
-            if options.iter().all(|(_, known)| *known != option) {
-                options.push((what, option));
-            }
-        }
+    if unnamed > 0 {
+        text += &format!(
+            "The names of {} do not state the contents: state `role` in the scene.\n",
+            counted(unnamed, "column")
+        );
     }
     let (names, flags): (Vec<&str>, Vec<&str>) = options.into_iter().unzip();
     if !names.is_empty() {
@@ -184,13 +210,16 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     Some(text + &format!("Next: modalign new DIR FILE...{flags}"))
 }
 
-/// What arrays do not state, and the options of `new` that do.
-const OF_ARRAYS: [(&str, &str); 4] = [
-    ("the response of functions or records", "--response DOF"),
-    ("the reference of FRFs", "--reference DOF"),
-    ("units", "--unit UNIT"),
-    ("the sampling rate", "--sampling-rate HZ"),
-];
+/// Roles of columns that hold FRFs.
+const FRF_ROLES: [&str; 4] = ["real", "imaginary", "complex", "magnitude"];
+
+/// What the names of a file's columns state, as `new` reads them.
+fn headings(catalog: &Catalog) -> Vec<Option<ColumnHeading>> {
+    let arrays = catalog.arrays.iter();
+    arrays
+        .flat_map(|array| column_headings(catalog, array))
+        .collect()
+}
 
 /// The channels that stand in the place of points, and the options that name the points.
 fn channels_text<'e>(entries: impl Iterator<Item = &'e Entry>) -> String {
@@ -252,7 +281,7 @@ fn head_blocks(catalog: &Catalog) -> Vec<Block> {
 
 /// The arrays of a catalogue, behind its records and functions.
 fn array_blocks(catalog: &Catalog) -> Option<Block> {
-    (!catalog.arrays.is_empty()).then(|| Block::Table(array_table(&catalog.arrays)))
+    (!catalog.arrays.is_empty()).then(|| Block::Table(array_table(catalog)))
 }
 
 /// Maximum number of damaged parts on the screen.
@@ -497,7 +526,8 @@ fn mode_table(modes: &[ModeEntry]) -> Table {
     }
 }
 
-fn array_table(arrays: &[ArrayInfo]) -> Table {
+fn array_table(catalog: &Catalog) -> Table {
+    let arrays = &catalog.arrays;
     let row = |(index, array): (usize, &ArrayInfo)| {
         let lengths: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
         vec![
@@ -505,6 +535,7 @@ fn array_table(arrays: &[ArrayInfo]) -> Table {
             Cell::text(array.name.clone()),
             Cell::text(lengths.join(" x ")),
             Cell::text(array.kind.clone()),
+            heading_text(&column_headings(catalog, array)).map_or(Cell::Missing, Cell::Text),
         ]
     };
     Table {
@@ -514,10 +545,34 @@ fn array_table(arrays: &[ArrayInfo]) -> Table {
             Column::text("name"),
             Column::text("shape"),
             Column::text("kind"),
+            Column::text("contents"),
         ],
         rows: arrays.iter().enumerate().map(row).collect(),
         footnotes: Vec::new(),
     }
+}
+
+/// The roles of an array's columns by its name, and their unit; `None` without any.
+fn heading_text(columns: &[Option<ColumnHeading>]) -> Option<String> {
+    let mut parts: Vec<String> = Vec::new();
+    for column in columns.iter().flatten() {
+        let unit = match (&column.unit, column.lacks_unit()) {
+            (Some(unit), _) => Some(unit.as_str()),
+            (None, true) => Some("unit not stated"),
+            (None, false) => None,
+        };
+        let role = match column.role {
+            "time" => "time axis",
+            "frequency" => "frequency axis",
+            role => role,
+        };
+        for part in [Some(role), unit].into_iter().flatten() {
+            if !parts.iter().any(|known| known == part) {
+                parts.push(part.to_owned());
+            }
+        }
+    }
+    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 fn entry_table(entries: &[Entry]) -> Table {
@@ -614,7 +669,7 @@ fn catalog_json(catalog: &Catalog) -> serde_json::Value {
         "coordinate_systems": catalog.geometry.systems.len(),
         "groups": catalog.geometry.groups.len(),
         "modes": catalog.modes.iter().map(mode_json).collect::<Vec<_>>(),
-        "arrays": catalog.arrays.iter().map(array_json).collect::<Vec<_>>(),
+        "arrays": catalog.arrays.iter().map(|array| array_json(catalog, array)).collect::<Vec<_>>(),
         "entries": catalog.entries.iter().map(entry_json).collect::<Vec<_>>(),
         "damage": catalog.damage.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "findings": catalog.findings,
@@ -636,8 +691,19 @@ fn mode_json(entry: &ModeEntry) -> serde_json::Value {
     })
 }
 
-fn array_json(array: &ArrayInfo) -> serde_json::Value {
-    json!({ "name": array.name, "shape": array.shape, "kind": array.kind })
+fn array_json(catalog: &Catalog, array: &ArrayInfo) -> serde_json::Value {
+    let column = |column: &Option<ColumnHeading>| {
+        column
+            .as_ref()
+            .map(|column| json!({ "role": column.role, "unit": column.unit }))
+    };
+    let columns = column_headings(catalog, array);
+    json!({
+        "name": array.name,
+        "shape": array.shape,
+        "kind": array.kind,
+        "columns": columns.iter().map(column).collect::<Vec<_>>(),
+    })
 }
 
 fn entry_json(entry: &Entry) -> serde_json::Value {

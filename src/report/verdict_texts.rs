@@ -623,8 +623,8 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "arrays_not_stated",
         Text {
-            english: "The files do not state what arrays and columns mean; the scene asks for it.",
-            chinese: "文件未说明数组与列的含义；场景会询问。",
+            english: "The names of {} do not state the contents: state `role` in the scene.",
+            chinese: "{} 的名称未说明内容：在场景中给出 `role`。",
         },
     ),
     (

@@ -6,6 +6,7 @@ use std::fmt::Write;
 
 use crate::dof::Dof;
 use crate::io::{ArrayInfo, Catalog};
+use crate::quantity::{FrfUnit, Quantity, Unit};
 
 use super::draft_file::{Content, DraftFile, StatedUnits, file_text, unit_line};
 use super::toml_text::{FILL_IN, quoted};
@@ -70,6 +71,46 @@ impl TableContent {
                 .checked_sub(count)
                 .is_some_and(|rest| others.contains(&rest))
     }
+}
+
+/// The role and the unit of a column that its heading states.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColumnHeading {
+    /// `time`, `force`, `real` or another role of `[[test.channel]]`.
+    pub role: &'static str,
+    /// Unit of a force, a response or an FRF.
+    pub unit: Option<String>,
+}
+
+impl ColumnHeading {
+    /// Whether its column is the axis of the others.
+    #[must_use]
+    pub fn is_axis(&self) -> bool {
+        ["time", "frequency"].contains(&self.role)
+    }
+
+    /// Whether its column needs a unit that the heading does not state.
+    #[must_use]
+    pub fn lacks_unit(&self) -> bool {
+        let has_none = self.is_axis() || ["phase", "coherence"].contains(&self.role);
+        !has_none && self.unit.is_none()
+    }
+}
+
+/// The roles and units that the headings of an array's columns state, as a draft reads them.
+#[must_use]
+pub fn column_headings(catalog: &Catalog, array: &ArrayInfo) -> Vec<Option<ColumnHeading>> {
+    if !is_number(array) {
+        return Vec::new();
+    }
+    let columns = columns_of(array);
+    let draft = columns_to_state(&number_arrays(catalog)).columns;
+    let heading = |name: &String| {
+        let column = draft.iter().find(|column| column.name == *name)?;
+        let (role, unit) = (column.role?, column.unit.clone());
+        Some(ColumnHeading { role, unit })
+    };
+    columns.iter().map(heading).collect()
 }
 
 /// Whether an array has an axis of hits beside those of channels and samples.
@@ -151,19 +192,20 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
     let has_unknown = roles.contains(&None);
     let is_function = content.is_functions || has_unknown && files[0].units.frf.is_some();
     let DraftColumns { columns, unused } = draft;
+    let is_known = !has_unknown && unused.is_empty() && columns.iter().all(|c| !c.is_open());
     let has_axis = is_function || roles.contains(&Some("time"));
-    let mut text = format!(
-        "# The file holds {} without saying what they are",
-        counted(all, "column")
-    );
+    let mut text = format!("# The file holds {}", counted(all, "column"));
     let lengths: BTreeSet<usize> = arrays
         .iter()
         .flat_map(|array| array.shape.iter().copied().max())
         .collect();
     if let (Some(most), 1) = (lengths.last(), lengths.len()) {
-        let _ = write!(text, ", of {most} values each");
+        let _ = write!(text, " of {most} values each");
     }
-    text.push('\n');
+    text += match is_known {
+        true => "; the names state what they hold\n",
+        false => "; the names do not state what all of them hold\n",
+    };
     if !unused.is_empty() {
         text += &format!("# Not used below: {}\n", unused.join(", "));
     }
@@ -231,10 +273,7 @@ pub(super) fn arrays_text(files: &[&DraftFile], dofs: &mut BTreeSet<Dof>) -> Str
             .then(|| stated.responses.get(of_role(&roles[..index])));
         let has_several = content.responses > 1;
         text += &match column.role {
-            Some(role) => {
-                let name = &column.name;
-                stated.column_text(name, role, response.flatten(), has_several, dofs)
-            }
+            Some(role) => stated.column_text(column, role, response.flatten(), has_several, dofs),
             None => unknown.column_text(&column.name, index, dofs),
         };
     }
@@ -272,6 +311,8 @@ struct DraftColumn {
     name: String,
     /// By its name or kind; to be stated by the user without it.
     role: Option<&'static str>,
+    /// Unit in brackets behind its heading, where its role has one.
+    unit: Option<String>,
 }
 
 impl DraftColumn {
@@ -296,26 +337,35 @@ impl DraftColumns {
 /// Maximum number of columns without a recognised heading that a draft lists one by one.
 const MAX_UNNAMED_COLUMNS: usize = 8;
 
+/// Columns of an array with the roles and units that their headings state.
+fn draft_columns(array: &ArrayInfo) -> Vec<DraftColumn> {
+    let unit = heading_unit(&array.name);
+    let column = |name: String| {
+        let role = role_of(&name);
+        let is_of_role = |unit: &&str| role.is_some_and(|role| is_unit_of(unit, role));
+        DraftColumn {
+            unit: unit.filter(is_of_role).map(str::to_owned),
+            role,
+            name,
+        }
+    };
+    columns_of(array).into_iter().map(column).collect()
+}
+
 /// FRFs with their coherence where arrays are recognised as such; else every column, or where most
 /// of many columns have no known heading, those that have one and two to be stated.
 fn columns_to_state(arrays: &[&ArrayInfo]) -> DraftColumns {
     if let Some(found) = frf_columns(arrays) {
         return found;
     }
-    let of_array = |array: &&ArrayInfo| {
-        columns_of(array).into_iter().map(|name| DraftColumn {
-            role: role_of(&name),
-            name,
-        })
-    };
-    let columns: Vec<DraftColumn> = arrays.iter().flat_map(of_array).collect();
+    let columns: Vec<DraftColumn> = arrays.iter().copied().flat_map(draft_columns).collect();
     let (known, unknown): (Vec<DraftColumn>, Vec<DraftColumn>) = columns
         .into_iter()
         .partition(|column| column.role.is_some());
     if unknown.len() <= MAX_UNNAMED_COLUMNS {
-        let of_array = arrays.iter().flat_map(of_array);
+        let all = arrays.iter().copied().flat_map(draft_columns);
         return DraftColumns {
-            columns: of_array.collect(),
+            columns: all.collect(),
             unused: Vec::new(),
         };
     }
@@ -329,6 +379,7 @@ fn columns_to_state(arrays: &[&ArrayInfo]) -> DraftColumns {
         .map(|role| DraftColumn {
             name: quoted(FILL_IN),
             role: Some(role),
+            unit: None,
         })
         .collect();
     DraftColumns {
@@ -358,6 +409,7 @@ fn frf_columns(arrays: &[&ArrayInfo]) -> Option<DraftColumns> {
     let column = |array: &ArrayInfo, number: usize, role: &'static str| DraftColumn {
         name: quoted(&format!("{}:{number}", array.name)),
         role: Some(role),
+        unit: None,
     };
     let mut columns = vec![column(frfs.first()?, 1, "frequency")];
     let mut used = Vec::new();
@@ -403,6 +455,27 @@ fn heading(name: &str) -> &str {
     match (name.rfind(" ["), name.ends_with(']')) {
         (Some(at), true) => &name[..at],
         _ => name,
+    }
+}
+
+/// The unit in brackets behind a heading.
+fn heading_unit(name: &str) -> Option<&str> {
+    let (open, closed) = match name.chars().last()? {
+        ']' => (name.rfind('[')?, ']'),
+        ')' => (name.find('(')?, ')'),
+        _ => return None,
+    };
+    name[open + 1..].strip_suffix(closed).map(str::trim)
+}
+
+/// Whether a text is a unit of a column of this role.
+fn is_unit_of(text: &str, role: &str) -> bool {
+    let quantity = || text.parse::<Unit>().ok().map(|unit| unit.quantity);
+    match role {
+        "force" => quantity() == Some(Quantity::Force),
+        "response" => quantity().is_some_and(|quantity| quantity != Quantity::Force),
+        "real" | "imaginary" | "magnitude" | "complex" => text.parse::<FrfUnit>().is_ok(),
+        _ => false,
     }
 }
 
@@ -501,13 +574,13 @@ impl StatedPoints<'_> {
     /// responses, so that a coherence says whose it is.
     fn column_text(
         &self,
-        name: &str,
+        column: &DraftColumn,
         role: &str,
         response: Option<&Dof>,
         has_several: bool,
         dofs: &mut BTreeSet<Dof>,
     ) -> String {
-        let mut text = format!("[[test.channel]]\ncolumn = {name}\n");
+        let mut text = format!("[[test.channel]]\ncolumn = {}\n", column.name);
         let _ = writeln!(text, "role = \"{role}\"   # by its name");
         let (unit, accepted, stated, what) = match role {
             "force" => (
@@ -535,7 +608,10 @@ impl StatedPoints<'_> {
             }
             _ => return text,
         };
-        text += &unit_line(unit, accepted);
+        text += &match (unit, &column.unit) {
+            (None, Some(unit)) => format!("unit = {}   # by its name\n", quoted(unit)),
+            (unit, _) => unit_line(unit, accepted),
+        };
         let is_by_file = match role {
             "force" => self.by_file,
             _ => self.response_by_file,

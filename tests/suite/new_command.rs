@@ -179,6 +179,57 @@ fn unknown_meanings_of_columns_are_requested_line_by_line() {
     );
 }
 
+#[test]
+fn inspect_says_what_new_reads_from_the_headings_of_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let inspect = |headings: &str| {
+        write_columns(folder.path(), "a.csv", headings);
+        let text = succeed(["inspect", &path("a.csv")]);
+        let next = text.lines().rfind(|line| line.starts_with("Next: "));
+        let next = next.unwrap_or_default().to_owned();
+        (text, next)
+    };
+    let (text, next) = inspect("time [ms],force [kN],acceleration (g)");
+    for content in ["time axis", "force, kN", "response, g"] {
+        assert!(text.contains(content), "{content}: {text}");
+    }
+    assert!(
+        text.contains("Not stated: the response of functions or records, the excitation point.\n"),
+        "{text}"
+    );
+    assert_eq!(
+        next,
+        "Next: modalign new DIR FILE... --response DOF --reference DOF"
+    );
+    succeed(["new", &path("scene"), &path("a.csv")]);
+    let scene = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
+    for line in [
+        "unit = \"kN\"   # by its name",
+        "unit = \"g\"   # by its name",
+        "the names state what they hold",
+    ] {
+        assert!(scene.contains(line), "{line}: {scene}");
+    }
+    // A unit of another quantity is none of the column; the sampling rate has no column.
+    let (text, next) = inspect("hammer [m/s2],acc");
+    assert!(text.contains("force, unit not stated"), "{text}");
+    assert!(next.ends_with("--unit UNIT --sampling-rate HZ"), "{next}");
+    let (text, next) = inspect("frequency,real,imag");
+    assert!(!text.contains("sampling"), "{text}");
+    assert!(next.ends_with("--reference DOF --unit UNIT"), "{next}");
+    let (text, _) = inspect("a,force");
+    assert!(
+        text.contains("The names of 1 column do not state the contents"),
+        "{text}"
+    );
+    let json = succeed(["inspect", &path("a.csv"), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let arrays = &json["files"][0]["arrays"];
+    assert!(arrays[0]["columns"][0].is_null(), "{arrays}");
+    assert_eq!(arrays[1]["columns"][0]["role"], "force");
+}
+
 /// Writes a table of 64 rows of numbers under the headings.
 pub fn write_columns(folder: &Path, file: &str, headings: &str) {
     let row = |i: usize| {
