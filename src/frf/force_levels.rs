@@ -57,7 +57,7 @@ pub(super) fn force_level_findings(
             ..selection.clone()
         };
         let level = |(series, hit): &(usize, &HitReport)| {
-            let level_db = 20.0 * hit.peak_n.abs().log10();
+            let level_db = 20.0 * hit.peak_n.map_or(0.0, f64::abs).log10();
             let series = *series;
             (hit.reference.clone(), HitLevel { level_db, series })
         };
@@ -84,7 +84,7 @@ fn series_of_hits<'h>(hits: &'h [HitReport], recording: &FewResponses) -> Vec<Ve
     }
     let min_ratio = 10_f64.powf(MIN_LEVEL_RANGE_DB / 20.0);
     let differ = |hits: &Vec<&HitReport>| {
-        let peaks = || hits.iter().map(|hit| hit.peak_n.abs());
+        let peaks = || hits.iter().filter_map(|hit| hit.peak_n).map(f64::abs);
         let (weakest, strongest) = (
             peaks().fold(f64::INFINITY, f64::min),
             peaks().fold(0.0, f64::max),
@@ -105,7 +105,7 @@ pub(super) fn is_sound(hit: &HitReport) -> bool {
     let mut checks = hit.checks.iter();
     let is_rejected_otherwise =
         checks.any(|check| hit.rejects(check) && !of_level.contains(&check.rule));
-    hit.peak_n != 0.0 && (hit.used || (by_level && !hit.stated && !is_rejected_otherwise))
+    hit.peak_n.is_some() && (hit.used || (by_level && !hit.stated && !is_rejected_otherwise))
 }
 
 #[cfg(test)]

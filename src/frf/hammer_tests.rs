@@ -280,6 +280,26 @@ fn an_excitation_point_without_accepted_hits_keeps_its_hits_and_is_reported() {
 }
 
 #[test]
+fn a_rejected_hit_has_its_peak_force_and_an_unreadable_one_none() {
+    let options = HammerOptions {
+        reject: numbers(&[2]),
+        ..HammerOptions::default()
+    };
+    let peaks = |hits: &[Hit], options: &HammerOptions| -> Vec<Option<f64>> {
+        let result = evaluate_hammer_test(&mut InMemory::new(hits), options).unwrap();
+        result.hits.iter().map(|hit| hit.peak_n).collect()
+    };
+    let sound = hits(|_, _| {});
+    let all = peaks(&sound, &HammerOptions::default());
+    assert!(all.iter().all(|peak| peak.is_some_and(|peak| peak > 1.0)));
+    assert_eq!(peaks(&sound, &options), all);
+    let mut bad = sound;
+    bad[1].force.samples = Samples::F64(vec![f64::NAN; LEN]);
+    let expected = [all[0], None, all[2], all[3], all[4]];
+    assert_eq!(peaks(&bad, &options), expected);
+}
+
+#[test]
 fn a_missing_hit_number_is_an_error() {
     let options = HammerOptions {
         reject: numbers(&[6]),

@@ -48,8 +48,9 @@ pub struct HitReport {
     pub origin: String,
     /// The excitation point.
     pub reference: Dof,
-    /// Height of the pulse with its sign, N.
-    pub peak_n: f64,
+    /// Height of the pulse with its sign, N; `None` without a pulse, and for a rejected hit that
+    /// cannot be read.
+    pub peak_n: Option<f64>,
     /// First sample of the pulse.
     pub onset: usize,
     /// The result of each rule.
@@ -139,7 +140,7 @@ pub(super) fn assess_hits(
     options: &HammerOptions,
 ) -> Result<Vec<HitReport>, FrfError> {
     let infos: Vec<HitInfo> = recording.hits().to_vec();
-    // What the user rejects is not even read: it may be what cannot be read.
+    // What the user rejects is not assessed: it may be what cannot be read.
     let wanted: Vec<usize> = (0..infos.len())
         .filter(|hit| !options.reject.contains(&(hit + 1)))
         .collect();
@@ -169,10 +170,35 @@ pub(super) fn assess_hits(
     compare_hits(&mut assessed, &options.limits);
     let mut reports: Vec<HitReport> = assessed.into_iter().map(|hit| hit.report).collect();
     for hit in (0..infos.len()).filter(|hit| options.reject.contains(&(hit + 1))) {
-        reports.push(report(hit, &infos[hit], None, Vec::new()));
+        let pulse = force_pulse(recording, hit, &infos[hit]);
+        reports.push(report(hit, &infos[hit], pulse.as_ref(), Vec::new()));
     }
     reports.sort_by_key(|report| report.number);
     Ok(reports)
+}
+
+/// The pulse of a hit that is not assessed; `None` where its force cannot be read or has none.
+fn force_pulse(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Option<Pulse> {
+    let samples = read_channel(recording, hit, info, ChannelPlace::Force).ok()?;
+    let mut force = Vec::new();
+    to_si(info, &info.force, &samples, &mut force).ok()?;
+    Pulse::locate(&force, ONSET_FRACTION)
+}
+
+fn read_channel(
+    recording: &mut dyn Recording,
+    hit: usize,
+    info: &HitInfo,
+    channel: ChannelPlace,
+) -> Result<Samples, FrfError> {
+    let mut samples = Samples::F32(Vec::new());
+    let segment = ChannelSegment {
+        hit,
+        channel,
+        samples: 0..info.axis.len,
+    };
+    recording.read(&segment, &mut samples)?;
+    Ok(samples)
 }
 
 /// The samples of a hit that are assessed.
@@ -184,16 +210,7 @@ struct HitSamples {
 
 impl HitSamples {
     fn read(recording: &mut dyn Recording, hit: usize, info: &HitInfo) -> Result<Self, FrfError> {
-        let mut read = |channel: ChannelPlace| {
-            let mut samples = Samples::F32(Vec::new());
-            let segment = ChannelSegment {
-                hit,
-                channel,
-                samples: 0..info.axis.len,
-            };
-            recording.read(&segment, &mut samples)?;
-            Ok::<Samples, FrfError>(samples)
-        };
+        let mut read = |channel| read_channel(recording, hit, info, channel);
         let force = read(ChannelPlace::Force)?;
         let responses = assessed_responses(info.responses.len());
         let responses = responses.map(|r| Ok((r, read(ChannelPlace::Response(r))?)));
@@ -267,7 +284,7 @@ fn report(hit: usize, info: &HitInfo, pulse: Option<&Pulse>, checks: Vec<Check>)
         number: hit + 1,
         origin: info.origin.clone(),
         reference: info.force.dof.clone(),
-        peak_n: pulse.map_or(0.0, |pulse| pulse.height_n),
+        peak_n: pulse.map(|pulse| pulse.height_n),
         onset: pulse.map_or(0, |pulse| pulse.onset),
         checks,
         used: true,
@@ -321,7 +338,7 @@ fn compare_hits(assessed: &mut [AssessedHit], limits: &HitQualityLimits) {
     for hits in points.values() {
         let peaks: Vec<f64> = hits
             .iter()
-            .map(|hit| assessed[*hit].report.peak_n)
+            .map(|hit| assessed[*hit].report.peak_n.unwrap_or(0.0))
             .collect();
         let forces: Vec<&[Complex64]> = hits
             .iter()

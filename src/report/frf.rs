@@ -53,8 +53,8 @@ pub fn frf_block(set: &FrfSet, usable: Band, hits: &[HitReport]) -> Block {
             .collect(),
         rows: (0..set.len()).map(row).collect(),
         footnotes: vec![format!(
-            "{} lines by {:.6} Hz; usable band {:.2} to {:.2} Hz (force within 20 dB, below 0.4 of the sampling rate).",
-            set.axis().len,
+            "{} by {:.6} Hz; usable band {:.2} to {:.2} Hz (force within 20 dB, below 0.4 of the sampling rate).",
+            counted(set.axis().len, "line"),
             set.axis().step_hz,
             usable.lo_hz,
             usable.hi_hz
@@ -68,7 +68,7 @@ pub fn hits_block(caption: &str, hits: &[HitReport]) -> Block {
         vec![
             Cell::text(hit.number.to_string()),
             Cell::text(hit.reference.to_string()),
-            Cell::number(Some(hit.peak_n), 2),
+            Cell::number(hit.peak_n, 2),
             Cell::text(verdict(hit).text()),
             Cell::text(unpassed_checks(hit)),
         ]

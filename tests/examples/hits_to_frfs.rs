@@ -45,9 +45,12 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 
     for hit in &result.hits {
         let decision = if hit.used { "kept" } else { "rejected" };
+        let peak = hit
+            .peak_n
+            .map_or("no pulse".to_owned(), |peak| format!("{peak:.1} N"));
         print!(
-            "hit {} at {}, {:.1} N: {decision}",
-            hit.number, hit.reference, hit.peak_n
+            "hit {} at {}, {peak}: {decision}",
+            hit.number, hit.reference
         );
         let rejected = |check: &&Check| check.outcome == Outcome::Rejected;
         for check in hit.checks.iter().filter(rejected) {

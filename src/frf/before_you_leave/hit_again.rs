@@ -167,7 +167,8 @@ pub(super) fn hit_again(hits: &[HitReport], set: &FrfSet) -> HitAgain {
             }
         }
         good.sort_by(|a, b| {
-            let by_force = || b.peak_n.abs().total_cmp(&a.peak_n.abs());
+            let force_n = |hit: &HitReport| hit.peak_n.map_or(0.0, f64::abs);
+            let by_force = || force_n(b).total_cmp(&force_n(a));
             remarks(a).cmp(&remarks(b)).then_with(by_force)
         });
         // Faults of single hits do not matter where enough good ones are left.
@@ -196,8 +197,8 @@ pub(super) fn hit_again(hits: &[HitReport], set: &FrfSet) -> HitAgain {
 
 /// The median peak force of used hits; `None` of few.
 fn median_force<'h>(hits: impl Iterator<Item = &'h HitReport>) -> Option<f64> {
-    let peaks = hits.filter(|hit| hit.used && hit.peak_n != 0.0);
-    let mut peaks: Vec<f64> = peaks.map(|hit| hit.peak_n.abs()).collect();
+    let peaks = hits.filter(|hit| hit.used).filter_map(|hit| hit.peak_n);
+    let mut peaks: Vec<f64> = peaks.map(f64::abs).collect();
     let middle = peaks.len() / 2;
     (peaks.len() >= MIN_OTHER_HITS).then(|| *peaks.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
@@ -225,7 +226,9 @@ fn faults(hit: &HitReport, median_n: Option<f64>) -> Vec<Reason> {
             faults.push(Reason::of_check(hit, check));
         }
     }
-    let level_db = median_n.map(|median| 20.0 * (hit.peak_n.abs() / median).log10());
+    let level_db = median_n
+        .zip(hit.peak_n)
+        .map(|(median, peak)| 20.0 * (peak.abs() / median).log10());
     if let Some(level_db) = level_db.filter(|level| *level < -WEAK_BELOW_MEDIAN_DB) {
         faults.push(Reason {
             hit: hit_number,
@@ -296,7 +299,7 @@ mod tests {
             number,
             origin: String::new(),
             reference: point.parse().unwrap(),
-            peak_n,
+            peak_n: Some(peak_n),
             onset: 0,
             checks: Vec::new(),
             used: true,
@@ -370,9 +373,9 @@ mod tests {
     #[test]
     fn a_weak_hit_does_not_count() {
         let mut hits = six_hits();
-        hits[1].peak_n = -33.0;
+        hits[1].peak_n = Some(-33.0);
         assert_eq!(listed(&hits, &no_frfs()), []);
-        hits[1].peak_n = -31.0;
+        hits[1].peak_n = Some(-31.0);
         let expected = ("1:+Z".to_owned(), vec![Cause::WeakForce, Cause::FewHits]);
         assert_eq!(listed(&hits, &no_frfs()), [expected]);
         let point = &hit_again(&hits, &no_frfs()).points[0];
@@ -390,7 +393,7 @@ mod tests {
         hits[1]
             .checks
             .push(Check::new(Rule::RollOff, Outcome::Noted));
-        hits[2].peak_n = 120.0;
+        hits[2].peak_n = Some(120.0);
         assert_eq!(hit_again(&hits, &no_frfs()).points[0].best, [3, 2, 1]);
     }
 

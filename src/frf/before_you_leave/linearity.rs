@@ -37,7 +37,7 @@ pub(super) fn linearity(hits: &[HitReport], findings: &[Finding]) -> Linearity {
     let mut peaks: BTreeMap<&Dof, Vec<f64>> = BTreeMap::new();
     for hit in hits {
         let of_point = peaks.entry(&hit.reference).or_default();
-        of_point.extend(is_sound(hit).then_some(hit.peak_n.abs()));
+        of_point.extend(hit.peak_n.filter(|_| is_sound(hit)).map(f64::abs));
     }
     let of_point = peaks.into_iter().map(|(reference, peaks)| {
         let weakest = peaks.iter().copied().fold(f64::INFINITY, f64::min);
@@ -81,7 +81,7 @@ mod tests {
                 number,
                 origin: String::new(),
                 reference: point.parse().unwrap(),
-                peak_n: *peak_n,
+                peak_n: Some(*peak_n),
                 onset: 0,
                 checks: Vec::new(),
                 used: true,
