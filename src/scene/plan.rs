@@ -77,10 +77,25 @@ pub struct Scene {
     pub format: Option<String>,
 }
 
+/// Schema of a scene of any version.
+const SCENE_FAMILY: &str = "\"modalign-scene/";
+
 impl Scene {
-    /// Whether a path names a scene: a folder, or a file `scene.toml`.
+    /// Whether a path names a scene: a folder, a file `scene.toml`, or another TOML file with the
+    /// schema of a scene.
     pub fn is_path(path: &Path) -> bool {
-        path.is_dir() || path.file_name().is_some_and(|name| name == "scene.toml")
+        let is_toml = path
+            .extension()
+            .is_some_and(|extension| extension == "toml");
+        let states_schema = |text: &str| {
+            let mut values = text
+                .lines()
+                .filter_map(|line| line.trim_start().strip_prefix("schema"));
+            values.any(|value| value.contains(SCENE_FAMILY))
+        };
+        path.is_dir()
+            || path.file_name().is_some_and(|name| name == "scene.toml")
+            || is_toml && read_text(path).is_ok_and(|text| states_schema(&text))
     }
 
     /// Uses the good part of every partly bad file of the scene.

@@ -11,6 +11,34 @@ fn parsed(text: &str) -> Value {
 }
 
 #[test]
+fn a_scene_file_of_any_name_is_a_scene_for_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "title = \"other\"\nschema = \"modalign-scene/1\"\n[model]\n\
+                 name = \"torsional-planetary\"\n";
+    let broken = "schema = \"modalign-scene/1\"\ntitle = \"t\"\n[modle]\n";
+    let files = [
+        ("table-2.toml", scene),
+        ("broken.toml", broken),
+        ("modes.csv", "frequency_hz\n1671.4\n"),
+    ];
+    write(folder.path(), &files);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let of_scene = succeed(["theory", &path("table-2.toml"), "--json"]);
+    assert_eq!(
+        of_scene,
+        succeed(["theory", "torsional-planetary", "--json"])
+    );
+    let (test, theory) = (path("modes.csv"), path("table-2.toml"));
+    succeed(["correlate", "--test", &test, "--theory", &theory]);
+    // A fault of a scene is one of a scene, not of a model.
+    let error = fail(["theory", &path("broken.toml")]);
+    assert!(
+        error.contains("`modle`") && error.contains("`model`"),
+        "{error}"
+    );
+}
+
+#[test]
 fn the_number_of_balls_is_swept_in_whole_numbers_and_has_no_sensitivity() {
     let text = succeed([
         "theory",
