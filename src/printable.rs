@@ -39,9 +39,10 @@ pub fn printable_line(text: &str) -> Cow<'_, str> {
 
 /// A count with its noun, which takes an s: `1 mode`, `3 modes`.
 pub(crate) fn counted(number: usize, noun: &str) -> String {
-    match number {
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
+    match (number, noun.split_once(" of ")) {
+        (1, _) => format!("1 {noun}"),
+        (_, Some((noun, of))) => format!("{number} {noun}s of {of}"),
+        (_, None) => format!("{number} {noun}s"),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::report::{
     RENDERERS, json, step_after_update, step_to_check, update_blocks, update_page, update_screen,
 };
-use crate::scene::{Limits, TestResult, update_scene};
+use crate::scene::{TestResult, update_scene};
 
 use super::args::UpdateArgs;
 use super::outcome::Outcome;
@@ -79,13 +79,11 @@ pub fn update(
         Some(_) => "All tables, columns and notes: --full, or update.txt in the folder.",
         None => "All tables and columns: --full; updated model and tables: -o DIR.",
     };
-    let checked = args.output.as_ref();
-    let checked = checked.filter(|_| scene.limits != Limits::default());
     let to_check = |folder: &PathBuf| {
-        let scene = args.scene.display().to_string();
-        step_to_check(&folder.display().to_string(), &scene)
+        let path = args.scene.display().to_string();
+        step_to_check(&folder.display().to_string(), &path, &scene)
     };
-    let next = step_after_update(&outcome).or_else(|| checked.map(to_check));
+    let next = step_after_update(&outcome).or_else(|| args.output.as_ref().map(to_check));
     output.add_closing(next.into_iter().collect(), Some(rest));
     output.add_json(|| json::update_to_json(&outcome));
     let findings = match output.wants_all() {

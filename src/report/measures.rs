@@ -62,8 +62,9 @@ pub fn alignment_block(alignment: &Alignment) -> Block {
     };
     let mut footnotes = vec![
         format!(
-            "x' = s R x + t of {} points, {partners}: s = {:.6}.",
-            alignment.points, alignment.scale
+            "x' = s R x + t of {}, {partners}: s = {:.6}.",
+            counted(alignment.points, "point"),
+            alignment.scale
         ),
         format!(
             "Distance after the fit: {:.3e} m rms, {:.3e} m at most.",
@@ -208,7 +209,7 @@ pub fn frf_correlation_blocks(
             Cell::signed(function.level_db, 2),
         ]
     };
-    let lines = correlation.lines.len();
+    let lines = counted(correlation.lines.len(), "line");
     let ends = correlation.lines.first().zip(correlation.lines.last());
     let band = ends.map_or_else(String::new, |(a, b)| {
         format!(" from {} to {} Hz", a.hz, b.hz)
@@ -216,7 +217,7 @@ pub fn frf_correlation_blocks(
     let mut footnotes = vec![
         "FRAC = |Σ a* b|²/(Σ |a|² · Σ |b|²) over the lines (Heylen and Lammens 1996); level: rms of the second over the first.".to_owned(),
         format!(
-            "{}, {lines} lines{band}, both in {}.",
+            "{}, {lines}{band}, both in {}.",
             counted(correlation.functions.len(), "FRF"),
             correlation.unit
         ),

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use crate::axis::Band;
+use crate::printable::counted;
 use crate::theory::{ModeChange, ModeChanges, RootState};
 use crate::update::{Design, DesignMode, FreeParameter, Proposal, frequency_interval_95};
 
@@ -263,8 +264,8 @@ pub fn design_blocks(model: &str, result: &DesignResult<'_>) -> Vec<Block> {
     let mut footnotes = vec![format!("Cost: sum of {unit}. Short by: of the frequency.")];
     footnotes.extend((missed > 0).then(|| {
         format!(
-            "Not within the bounds alone: {missed} of {} parameters.",
-            design.single.len()
+            "Not within the bounds alone: {missed} of {}.",
+            counted(design.single.len(), "parameter")
         )
     }));
     let proposals = Table {

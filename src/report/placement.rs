@@ -1,6 +1,7 @@
 //! The placement tables recommend further excitation points and sensors for a test.
 
 use crate::correlate::{ComparisonTable, Placement, PlannedRoot, RankedHit, SensorSet, Step};
+use crate::printable::counted;
 use crate::scene::PlacedTest;
 
 use super::measures::matrix_table;
@@ -112,22 +113,22 @@ fn steps_block(
         footnotes: vec![
             if placement.steps.is_empty() {
                 format!(
-                    "Of {} modes of the model in the band, {} are observable at the points of the test; no further point makes another observable.",
-                    modes(|root| root.modes.len()),
+                    "Of {} of the model in the band, {} are observable at the points of the test; no further point makes another observable.",
+                    counted(modes(|root| root.modes.len()), "mode"),
                     modes(|root| root.seen)
                 )
             } else {
                 format!(
-                    "Of {} modes of the model in the band, {} are observable at the points of the test, {} with these points.",
-                    modes(|root| root.modes.len()),
+                    "Of {} of the model in the band, {} are observable at the points of the test, {} with these points.",
+                    counted(modes(|root| root.modes.len()), "mode"),
                     modes(|root| root.seen),
                     modes(|root| root.planned)
                 )
             },
             format!(
-                "Selected from {} possible excitation points and {} possible sensors; each step is the point that makes most modes observable, or an excitation point and a sensor together where neither alone is sufficient.",
-                placed.candidates.hits.len(),
-                placed.candidates.sensors.len()
+                "Selected from {} and {}; each step is the point that makes most modes observable, or an excitation point and a sensor together where neither alone is sufficient.",
+                counted(placed.candidates.hits.len(), "possible excitation point"),
+                counted(placed.candidates.sensors.len(), "possible sensor")
             ),
             "Observable: the peak exceeds the noise of the FRFs of the test by 10 dB, for each mode of a repeated root separately, and all FRFs together determine the frequency to a quarter of the distance to the next natural frequency. A new excitation point is measured with every sensor; a new sensor is measured with all excitation points again.".to_owned(),
         ],

@@ -407,6 +407,9 @@ pub(super) static TEXTS: Texts = Texts {
         chi_square: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
+        all_hits_of_tests_used: "Hits of {} tests: all {} used.", "{} 个试验的锤击：{} 次全部采用。";
+        hits_of_tests_rejected: "Hits of {} tests: {} of {} used; rejected: {}.", "{} 个试验的锤击：采用 {} / {} 次；剔除：{}。";
+        fitted: "Fitted: {}.", "拟合的试验：{}。";
         hits_rejected: "Hits: {} of {} used; rejected: {}.", "锤击：采用 {} / {} 次；剔除：{}。";
         leaving_shaker: "Before you leave: excitation by a shaker, no hits to repeat.", "离开之前：激振器激励，没有需要重复的锤击。";
         leaving_complete: "Before you leave: enough good hits at {}.", "离开之前：{} 的合格锤击数足够。";

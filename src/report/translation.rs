@@ -144,8 +144,32 @@ fn sentences(line: &str) -> Vec<&str> {
 /// The sentence whose value lists captions of tables.
 const FURTHER_TABLES: &str = "Further tables (--full): {}.";
 
-/// The translation of a text as a whole, with the phrases that are its values.
+/// The translation of a text as a whole, with the phrases that are its values; the texts have
+/// plural nouns, also behind a number that is 1.
 fn whole(text: &str) -> Option<String> {
+    whole_of(text).or_else(|| whole_of(&with_plurals(text)?))
+}
+
+/// The text with plural nouns behind a number of 1; `None` without such a number.
+fn with_plurals(text: &str) -> Option<String> {
+    let words: Vec<&str> = text.split(' ').collect();
+    let is_one = |at: usize| {
+        at > 0 && words[at - 1].trim_start_matches('(') == "1" && !words[at].ends_with('s')
+    };
+    let plural = |(at, word): (usize, &&str)| {
+        let noun = word.trim_end_matches(['.', ',', ';', ':', ')']);
+        // A preposition is shorter than a noun.
+        match is_one(at) && noun.len() > 2 && noun.chars().all(|c| c.is_ascii_lowercase()) {
+            true => format!("{noun}s{}", &word[noun.len()..]),
+            false => (*word).to_owned(),
+        }
+    };
+    let plurals: Vec<String> = words.iter().enumerate().map(plural).collect();
+    let plurals = plurals.join(" ");
+    (plurals != text).then_some(plurals)
+}
+
+fn whole_of(text: &str) -> Option<String> {
     let groups = [TEXTS.paragraphs, VERDICT_TEXTS, SCREEN_TEXTS]
         .into_iter()
         .flatten();
@@ -268,6 +292,23 @@ fn names<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
 mod tests {
     use super::*;
     use crate::report::Column;
+
+    #[test]
+    fn a_text_with_a_count_of_one_is_that_of_many() {
+        for (text, expected) in [
+            (
+                "After: 1 of 1 mode paired; largest error 1.000 %, rms 1.000 %, chi-square 2.1 of 1 residual.",
+                "修正后",
+            ),
+            (
+                "Chi-square per degree of freedom 1.053 (1 degree of freedom; noise alone reaches 1.60).",
+                "每自由度卡方",
+            ),
+        ] {
+            let chinese = Language::Chinese.translated_text(text.to_owned());
+            assert!(chinese.starts_with(expected), "{chinese}");
+        }
+    }
 
     #[test]
     fn warnings_on_the_verdict_are_translated() {

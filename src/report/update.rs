@@ -187,9 +187,12 @@ fn residual_footnote(scene_update: &SceneUpdate) -> Option<String> {
 pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
     let figures = |of_what: &str| {
         format!(
-            "Chi-square per degree of freedom{of_what} {} ({:.0} degrees of freedom; noise alone reaches {:.2})",
+            "Chi-square per degree of freedom{of_what} {} ({}; noise alone reaches {:.2})",
             significant(result.reduced_chi_square(), 4),
-            result.degrees_of_freedom(),
+            counted(
+                result.degrees_of_freedom().round() as usize,
+                "degree of freedom"
+            ),
             result.largest_reduced_chi_square()
         )
     };
@@ -418,13 +421,13 @@ pub(super) fn fit_before(update: &SceneUpdate) -> String {
 pub(super) fn fit_summary(name: &str, fit: &Fit) -> String {
     let percent = |value: Option<f64>| value.map_or("—".to_owned(), |v| format!("{v:.3} %"));
     format!(
-        "{name}: {} of {} modes paired; largest error {}, rms {}, chi-square {} of {} residuals.",
+        "{name}: {} of {} paired; largest error {}, rms {}, chi-square {} of {}.",
         fit.paired(),
-        fit.rows.len(),
+        counted(fit.rows.len(), "mode"),
         percent(fit.largest_percent),
         percent(fit.rms_percent),
         significant(fit.chi_square, 4),
-        fit.data_count
+        counted(fit.data_count, "residual")
     )
 }
 

@@ -1,6 +1,7 @@
 //! The tables of an update of several configurations: what each one contributes, and whether they
 //! agree.
 
+use crate::printable::counted;
 use crate::scene::SceneUpdate;
 use crate::update::{Contribution, MAX_POSTERIOR_OVER_PRIOR, UpdateResult};
 
@@ -124,8 +125,8 @@ pub(super) fn scatter_text(update: &SceneUpdate) -> Option<String> {
         return Some(text.to_owned());
     };
     let percent = significant(100.0 * scatter.relative_std, 3);
-    let freedom = scatter.degrees_of_freedom;
+    let freedom = counted(scatter.degrees_of_freedom, "degree of freedom");
     Some(format!(
-        "Scatter of the frequencies between tests: {percent} % ({freedom} degrees of freedom), part of each deviation."
+        "Scatter of the frequencies between tests: {percent} % ({freedom}), part of each deviation."
     ))
 }

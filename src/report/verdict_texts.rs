@@ -96,6 +96,13 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "next_limits",
+        Text {
+            english: "Next, limits that the updated model has to meet: [limits] in {}; then modalign check {}/comparison-after.json --against {}.",
+            chinese: "下一步：在 {} 的 [limits] 中给出修正后模型应满足的限值；然后 modalign check {}/comparison-after.json --against {}。",
+        },
+    ),
+    (
         "next_check",
         Text {
             english: "Next, whether the updated model meets the limits: modalign check {}/comparison-after.json --against {}.",
@@ -133,15 +140,15 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "next_ambiguous",
         Text {
-            english: "Next, before an update: {} of {} pairs are ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {}.",
-            chinese: "下一步，修正之前：{} / {} 个配对不明确：在更多测点或更多方向锤击或布置传感器，并检查 {} 中 [[sensor]] 的坐标系与位置。",
+            english: "Next, before an update: {} of {} ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {}.",
+            chinese: "下一步，修正之前：{} / {} 不明确：在更多测点或更多方向锤击或布置传感器，并检查 {} 中 [[sensor]] 的坐标系与位置。",
         },
     ),
     (
         "next_low_mac",
         Text {
-            english: "Next, before an update: {} of {} pairs have no MAC of {}: the frame, positions and directions of [[sensor]] in {}, then more points.",
-            chinese: "下一步，修正之前：{} / {} 个配对的 MAC 未达 {}：请检查 {} 中 [[sensor]] 的坐标系、位置与方向，然后增加测点。",
+            english: "Next, before an update: {} of {} without a MAC of {}: the frame, positions and directions of [[sensor]] in {}, then more points.",
+            chinese: "下一步，修正之前：{} / {} 的 MAC 未达 {}：请检查 {} 中 [[sensor]] 的坐标系、位置与方向，然后增加测点。",
         },
     ),
     (

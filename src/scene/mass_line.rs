@@ -15,6 +15,7 @@ use crate::frf::{
 };
 use crate::geometry::{Geometry, Sensor, Target, unit};
 use crate::modal::ModalModel;
+use crate::printable::counted;
 use crate::theory::Support;
 
 use super::supports::MAX_RIGID_BODY_OVER_ELASTIC;
@@ -169,8 +170,10 @@ fn findings(set: &FrfSet, body: &RigidBody, stated_kg: Option<f64>) -> Vec<Findi
             .value(body.misfit.value, "")
             .limit(body.misfit.limit);
         findings.push(finding.detail(format!(
-            "{} sensors, from {:.1} to {:.1} Hz",
-            body.sensors, body.band.lo_hz, body.band.hi_hz
+            "{}, from {:.1} to {:.1} Hz",
+            counted(body.sensors, "sensor"),
+            body.band.lo_hz,
+            body.band.hi_hz
         )));
     }
     let precaution = body.fault.as_ref().map_or_else(String::new, |fault| {

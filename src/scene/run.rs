@@ -36,10 +36,9 @@ use super::recording::{SyntheticRecording, hammer_test, load_synth, record};
 use super::result::SceneResult;
 use super::sensor_findings::shared_points;
 use super::supports::{add_support_findings, suspension_findings};
-use super::test_agreement::test_disagreements;
+use super::test_agreement::disagreements;
 use super::test_plan::{TestPlan, TestSource};
 use super::test_result::TestResult;
-use super::test_state::TestState;
 use super::toml_text::read_text;
 use super::update_options::check_parameter_names;
 
@@ -105,12 +104,8 @@ pub fn run_observed(scene: &Scene, observer: &dyn Observer) -> Result<SceneResul
         table.as_ref(),
         &mut comparison_findings,
     )?;
-    let states = tests.iter().map(|test| (&*test.name, &test.state));
-    let states: Vec<(&str, &TestState)> = states.collect();
-    let disagreements = table
-        .iter()
-        .flat_map(|table| test_disagreements(&states, table));
-    comparison_findings.extend(disagreements);
+    let between_tests = table.iter().flat_map(|table| disagreements(&tests, table));
+    comparison_findings.extend(between_tests);
     limits.extend(
         table
             .iter()

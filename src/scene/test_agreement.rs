@@ -6,6 +6,7 @@
 use crate::correlate::{ComparisonTable, Status};
 use crate::finding::{Code, Finding, Location, Severity};
 
+use super::test_result::TestResult;
 use super::test_state::TestState;
 
 /// Maximum difference of a frequency between tests, a fraction of it, and in standard deviations
@@ -32,9 +33,18 @@ impl Difference<'_> {
     }
 }
 
+/// As [`test_disagreements`], of tests with their states.
+pub(super) fn disagreements(
+    tests: &[TestResult],
+    table: &ComparisonTable,
+) -> Vec<(String, Vec<Finding>)> {
+    let states = tests.iter().map(|test| (&*test.name, &test.state));
+    test_disagreements(&states.collect::<Vec<_>>(), table)
+}
+
 /// The finding on each group of tests with equal states whose frequencies differ, with the name of
 /// the test that it is listed with, the last of the group. Doubtful modes do not count.
-pub(super) fn test_disagreements(
+fn test_disagreements(
     states: &[(&str, &TestState)],
     table: &ComparisonTable,
 ) -> Vec<(String, Vec<Finding>)> {

@@ -23,6 +23,8 @@ use super::model_name::named_model;
 use super::plan::Scene;
 use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
 use super::sensor_findings::{named, unmoved_sensors};
+use super::supports::add_support_findings;
+use super::test_agreement::disagreements;
 use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
@@ -184,7 +186,13 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let doubtful: Vec<Finding> = doubtful.collect();
     for (configuration, values) in all.into_iter().zip(&result.configuration_values) {
         let outcome = compared(configuration, &stated, values)?;
-        add_findings(&mut findings, outcome.findings);
+        findings.extend(outcome.findings);
+        // Configurations may have the same model.
+        for finding in outcome.of_model {
+            if !findings.contains(&finding) {
+                findings.push(finding);
+            }
+        }
         outcomes.push(outcome.update);
     }
     findings.extend(result.findings());
@@ -205,18 +213,6 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
         findings,
     })
 }
-
-/// Adds findings, those of a model once: configurations may have the same one.
-fn add_findings(findings: &mut Vec<Finding>, more: Vec<Finding>) {
-    for finding in more {
-        if !CODES_OF_MODELS.contains(&finding.code) || !findings.contains(&finding) {
-            findings.push(finding);
-        }
-    }
-}
-
-/// Findings of a model that an update repeats.
-const CODES_OF_MODELS: [Code; 2] = [Code::ParameterUnused, Code::ExampleValues];
 
 /// The model of a configuration with the sensors on it, checked before the long work on the tests.
 fn opened_model(scene: &Scene) -> Result<(LoadedModel, Vec<Sensor>), SceneError> {
@@ -388,6 +384,8 @@ fn nothing_paired(
 struct Compared {
     update: ConfigurationUpdate,
     findings: Vec<Finding>,
+    /// Warnings on the model.
+    of_model: Vec<Finding>,
 }
 
 /// Compares the tests of a configuration with its model before and after.
@@ -445,9 +443,14 @@ fn compared(
         .cloned()
         .collect();
     findings.extend(new);
-    let of_model = theory_before.modes.findings.iter();
-    let of_model = of_model.filter(|finding| CODES_OF_MODELS.contains(&finding.code));
-    findings.extend(of_model.cloned());
+    let mut supported = theory_after.clone();
+    let mut on_tests = Vec::new();
+    let table = Some(&after.table);
+    add_support_findings(&scene, &tests, &mut supported, table, &mut on_tests)?;
+    on_tests.extend(disagreements(&tests, &after.table));
+    findings.extend(on_tests.into_iter().flat_map(|(_, findings)| findings));
+    let of_model = supported.modes.findings.into_iter();
+    let of_model = of_model.filter(|finding| finding.severity > Severity::Info);
     Ok(Compared {
         update: ConfigurationUpdate {
             before: before.table.labelled_from(scene.first_root),
@@ -459,6 +462,7 @@ fn compared(
             tests,
         },
         findings,
+        of_model: of_model.collect(),
     })
 }
 

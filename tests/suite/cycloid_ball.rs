@@ -234,7 +234,7 @@ fn verdict_comparison_and_warnings_fit_a_screen() {
     for said in [
         "Limits of the scene: 5 of 5 met, on unmatched test modes; none is on errors or MAC.",
         "Within 5 % and MAC 0.9: 29 of 29 modes. The model agrees with \"virtual, discs\", \"virtual",
-        "Hits: all 85 used.",
+        "Hits of 5 tests: all 85 used.",
         "Agreement is not shown for large cylinder, small cylinder, centre disc face: all pairs are",
         "largest -10.154 % at f2 (centre disc face).",
         "The recordings are synthetic, not measured: computed from cycloid-ball with changes",

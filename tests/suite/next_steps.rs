@@ -255,6 +255,12 @@ fn an_update_that_does_not_fit_says_what_to_check() {
     write(folder, &[("modes.csv", &good)]);
     let (screen, findings, _) = said(folder, "update bar");
     assert!(!screen.contains("Next"), "{screen}{findings}");
+    assert!(screen.contains("\nFitted: modes.\n"), "{screen}");
+    // Without limits a check would be an error: they come first.
+    let (screen, findings, _) = said(folder, "update bar -o first");
+    let text = unwrapped(&screen);
+    let step = "[limits] in bar/scene.toml; then modalign check first/comparison-after.json --against bar.";
+    assert!(text.contains(step), "{screen}{findings}");
     // With limits the next step is the command that judges the updated model by them.
     let limited = read(folder, "bar/scene.toml") + "\n[limits]\nmin_mac = 0.9\n";
     write(folder, &[("bar/scene.toml", &limited)]);
@@ -375,6 +381,39 @@ fn the_next_step_is_the_same_on_screen_in_report_and_json() {
 }
 
 #[test]
+fn an_update_repeats_the_warnings_of_the_comparison_on_supports_and_sensors() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let points = POINTS.replace("0,0,0.5", "0,0,0.25");
+    write(
+        folder,
+        &[("modes.csv", &beam_modes("X")), ("points.csv", &points)],
+    );
+    said(
+        folder,
+        "new bar modes.csv --model beam --points points.csv --band 20:400",
+    );
+    let model = stated_values(&read(folder, "bar/model.toml"));
+    let scene = read(folder, "bar/scene.toml");
+    let held = scene.replacen(
+        "\n[model]\n",
+        "[test.state]\nsupport = \"fixed\"\n\n[model]\n",
+        1,
+    );
+    assert_ne!(held, scene);
+    write(
+        folder,
+        &[("bar/model.toml", &model), ("bar/scene.toml", &held)],
+    );
+    for verb in ["run", "update"] {
+        let (_, findings, _) = said(folder, &format!("{verb} bar"));
+        for code in ["[support-differs]", "[sensors-at-one-position]"] {
+            assert!(findings.contains(code), "{verb}: {code}: {findings}");
+        }
+    }
+}
+
+#[test]
 fn pairs_in_doubt_ask_for_points_and_frames_before_an_update() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
@@ -402,7 +441,7 @@ fn pairs_in_doubt_ask_for_points_and_frames_before_an_update() {
     let (screen, findings, _) = said(folder, "run bar");
     let text = unwrapped(&screen);
     assert!(
-        text.contains("pairs have no MAC of 0.9: the frame"),
+        text.contains("without a MAC of 0.9: the frame"),
         "{screen}{findings}"
     );
     assert!(!text.contains("modalign update bar"), "{screen}");

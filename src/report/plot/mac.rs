@@ -1,5 +1,6 @@
 //! The MAC figure is a labelled heat map.
 
+use crate::printable::counted;
 use crate::report::Cell;
 use crate::scene::MacFigure;
 
@@ -37,8 +38,8 @@ pub(super) fn mac(figure: &MacFigure, test: &str) -> String {
     let bottom = top + high * rows as f64;
     let right = left + wide * columns as f64;
     let title = format!(
-        "MAC of {test} and theory, {} degrees of freedom",
-        figure.dofs
+        "MAC of {test} and theory, {}",
+        counted(figure.dofs, "degree of freedom")
     );
     let width = (right + 70.0).max(30.0 + text_width(&title));
     let mut canvas = Canvas::new(width, (bottom + 108.0).max(top + 160.0));

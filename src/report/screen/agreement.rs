@@ -1,7 +1,7 @@
 //! Sentences say whether the model agrees with its tests, and by which errors, MAC and pairs.
 
 use crate::correlate::{Basis, ComparisonTable, Row, Status, TestCell};
-use crate::printable::listed;
+use crate::printable::{counted, listed};
 use crate::report::Cell;
 
 use super::MAC_DECIMALS;
@@ -100,14 +100,15 @@ impl Group<'_> {
             true => listed(&self.tests),
             false => "the test".to_owned(),
         };
-        let (agreeing, modes, numbers) = (self.agreeing, self.modes, self.numbers(several));
+        let (agreeing, numbers) = (self.agreeing, self.numbers(several));
+        let modes = counted(self.modes, "mode");
         let criterion = format!("Within {MAX_ERROR_PERCENT} % and MAC {MIN_MAC}");
         match answer {
             Answer::Agrees => format!(
-                "{criterion}: {agreeing} of {modes} modes. The model agrees with {tests}: {numbers}."
+                "{criterion}: {agreeing} of {modes}. The model agrees with {tests}: {numbers}."
             ),
             Answer::Differs => format!(
-                "{criterion}: {agreeing} of {modes} modes. The model differs from {tests}: {numbers}."
+                "{criterion}: {agreeing} of {modes}. The model differs from {tests}: {numbers}."
             ),
             Answer::NotShown => format!(
                 "Agreement is not shown for {tests}: all pairs are by frequency alone; {numbers}."

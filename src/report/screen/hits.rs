@@ -25,7 +25,7 @@ pub fn hits_screen(
     width: usize,
 ) -> Vec<Block> {
     let sentences = [
-        hit_sentence(hits),
+        hit_sentence(hits, 1),
         frf_sentence(set, usable),
         coherence_sentence(set, usable),
     ];
@@ -43,8 +43,12 @@ pub fn hits_screen(
     blocks
 }
 
-/// How many hits were used, and how many were rejected for each reason.
-pub(super) fn hit_sentence(hits: &[HitReport]) -> String {
+/// How many hits of so many tests were used, and how many were rejected for each reason.
+pub(super) fn hit_sentence(hits: &[HitReport], tests: usize) -> String {
+    let hits_of = match tests {
+        0 | 1 => "Hits".to_owned(),
+        _ => format!("Hits of {tests} tests"),
+    };
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
     for hit in hits.iter().filter(|hit| !hit.used) {
         let rejecting = |check: &&Check| check.outcome == Outcome::Rejected;
@@ -65,9 +69,9 @@ pub(super) fn hit_sentence(hits: &[HitReport]) -> String {
     match rejected {
         // Blocks of continuous excitation, whose averages the FRFs state.
         0 if hits.is_empty() => "Hits: none, excitation by a shaker.".to_owned(),
-        0 => format!("Hits: all {used} used."),
+        0 => format!("{hits_of}: all {used} used."),
         _ => format!(
-            "Hits: {used} of {} used; rejected: {}.",
+            "{hits_of}: {used} of {} used; rejected: {}.",
             hits.len(),
             reasons.join(", ")
         ),

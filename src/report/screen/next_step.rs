@@ -3,8 +3,9 @@
 
 use crate::correlate::{ComparisonTable, Row, Status, TestCell, mean_ratio};
 use crate::finding::{Code, Finding, Location, Severity};
+use crate::printable::counted;
 use crate::report::table::significant;
-use crate::scene::{Scene, SceneResult, SceneUpdate};
+use crate::scene::{Limits, Scene, SceneResult, SceneUpdate};
 use crate::update::{ParameterVerdict, UpdatedParameter};
 
 use super::agreement::{MIN_MAC, has_high_mac};
@@ -126,11 +127,18 @@ fn step_without_pairs(file: &str, result: &SceneResult, unmoved: Option<&Finding
     )
 }
 
-/// The step after an update that fits, for a scene with limits.
-pub fn step_to_check(folder: &str, scene: &str) -> String {
-    format!(
-        "Next, whether the updated model meets the limits: modalign check {folder}/comparison-after.json --against {scene}."
-    )
+/// The step after an update that fits, of a scene at this path: the check of its result, for which
+/// a scene without limits states them first.
+pub fn step_to_check(folder: &str, path: &str, scene: &Scene) -> String {
+    let file = &scene.path;
+    match scene.limits == Limits::default() {
+        true => format!(
+            "Next, limits that the updated model has to meet: [limits] in {file}; then modalign check {folder}/comparison-after.json --against {path}."
+        ),
+        false => format!(
+            "Next, whether the updated model meets the limits: modalign check {folder}/comparison-after.json --against {path}."
+        ),
+    }
 }
 
 /// The next step after an update that does not fit or determines no parameter; `None` after others.
@@ -195,12 +203,13 @@ fn doubtful_pairs_step(file: &str, table: &ComparisonTable) -> Option<String> {
     if reliable > ambiguous + low || pairs == 0 {
         return None;
     }
+    let pairs = counted(pairs, "pair");
     Some(match ambiguous >= low {
         true => format!(
-            "Next, before an update: {ambiguous} of {pairs} pairs are ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {file}."
+            "Next, before an update: {ambiguous} of {pairs} ambiguous: hits or sensors at more points or in more directions, and the frame and positions of [[sensor]] in {file}."
         ),
         false => format!(
-            "Next, before an update: {low} of {pairs} pairs have no MAC of {MIN_MAC}: the frame, positions and directions of [[sensor]] in {file}, then more points."
+            "Next, before an update: {low} of {pairs} without a MAC of {MIN_MAC}: the frame, positions and directions of [[sensor]] in {file}, then more points."
         ),
     })
 }

@@ -140,12 +140,13 @@ fn verdict(result: &SceneResult) -> Vec<String> {
         .iter()
         .flat_map(|test| test.hits.clone())
         .collect();
+    let with_hits = result.tests.iter().filter(|test| !test.hits.is_empty());
     let sentences = [
         ratio.as_ref().and_then(FrequencyRatio::sentence),
         table.map(pairs),
         table.and_then(common_error),
         table.and_then(|_| peaks_without_mode(&result.tests)),
-        (!hits.is_empty()).then(|| hit_sentence(&hits)),
+        (!hits.is_empty()).then(|| hit_sentence(&hits, with_hits.count())),
         synthetic(result.tests.iter()),
         assumptions(&result.theory),
         unmoved_sensors(&result.theory),

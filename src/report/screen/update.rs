@@ -1,6 +1,7 @@
 //! The screen of `update`: parameters, misfit before and after, and whether it converged.
 
 use crate::frf::HitReport;
+use crate::printable::listed;
 use crate::report::table::significant;
 use crate::report::update::{
     alternatives_text, convergence_text, fit_before, fit_summary, misfit_footnote,
@@ -15,9 +16,12 @@ use crate::scene::SceneUpdate;
 use super::hits::hit_sentence;
 use super::{fitted, sentences};
 
-/// The hits used and the modes of the model that the tests did not see; the parameters before and
-/// after with standard deviation and verdict, the fit before and after, and the end of the
-/// iteration.
+/// Maximum number of fitted tests that are named, not counted.
+const MAX_NAMED_TESTS: usize = 6;
+
+/// The fitted tests, their hits and the modes of the model that the tests did not see; the
+/// parameters before and after with standard deviation and verdict, the fit before and after, and
+/// the end of the iteration.
 pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> Vec<Block> {
     let row = |parameter: &crate::update::UpdatedParameter| {
         let change = 100.0 * (parameter.updated / parameter.initial - 1.0);
@@ -57,12 +61,27 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
         convergence_text(result),
     ];
     let mut blocks = vec![Block::Heading(title.to_owned())];
-    let hits: Vec<HitReport> = scene_update
+    let with_hits = scene_update
         .all_tests()
+        .filter(|test| !test.hits.is_empty());
+    let hits: Vec<HitReport> = with_hits
+        .clone()
         .flat_map(|test| test.hits.clone())
         .collect();
+    let others = scene_update.configurations.iter();
+    let tables = std::iter::once(&scene_update.before).chain(others.map(|other| &other.before));
+    let fitted_tests = tables.flat_map(|table| &table.summary);
+    let fitted_tests: Vec<&str> = fitted_tests.map(|test| test.test.as_str()).collect();
+    let fitted_tests = match fitted_tests.len() {
+        count if count > MAX_NAMED_TESTS => format!("Fitted: {count} tests."),
+        _ => format!("Fitted: {}.", listed(&fitted_tests)),
+    };
+    let data = match hits.is_empty() {
+        true => fitted_tests,
+        false => format!("{fitted_tests} {}", hit_sentence(&hits, with_hits.count())),
+    };
     let seen = [
-        (!hits.is_empty()).then(|| hit_sentence(&hits)),
+        Some(data),
         sentences::unseen_modes(&scene_update.after),
         sentences::synthetic(scene_update.all_tests()),
     ];
