@@ -1,7 +1,7 @@
 //! The screens of the studies: the method to use, one table that shows why, and where it fails.
 
 use crate::report::json::BreakdownFile;
-use crate::report::{Block, Cell, Column, Table};
+use crate::report::{Block, Cell, Column, Renderer, Table, Terminal};
 use crate::study::breakdown::{SliceResult, breakdown_verdict, ranges_text, short_number};
 use crate::study::{
     Condition, DataRow, LowestOrder, SceneNeeds, SpeedAccuracy, TestNeeds, TestStudy,
@@ -9,20 +9,48 @@ use crate::study::{
 };
 
 use super::abridged::narrowed;
-use super::{counted, without_empty_columns};
+use super::{MAX_ROWS, counted, without_empty_columns};
 
 /// Maximum number of rows of which every method of every test has one; beyond it only methods
 /// without missed and spurious modes have a row.
 const MAX_ROWS_OF_METHODS: usize = 16;
 
+/// Lines of the screen of a study without the note on the rest.
+const MAX_LINES: usize = 36;
+
 /// Speed against accuracy: a verdict for each test, and a row for each method on the FRFs of the
-/// scene.
+/// scene. Where they do not fit a screen, rows of methods are omitted, then tests.
 pub fn speed_accuracy_screen(study: &SpeedAccuracy, width: usize) -> Vec<Block> {
+    let terminal = Terminal { width: Some(width) };
+    let rows = (0..=MAX_ROWS).rev().map(|rows| (rows, study.tests.len()));
+    let tests = (1..study.tests.len()).rev().map(|tests| (0, tests));
+    let mut blocks = Vec::new();
+    for (rows, tests) in rows.chain(tests) {
+        blocks = speed_accuracy_in(study, width, rows, tests);
+        if terminal.render(&blocks).lines().count() <= MAX_LINES {
+            break;
+        }
+    }
+    blocks
+}
+
+/// The verdicts of so many tests, and so many rows of methods.
+fn speed_accuracy_in(
+    study: &SpeedAccuracy,
+    width: usize,
+    max_rows: usize,
+    max_tests: usize,
+) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!(
         "{}: speed against accuracy",
         study.title
     ))];
-    blocks.extend(method_verdicts(study).into_iter().map(Block::Text));
+    let mut verdicts = method_verdicts(study);
+    let further = verdicts.len().saturating_sub(max_tests);
+    verdicts.truncate(max_tests);
+    verdicts
+        .extend((further > 0).then(|| format!("{}: --full.", counted(further, "further test"))));
+    blocks.push(Block::Text(verdicts.join("\n")));
     let recommended = |test: &TestStudy, row: &DataRow| {
         let best = test.recommended(&study.options);
         best.is_some_and(|best| best.method == row.method)
@@ -34,23 +62,45 @@ pub fn speed_accuracy_screen(study: &SpeedAccuracy, width: usize) -> Vec<Block> 
     });
     let all: Vec<(&TestStudy, &DataRow)> = all.collect();
     let has_no_mistakes = |row: &DataRow| row.is_reference || row.counts.mistakes() == 0;
-    let shown = all
+    let mut shown: Vec<(&TestStudy, &DataRow)> = all
         .iter()
-        .filter(|(_, row)| all.len() <= MAX_ROWS_OF_METHODS || has_no_mistakes(row));
-    let rows: Vec<Vec<Cell>> = shown.map(|(test, row)| method_row(test, row)).collect();
-    let omitted = all.len() - rows.len();
+        .filter(|(_, row)| all.len() <= MAX_ROWS_OF_METHODS || has_no_mistakes(row))
+        .copied()
+        .collect();
+    let with_mistakes = all.len() - shown.len();
+    // The recommended methods and ml come first, then the others in their order.
+    let rank =
+        |(test, row): &(&TestStudy, &DataRow)| match (recommended(test, row), row.is_reference) {
+            (true, _) => 0,
+            (false, true) => 1,
+            (false, false) => 2,
+        };
+    let mut ranked: Vec<usize> = (0..shown.len()).collect();
+    ranked.sort_by_key(|row| rank(&shown[*row]));
+    ranked.truncate(max_rows);
+    ranked.sort_unstable();
+    let without_room = shown.len() - ranked.len();
+    shown = ranked.into_iter().map(|row| shown[row]).collect();
+    let rows: Vec<Vec<Cell>> = shown
+        .iter()
+        .map(|(test, row)| method_row(test, row))
+        .collect();
+    let omitted = with_mistakes + without_room;
     let mut footnotes = vec![
         "Errors: largest difference to the modes of ml. Noise floor: rms standard deviation of the frequencies of ml. Times the bound: rms \
          frequency error on the synthetic twin over its Cramér-Rao bound in white noise, the largest of all noise levels. CPU time: all \
          threads of this machine."
             .to_owned(),
     ];
-    if omitted > 0 {
-        let methods = counted(omitted, "further row");
+    if with_mistakes > 0 {
+        let methods = counted(with_mistakes, "further row");
         footnotes.push(format!(
             "{methods} of methods that miss or invent modes: --full."
         ));
     }
+    footnotes.extend(
+        (without_room > 0).then(|| format!("{}: --full.", counted(without_room, "further row"))),
+    );
     let numbers = [
         "CPU time\n(s)",
         "frequency\nerror (%)",
@@ -79,7 +129,9 @@ pub fn speed_accuracy_screen(study: &SpeedAccuracy, width: usize) -> Vec<Block> 
         let sentence = "Every method finds all modes of ml and no other.";
         table.footnotes.insert(0, sentence.to_owned());
     }
-    blocks.push(Block::Table(narrowed(table, width)));
+    if !table.rows.is_empty() {
+        blocks.push(Block::Table(narrowed(table, width)));
+    }
     blocks
 }
 
@@ -251,4 +303,65 @@ pub fn order_screen(needs: &SceneNeeds, width: usize) -> Vec<Block> {
     };
     blocks.push(Block::Table(narrowed(table, width)));
     blocks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{DetectionCounts, Method, SpeedAccuracyOptions, SpeedLimits, Timing};
+
+    fn study(tests: usize) -> SpeedAccuracy {
+        let row = |method: Method| DataRow {
+            estimator: Some("h1"),
+            step_hz: 0.25,
+            method,
+            is_reference: method == Method::REFINED,
+            counts: DetectionCounts::default(),
+            has_close_modes: false,
+            timing: Timing::default(),
+            on_front: false,
+        };
+        let test = |number: usize| TestStudy {
+            name: format!("roving hammer on the housing, state {number}"),
+            inputs: Vec::new(),
+            functions: 11,
+            lines: 4096,
+            refined_modes: 12,
+            frequency_std: Some(1e-6),
+            damping_std: Some(1e-4),
+            twin_of_truth: false,
+            twin_modes: 12,
+            twin_step_hz: 0.25,
+            data: Method::all(&[16, 32]).into_iter().map(row).collect(),
+            twin: Vec::new(),
+            twin_costs: Vec::new(),
+            limits: [SpeedLimits::default(); 2],
+            notes: Vec::new(),
+        };
+        SpeedAccuracy {
+            title: "Gear".to_owned(),
+            options: SpeedAccuracyOptions::default(),
+            tests: (1..=tests).map(test).collect(),
+        }
+    }
+
+    #[test]
+    fn speed_against_accuracy_of_many_tests_fits_a_screen_and_counts_what_is_omitted() {
+        for (tests, omitted) in [
+            (1, None),
+            (5, Some("further rows: --full")),
+            (40, Some("further tests: --full")),
+        ] {
+            for width in [80, 100] {
+                let terminal = Terminal { width: Some(width) };
+                let text = terminal.render(&speed_accuracy_screen(&study(tests), width));
+                assert!(text.lines().count() <= MAX_LINES, "{text}");
+                assert!(text.contains("state 1: use ml"), "{text}");
+                match omitted {
+                    Some(note) => assert!(text.contains(note), "{text}"),
+                    None => assert!(!text.contains("--full"), "{text}"),
+                }
+            }
+        }
+    }
 }
