@@ -20,7 +20,7 @@ use super::color::ColorChoice;
 use super::hint::nearest;
 use super::study_args::StudyArgs;
 
-/// Correlates a hammer test with a theoretical model of the same machine.
+/// Compares a hammer test with a theoretical model of the same machine, and updates the model.
 #[derive(Debug, Parser)]
 #[command(
     name = "modalign",
@@ -39,38 +39,39 @@ pub struct Cli {
 
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Options of every verb")]
 pub struct Global {
     /// Number of threads (default: one per core); results do not depend on it.
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<usize>,
-    /// No findings on standard error; errors stay.
+    /// Print errors alone on standard error, no findings.
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Refuse a scene, model or spec that names files outside its folder: for one from elsewhere.
+    /// Refuse a scene, model or spec that names files outside its folder. For those from a source
+    /// that you do not trust.
     #[arg(long, global = true)]
     pub confine: bool,
-    /// Most memory that the program takes, such as 4G or 500M (default: three quarters of the
-    /// machine's, on Linux). An array of a file that needs more is an error; other work that does
-    /// ends the program.
+    /// Maximum memory, such as 4G or 500M (default on Linux: three quarters of the machine's). A
+    /// larger array in a file is an error; a computation that needs more ends the program.
     #[arg(long, global = true, value_name = "BYTES")]
     pub max_memory: Option<String>,
-    /// The result as JSON on standard output.
+    /// Print the result as JSON instead of the screen.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print every table, column, note and finding; by default what fits on a screen. Files and
-    /// JSON always have everything.
+    /// Print every table, column, note and finding; by default one screen. Files and JSON are
+    /// always complete.
     #[arg(long, global = true)]
     pub full: bool,
     #[arg(long, global = true, value_name = "NAME", help = format_help())]
     pub format: Option<String>,
-    /// Captions and headings of tables and findings in English or Chinese; definitions below the
-    /// tables, CSV and JSON stay English.
+    /// Language of screens, reports and findings: English or Chinese. Definitions below tables, CSV
+    /// and JSON are English.
     #[arg(long, global = true, value_name = "en|zh", default_value = "en", value_parser = language)]
     pub lang: Language,
-    /// Colours of words in messages and verdicts; auto: on a terminal, unless NO_COLOR is set.
+    /// Colours of messages and verdicts.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t)]
     pub color: ColorChoice,
-    /// Explain the code of a finding.
+    /// Explain a finding by its code in brackets, such as few-lines: cause, consequence, remedy.
     #[arg(long, global = true, value_name = "CODE", value_parser = code)]
     pub explain: Option<Code>,
 }
@@ -78,34 +79,33 @@ pub struct Global {
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Run a scene: recordings and model to the comparison table.
+    /// Run a scene: from recordings and model to the comparison table.
     Run(RunArgs),
-    /// List the contents of files, from their headers.
+    /// List what measurement files contain, and the next command.
     Inspect(InspectArgs),
-    /// Write what files hold in another format.
+    /// Convert measurement files to another format.
     Convert(ConvertArgs),
     /// Estimate FRFs from recorded hits.
     Frf(FrfArgs),
     /// Identify modes from FRFs.
     Identify(IdentifyArgs),
-    /// Natural frequencies and shapes of a model.
+    /// Compute natural frequencies and mode shapes of a model.
     Theory(TheoryArgs),
     /// Pair the modes of a test with those of a model.
     Correlate(CorrelateArgs),
-    /// Update a model's parameters to a test: values with standard deviations, and which parameters
-    /// the test determines.
+    /// Update the parameters of a model to a test, with standard deviations.
     Update(UpdateArgs),
-    /// Make a synthetic hammer test with its truth.
+    /// Compute a synthetic hammer test whose true modes are known.
     Synth(SynthArgs),
-    /// Study the methods: how fast and exact they are, and where they fail.
+    /// Study the methods of identification: time, error and limits.
     Study(StudyArgs),
     /// Rebuild the HTML report of a finished run.
     Report(ReportArgs),
-    /// Check a result against limits or a baseline; the exit code says whether all are met.
+    /// Check a result against limits or an earlier result; exit code 1 when one is missed.
     Check(CheckArgs),
-    /// Draft a commented scene from exported files.
+    /// Draft a commented scene from exported measurement files.
     New(NewArgs),
-    /// Print a script that completes this command line in a shell.
+    /// Print the completion script of a shell.
     Completions(CompletionsArgs),
     /// Print the manual page, or write the pages of all verbs.
     Man(ManArgs),
@@ -139,19 +139,19 @@ impl Verb {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign run measurements/cycloid-ball -o out")]
 pub struct RunArgs {
-    /// A scene's folder or its scene.toml.
+    /// The scene: its folder, or its TOML file.
     pub scene: PathBuf,
-    /// The tests and the model of this [[configuration]]; those of no configuration where not
-    /// stated.
+    /// Use the tests and the model of this [[configuration]] of the scene; by default those outside
+    /// every configuration.
     #[arg(long, value_name = "NAME", default_value = BASE_CONFIGURATION, hide_default_value = true)]
     pub configuration: String,
-    /// Write tables, modes, FRFs, recordings and the HTML report into this folder.
+    /// Write report.html, tables, modes and FRFs into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
-    /// Continue with the good part of a partly bad file.
+    /// Use the intact part of a damaged file instead of stopping; the exit code is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -160,10 +160,10 @@ pub struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign report out --lang zh")]
 pub struct ReportArgs {
-    /// The folder that `run -o` wrote; what `update -o` and `study … -o` put into it is in the
-    /// report.
+    /// The folder of `run -o`. Results of `update -o` and `study ... -o` in the same folder are
+    /// included.
     pub folder: PathBuf,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long)]
     pub png: bool,
 }
@@ -172,11 +172,10 @@ pub struct ReportArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign inspect hits.uff model.unv --json")]
 pub struct InspectArgs {
-    /// Files of any known format.
+    /// Measurement files: recordings, FRFs, modes or geometry.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Continue with the good part of a partly bad file. It is listed without this too; the exit
-    /// code is 1 either way.
+    /// No effect here: the intact part of a damaged file is always listed, and the exit code is 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -185,25 +184,22 @@ pub struct InspectArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign convert wing.unv -o wing.h5")]
 pub struct ConvertArgs {
-    /// Files of any known format, put together in this order; or one scene, whose first test's
-    /// files are meant as it describes them.
+    /// Measurement files, joined in this order; or a scene, for the files of its first test.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write here; the extension says the format (.uff .unv .h5 .mat .npz .csv .json).
+    /// The file to write; its extension selects the format (.uff .unv .h5 .mat .npz .csv .json).
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Numbers as text, where the format has text and bytes (universal file dataset 58 instead of
-    /// 58b).
+    /// Write numbers as text: universal dataset 58 instead of the binary 58b.
     #[arg(long)]
     pub text: bool,
-    /// Numbers of 32 bits, whatever they were.
+    /// Write numbers with 32 bits; by default as the input has them.
     #[arg(long, conflicts_with = "double")]
     pub single: bool,
-    /// Numbers of 64 bits, whatever they were.
+    /// Write numbers with 64 bits; by default as the input has them.
     #[arg(long)]
     pub double: bool,
-    /// Continue with the good part of a partly bad file. It is written without this too; the exit
-    /// code is 1 either way.
+    /// No effect here: the intact part of a damaged file is always written, and the exit code is 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -214,73 +210,76 @@ pub struct ConvertArgs {
     after_help = "Example:\n  modalign frf hits.uff --force-window 0.02 --reject 3 -o frfs.h5"
 )]
 pub struct FrfArgs {
-    /// Recordings, or one scene whose tests describe them.
+    /// Recordings of hits, or a scene, for the recordings of its first test.
     #[arg(required_unless_present = "watch")]
     pub inputs: Vec<PathBuf>,
-    /// Watch this folder while a test is measured: after each new or changed file print what to
-    /// repeat before you leave, of all its recordings in the order of their times, until Ctrl-C.
+    /// Watch this folder during a measurement: print after each new recording which points to hit
+    /// again. All recordings of the folder count, in the order of their times. Ctrl-C ends it.
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["inputs", "output", "accept", "reject"])]
     pub watch: Option<PathBuf>,
-    /// Write the FRFs here; the extension says the format (.uff .h5 .mat .npz .csv). HDF5 is
-    /// complete.
+    /// Write the FRFs to this file; its extension selects the format (.uff .h5 .mat .npz .csv).
+    /// HDF5 alone keeps everything.
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// h1, h2 or hv.
+    /// FRF estimator: h1 (noise on the response), h2 (noise on the force) or hv (noise on both); by
+    /// default h1, or that of the scene.
     #[arg(long, value_name = "NAME")]
     pub estimator: Option<String>,
-    /// What excites: hammer; random or sine, averaged over blocks of the records.
+    /// Excitation: hammer, or a shaker with random or sine, whose records are averaged in blocks.
+    /// By default hammer.
     #[arg(long, value_name = "hammer|random|sine")]
     pub excitation: Option<String>,
-    /// With --excitation random or sine: length of a block, s; by default for some 16 blocks.
+    /// With --excitation random or sine: length of a block in s; by default for about 16 blocks.
     #[arg(long, value_name = "SECONDS")]
     pub block_length: Option<f64>,
-    /// Force window: seconds kept after the pulse, the rest is set to zero.
+    /// Force window: time in s after the pulse beyond which the force is set to zero, such as 0.02;
+    /// by default none.
     #[arg(long, value_name = "SECONDS")]
     pub force_window: Option<f64>,
-    /// Exponential window on force and response: its value at the record's end, e.g. 0.01; auto:
-    /// where the responses have not decayed to 1 %.
+    /// Exponential window on force and responses: its value at the end of the record, such as 0.01.
+    /// auto, the default: a window where responses have not decayed to 1 %.
     #[arg(long, value_name = "auto|none|END")]
     pub response_window: Option<String>,
-    /// Hits that are used whatever the rules say, by number: 2,5.
+    /// Use these hits although a check rejects them, by number, such as 2,5.
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub accept: Vec<usize>,
-    /// Hits that are not used whatever the rules say.
+    /// Do not use these hits, by number, such as 2,5.
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub reject: Vec<usize>,
-    /// Assess the hits, but use all that --reject does not name.
+    /// Use all hits but those of --reject; the checks only report.
     #[arg(long)]
     pub keep_all: bool,
-    /// Response over force noise variance for hv, in SI units.
+    /// For hv: noise variance of the response over that of the force, in SI units; by default from
+    /// the signal before the hits.
     #[arg(long, value_name = "RATIO")]
     pub noise_ratio: Option<f64>,
-    /// Always subtract the mean before the hit from every channel; by default it is subtracted
-    /// where the record has enough samples before the hit.
+    /// Subtract from each channel its mean before the hit; by default where enough samples precede
+    /// the hit.
     #[arg(long)]
     pub remove_offset: bool,
-    /// records: a further force record opens the next hit; files: each file is one hit; trigger:
-    /// each record is continuous and holds several hits. By default records, or trigger where every
-    /// record plainly holds several hits.
+    /// How recordings form hits. records: each force record begins a hit. files: each file is a
+    /// hit. trigger: a continuous record holds several hits. By default records, or trigger where
+    /// every record shows several hits.
     #[arg(long, value_name = "records|files|trigger")]
     pub hits: Option<String>,
-    /// With --hits trigger: force above its offset that starts a hit, N; by default estimated from
-    /// the record.
+    /// With --hits trigger: force in N above the offset at which a hit begins, such as 20; by
+    /// default estimated from the record.
     #[arg(long, value_name = "N")]
     pub trigger_level: Option<f64>,
-    /// With --hits trigger: pre-trigger time of each hit, s; by default 2 % of the length.
+    /// With --hits trigger: pre-trigger time of each hit in s; by default 2 % of its length.
     #[arg(long, value_name = "SECONDS")]
     pub pretrigger: Option<f64>,
-    /// With --hits trigger: length of the record of each hit, s; by default the shortest time
-    /// between hits.
+    /// With --hits trigger: length of each hit in s; by default the shortest time between hits.
     #[arg(long, value_name = "SECONDS")]
     pub hit_length: Option<f64>,
-    /// Excitation DOF of files that do not name it.
+    /// Excitation point and direction where the files do not state them, such as 1:+Z.
     #[arg(long, value_name = "DOF")]
     pub reference: Option<Dof>,
-    /// Units of the records of a hit in their order, such as N,m/s2, where the files do not state
-    /// them.
+    /// Units of the channels of a hit in their order, where the files do not state them, such as
+    /// N,m/s2.
     #[arg(long, value_name = "UNIT", value_delimiter = ',')]
     pub unit: Vec<Unit>,
-    /// Continue with the good part of a partly bad file.
+    /// Use the intact part of a damaged file instead of stopping; the exit code is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -289,50 +288,49 @@ pub struct FrfArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign identify frfs.h5 --band 20:400 -o modes.json")]
 pub struct IdentifyArgs {
-    /// FRF files.
+    /// Files of FRFs, such as those of `modalign frf -o`.
     #[arg(required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz).
+    /// Write the modes to this file (.json .csv .uff .unv .ufb .h5 .mat .npz).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
     #[arg(long, value_name = "NAME", help = method_help())]
     pub method: Option<String>,
-    /// Band in Hz, LO:HI; the whole axis when not given.
+    /// Frequency band LO:HI in Hz in which modes are searched, such as 20:400; by default the whole
+    /// axis.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Highest model order of rfp, lsce, lscf and ml, 4 or more; by default from the number of
-    /// peaks.
+    /// Highest model order of rfp, lsce, lscf and ml, 4 or more, such as 40; by default from the
+    /// number of peaks.
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
-    /// Take these poles of the method only: a file of the schema modalign-selection/1 with a
-    /// list of {frequency_hz, damping_ratio, order}.
+    /// Take only the poles listed in this file, such as the one that the stabilization diagram of
+    /// report.html saves (JSON, schema modalign-selection/1: frequency_hz, damping_ratio, order).
     #[arg(long, value_name = "FILE")]
     pub selection: Option<PathBuf>,
-    /// Write the poles of all model orders (stabilization diagram) here (.csv).
+    /// Write the stabilization diagram, the poles of all model orders, to this file (.csv).
     #[arg(long, value_name = "FILE")]
     pub stabilization: Option<PathBuf>,
-    /// Write the mode indicator functions here (.csv): sum of FRFs, NMIF, CMIF, MvMIF.
+    /// Write the mode indicator functions to this file (.csv): sum of FRFs, NMIF, CMIF, MvMIF.
     #[arg(long, value_name = "FILE")]
     pub indicators: Option<PathBuf>,
-    /// Use these references only.
+    /// Use the FRFs of this excitation point only, such as 1:+Z. May be repeated.
     #[arg(long, value_name = "DOF")]
     pub reference: Vec<Dof>,
-    /// Number of averages of FRFs whose file does not state it; the variance of the FRFs follows
-    /// from it and the coherence.
+    /// Number of averages where the file does not state it, such as 3. With the coherence it gives
+    /// the variance of the FRFs.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub averages: Option<u32>,
-    /// Window of the records of FRFs whose file does not state it: none (also rectangular,
-    /// uniform), hann, flat-top, exponential, force or force-and-exponential. Under hann and
-    /// flat-top, ml corrects the damping for leakage. Under none, no leakage is suspected; that
-    /// continuous random force without a window raises damping, too, is not reported. Damping that
-    /// an exponential window adds is not removed, as its decay rate is not stated. The window that
-    /// a file states takes precedence.
+    /// Window of the records where the file does not state it: none (also rectangular, uniform),
+    /// hann, flat-top, exponential, force or force-and-exponential. hann and flat-top: ml corrects
+    /// the damping for leakage. none: no leakage is reported. exponential: the added damping
+    /// remains, as its decay rate is not known.
     #[arg(long, value_name = "NAME", value_parser = window)]
     pub window: Option<Window>,
-    /// Unit of FRFs that do not state theirs, such as (m/s2)/N.
+    /// Unit of the FRFs where the file does not state it, such as (m/s2)/N.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<FrfUnit>,
-    /// Continue with the good part of a partly bad file.
+    /// Use the intact part of a damaged file instead of stopping; the exit code is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -343,48 +341,49 @@ pub struct IdentifyArgs {
     after_help = "Examples:\n  modalign theory cycloid-ball/A --band 0:2000 --energies -o modes.json\n  modalign theory measurements/free-free-beam --modify mass:3=0.05 --modify youngs_modulus=2.05e11\n  modalign theory torsional-planetary --target \"f1 > 1800\" --within k_s=4e8:9e8"
 )]
 pub struct TheoryArgs {
-    /// A built-in model (cycloid-ball, torsional-planetary, spider-reducer, helical-planetary; with
-    /// a parameter set cycloid-ball/D), a model.toml, a scene whose model and sensors are meant, or
-    /// a file of finished modes.
+    /// A model.toml; a scene, for its model and sensors; a file of finished modes; or a built-in
+    /// model: cycloid-ball, torsional-planetary, spider-reducer, helical-planetary, also with a
+    /// parameter set (cycloid-ball/D).
     pub model: PathBuf,
-    /// Write the modes here (.json .csv .uff .unv .ufb .h5 .mat .npz), or the figure of --sweep,
-    /// --response, --compare or --energies (.svg).
+    /// Write the modes to this file (.json .csv .uff .unv .ufb .h5 .mat .npz), or the figure of
+    /// --sweep, --response, --compare or --energies (.svg).
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// The model of this [[configuration]] of a scene.
+    /// Use the model of this [[configuration]] of the scene.
     #[arg(long, value_name = "NAME", default_value = BASE_CONFIGURATION, hide_default_value = true)]
     pub configuration: String,
-    /// Set a parameter; may be repeated.
+    /// Value of a parameter in its unit of the model, such as youngs_modulus=2.05e11. May be
+    /// repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     pub settings: Vec<(String, f64)>,
-    /// Modes in this band only, LO:HI in Hz.
+    /// Modes in the band LO:HI in Hz only, such as 0:2000; by default all.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Solve with the full damping matrix: complex modes, in the table, the file and the JSON. By
-    /// default damping ratios are of first order and shapes real.
+    /// Compute complex modes with the full damping matrix. By default shapes are real, and damping
+    /// ratios are first-order estimates.
     #[arg(long, conflicts_with_all = ["sweep", "response", "compare"])]
     pub damped: bool,
-    /// Print the fraction of each mode's energy in every body and spring, or group of matrices.
+    /// Print the kinetic energy of each mode by body and its strain energy by spring, as fractions.
     #[arg(long)]
     pub energies: bool,
-    /// Print the sensitivity of each natural frequency to every parameter: relative change over
-    /// relative change.
+    /// Print the sensitivity of each natural frequency to each parameter: relative change of
+    /// frequency over relative change of parameter.
     #[arg(long)]
     pub sensitivities: bool,
-    /// Print the quantities that the model's theory gives in addition to its modes.
+    /// Print further results of the model's theory in addition to its modes.
     #[arg(long)]
     pub quantities: bool,
-    /// Track the modes by their shapes over N values of a parameter and report where natural
-    /// frequencies cross or veer; where HI is ten times LO or more in equal ratios, else in equal
-    /// steps. May be repeated.
+    /// Vary a parameter from LO to HI in N values, track the modes by their shapes, and report
+    /// crossings and veerings, such as k_s=1e8:1e9:8. Values have equal ratios where HI is ten
+    /// times LO or more, else equal steps. May be repeated.
     #[arg(long, value_name = "NAME=LO:HI:N", value_parser = sweep)]
     pub sweep: Vec<(String, SweepRange)>,
-    /// Compute the steady-state time response for models of increasing detail, with the cost of
-    /// each and its difference from the most detailed (helical-planetary).
+    /// Compute the steady-state response over time with models of increasing detail, with cost and
+    /// difference of each (helical-planetary only).
     #[arg(long, conflicts_with = "sweep")]
     pub response: bool,
-    /// Compare models of increasing detail of the machine and report the simplest within an error,
-    /// percent (1 when none is given).
+    /// Compare models of increasing detail, and report the simplest with errors of frequency below
+    /// PERCENT (1 without a value).
     #[arg(long, value_name = "PERCENT", value_parser = positive, num_args = 0..=1, default_missing_value = "1", conflicts_with_all = ["sweep", "response"])]
     pub compare: Option<f64>,
     /// Change the model and print its modes before and after: mass:POINT=KG or mass:DOF=KG,
@@ -393,16 +392,16 @@ pub struct TheoryArgs {
     /// All other results are those of the changed model. May be repeated.
     #[arg(long, value_name = "CHANGE", conflicts_with_all = ["sweep", "response", "compare"])]
     pub modify: Vec<String>,
-    /// Result of the update of this model, for the 95 % interval of each frequency of --modify; by
-    /// default the update.json beside MODEL.
+    /// The update.json of this model, for 95 % intervals of the frequencies of --modify; by default
+    /// the one beside MODEL.
     #[arg(long, value_name = "UPDATE.JSON", requires = "modify")]
     pub uncertainty: Option<PathBuf>,
-    /// Find the smallest changes of parameters that meet a target: "f3 > 2600", "f3 < 2600",
-    /// "f3 = 2600" or "f3 outside 2400:2600", in Hz. May be repeated; all are met together.
+    /// Find the smallest changes of parameters that meet a target in Hz: "f3 > 2600", "f3 < 2600",
+    /// "f3 = 2600" or "f3 outside 2400:2600". May be repeated; all targets are met together.
     #[arg(long, value_name = "TARGET", conflicts_with_all = ["sweep", "response", "compare"])]
     pub target: Vec<String>,
-    /// Bounds of a parameter that --target may change, in addition to the free ones; by default
-    /// those of [update], or half to twice its value. May be repeated.
+    /// Bounds of a parameter that --target may change, such as k_s=4e8:9e8; by default those of
+    /// [update], or half to twice its value. May be repeated.
     #[arg(long, value_name = "NAME=LO:HI", value_parser = within, requires = "target")]
     pub within: Vec<StatedBounds>,
     /// Parameters that --target may change; by default those of [update], or the stiffnesses.
@@ -413,7 +412,8 @@ pub struct TheoryArgs {
         requires = "target"
     )]
     pub free: Vec<String>,
-    /// Continue with the good part of a partly bad file of finished modes.
+    /// Use the intact part of a damaged file of finished modes instead of stopping; the exit code
+    /// is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -424,12 +424,12 @@ pub struct TheoryArgs {
     after_help = "Examples:\n  modalign correlate --test modes.json --theory model.toml -o table.md\n  modalign correlate --test wing.unv --theory wing-model.unv --nearest-node 0.005 --measures\n  modalign correlate --test wing.unv                         # autoMAC, duplicates named\n  modalign correlate --test hammer.h5 --theory model-frfs.uff --band 20:400 --lines lines.csv"
 )]
 pub struct CorrelateArgs {
-    /// Modes of the test: a modes.json, or a file with mode shapes such as universal datasets 55;
-    /// or FRFs. May be repeated.
+    /// Modes of the test: modes.json, or another file with mode shapes, such as universal dataset
+    /// 55; or FRFs. May be repeated.
     #[arg(long, required = true)]
     pub test: Vec<PathBuf>,
-    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene whose
-    /// model is meant; FRFs where the test is FRFs. Without it each test is compared with itself
+    /// Modes of the model: a file as for --test, a model.toml, a built-in model, or a scene, for
+    /// its model; FRFs where the test is FRFs. Without it each test is compared with itself
     /// (autoMAC).
     #[arg(long)]
     pub theory: Option<PathBuf>,
@@ -437,23 +437,23 @@ pub struct CorrelateArgs {
     /// FMAC, modal scale factors, COMAC, close modes as subspaces.
     #[arg(long, requires = "theory")]
     pub measures: bool,
-    /// Print cross- and self-orthogonality with the model's mass matrix reduced to the sensors, by
-    /// guyan or serep (through the paired modes and the lowest others, as many as the sensors
-    /// distinguish).
+    /// Print cross- and self-orthogonality with the mass matrix of the model, reduced to the
+    /// sensors by guyan or serep. serep takes the paired modes, and the lowest others that the
+    /// sensors distinguish.
     #[arg(long, value_name = "guyan|serep", requires = "theory")]
     pub orthogonality: Option<String>,
-    /// Write the test's shapes, expanded to all coordinates of the model, here (.json, or .uff for
-    /// universal dataset 55): by the method of --orthogonality, else by serep (a sum of the paired
-    /// modes).
+    /// Write the shapes of the test, expanded to all coordinates of the model, to this file (.json,
+    /// or .uff for universal dataset 55): by the method of --orthogonality, by default serep.
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub expand: Option<PathBuf>,
-    /// FRFs: compare the frequency lines in this band only, LO:HI in Hz.
+    /// Of FRFs: compare the band LO:HI in Hz only, such as 20:400; by default all common lines.
     #[arg(long, value_name = "LO:HI", value_parser = band, requires = "theory")]
     pub band: Option<Band>,
-    /// FRFs: write shape and amplitude criterion at every frequency line here (.csv).
+    /// Of FRFs: write the shape and amplitude correlation at each frequency line to this file
+    /// (.csv).
     #[arg(long, value_name = "FILE", requires = "theory")]
     pub lines: Option<PathBuf>,
-    /// A list of lines TEST,THEORY, where the degrees of freedom of both have other names.
+    /// A file of lines TEST,THEORY with the names of the same DOF in both, such as 3:+Z,103:+Z.
     #[arg(
         long,
         value_name = "FILE",
@@ -461,41 +461,42 @@ pub struct CorrelateArgs {
         requires = "theory"
     )]
     pub dof_map: Option<PathBuf>,
-    /// Match degrees of freedom by the nearest node within this distance, m, instead of by name.
+    /// Match DOFs by the nearest node within this distance in m, such as 0.005, instead of by name.
     #[arg(long, value_name = "METRES", value_parser = positive, requires = "theory")]
     pub nearest_node: Option<f64>,
-    /// With --nearest-node: first rotate, translate and scale the test's points onto the theory's;
-    /// with a list of lines TEST,THEORY by these points, else by the nearest ones from several
-    /// starts. Refused where a point remains farther off than METRES.
+    /// With --nearest-node: first rotate, translate and scale the points of the test onto those of
+    /// the model, by the points in a file of lines TEST,THEORY, or without a file by the nearest
+    /// ones. An error where a point is then farther off than METRES.
     #[arg(long, value_name = "FILE", num_args = 0..=1, requires = "nearest_node")]
     pub align: Option<Option<PathBuf>>,
-    /// Reverse the sign of sensors whose polarity is opposite to the theory's; by default they are
-    /// a finding.
+    /// Reverse sensors whose sign is opposite to the model; by default a finding names them.
     #[arg(long, requires = "theory")]
     pub turn_reversed: bool,
-    /// Length that scales rotations in a MAC that also has translations, m.
+    /// Length in m that rotations are multiplied by in a MAC with translations, such as 0.25.
     #[arg(long, value_name = "METRES", value_parser = positive)]
     pub rotation_length: Option<f64>,
-    /// Write the table here (.md, .csv, .tex, .txt, .html or .json); as CSV those of several tests
-    /// without --theory, or of FRFs, go to a file each.
+    /// Write the table to this file (.md .csv .tex .txt .html .json). As CSV, several tables have a
+    /// file each.
     #[arg(short, long, value_name = "TABLE")]
     pub output: Option<PathBuf>,
-    /// Largest frequency error of a pair, a fraction of the theory's frequency.
+    /// Maximum frequency error of a pair, as a fraction of the model's frequency; by default 0.2.
     #[arg(long, value_name = "FRACTION", requires = "theory")]
     pub max_frequency_error: Option<f64>,
-    /// Smallest MAC of a pair; a mode with 0.6 of it of a mixed shape pairs too, as ambiguous.
+    /// Minimum MAC of a pair; by default 0.5. A mixed shape with 0.6 of it is an ambiguous pair.
     #[arg(long, value_name = "MAC", requires = "theory")]
     pub min_mac: Option<f64>,
-    /// theory: (test − theory)/theory; test: (theory − test)/test.
+    /// Definition of errors. theory, the default: (test − theory)/theory; test: (theory −
+    /// test)/test.
     #[arg(long, value_name = "theory|test", requires = "theory")]
     pub error_reference: Option<String>,
     /// Caption of the first table.
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
-    /// Digits after the point of every number in the tables, 0 to 15; CSV and JSON keep them all.
+    /// Decimals of all numbers in the tables, 0 to 15; by default by column. CSV and JSON keep all
+    /// digits.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=15))]
     pub digits: Option<u8>,
-    /// Continue with the good part of a partly bad file.
+    /// Use the intact part of a damaged file instead of stopping; the exit code is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -506,15 +507,16 @@ pub struct CorrelateArgs {
     after_help = "In scene.toml:\n  [update]\n  parameters = [\"mount\", \"bearing\"]\n  prior_std = 0.3            # 30 % around the model's values\n  frequency_floor = 0.001    # 0.1 % that no parameter mends\n  explain = true             # which single change explains the misfit\nExample:\n  modalign update measurements/machine -o out"
 )]
 pub struct UpdateArgs {
-    /// A scene's folder or its scene.toml; [update] says what is free.
+    /// The scene: its folder, or its TOML file. [update] states the parameters to update.
     pub scene: PathBuf,
-    /// Write update.json, the updated model.toml and the tables into this folder.
+    /// Write update.json, the updated model.toml and the tables into this folder. In the folder of
+    /// `run -o`, report.html includes them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
-    /// Continue with the good part of a partly bad file.
+    /// Use the intact part of a damaged file instead of stopping; the exit code is then 1.
     #[arg(long)]
     pub partial: bool,
 }
@@ -523,9 +525,9 @@ pub struct UpdateArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign synth spec.toml -o hits.uff")]
 pub struct SynthArgs {
-    /// Spec of the synthetic test (TOML).
+    /// Description of the synthetic test (TOML), such as measurements/free-free-beam/synth.toml.
     pub spec: PathBuf,
-    /// Write the recording here (.uff); the true modes are written next to it as .modes.json.
+    /// Write the recording to this file (.uff), and the true modes beside it (.modes.json).
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
@@ -536,26 +538,26 @@ pub struct SynthArgs {
     after_help = "Examples:\n  modalign check out/comparison.json --against limits.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
 )]
 pub struct CheckArgs {
-    /// comparison.json, modes.json or update.json.
+    /// The result: comparison.json, modes.json or update.json.
     pub result: PathBuf,
-    /// A TOML file with [limits] (a scene or its folder will do), for comparison.json and
-    /// modes.json; or an earlier result of the same kind, which update.json needs; required.
+    /// Required: a TOML file with [limits], such as a scene, for comparison.json and modes.json; or
+    /// an earlier result of the same kind as the baseline, which update.json needs.
     #[arg(long, value_name = "BASELINE")]
     pub against: Option<PathBuf>,
-    /// Largest change of every frequency against a baseline result; by default from the
-    /// uncertainties of both, else 0.05.
+    /// Maximum change of a frequency from the baseline in %; by default from the standard
+    /// deviations of both, or 0.05 without them.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub frequency_percent: Option<f64>,
-    /// Largest change of every damping ratio against a baseline result; by default from the
-    /// uncertainties, else 5.
+    /// Maximum change of a damping ratio from the baseline in %; by default from the standard
+    /// deviations of both, or 5 without them.
     #[arg(long, value_name = "PERCENT", value_parser = positive)]
     pub damping_percent: Option<f64>,
-    /// Largest 1 − MAC of every shape against baseline modes, largest change of MAC against a
-    /// baseline comparison; by default from the uncertainties of the shapes, else 0.01.
+    /// Maximum 1 − MAC of a shape with that of baseline modes, or maximum change of MAC from a
+    /// baseline comparison; by default from the uncertainty of the shapes, or 0.01 without it.
     #[arg(long, value_name = "MAC", value_parser = fraction)]
     pub mac: Option<f64>,
-    /// False-alarm probability: how often a result that differs from the baseline only within the
-    /// stated uncertainties may be refused.
+    /// False-alarm probability: of missing a limit although result and baseline differ by their
+    /// uncertainties alone.
     #[arg(long, value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
     pub false_refusals: f64,
     /// Write the verdicts as JUnit XML for a CI server.
@@ -567,40 +569,42 @@ pub struct CheckArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  modalign new beam hits.uff --model model.toml")]
 pub struct NewArgs {
-    /// The scene's folder; what is there is never written over.
+    /// The folder of the new scene; existing files are never overwritten.
     pub folder: PathBuf,
-    /// Exported files: recorded hits, FRFs or modes of any known format.
+    /// Exported files: recorded hits, FRFs or modes.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The theory: a model.toml, a file of finished modes, or a built-in model; beam or lumped
-    /// writes a model.toml of that kind to complete.
+    /// The model: a model.toml, a file of finished modes, or a built-in model. beam
+    /// (Euler-Bernoulli beam) and lumped (masses and springs) write a model.toml to complete.
     #[arg(long)]
     pub model: Option<PathBuf>,
-    /// Response DOF of files that do not name it: one for all, or one for each file in their order,
-    /// 1:+Z,2:+Z; of tables with several responses, one for each in the order of the columns.
+    /// Response point and direction where the files do not state them, such as 1:+Z: one for all
+    /// files, or one for each file in their order (1:+Z,2:+Z). For tables with several responses:
+    /// one for each column.
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub response: Vec<Dof>,
-    /// Excitation DOF of files that do not name it: one for all, or one for each file in their
-    /// order, 2:+Z,3:+Z.
+    /// Excitation point and direction where the files do not state them, such as 2:+Z: one for all
+    /// files, or one for each file in their order (2:+Z,3:+Z).
     #[arg(long, value_name = "DOF", value_delimiter = ',')]
     pub reference: Vec<Dof>,
-    /// Units that the files do not state: of the force, of the response, or of FRFs, such as
-    /// N,m/s2 or (m/s2)/N.
+    /// Units that the files do not state: of force and response, such as N,m/s2, or of FRFs, such
+    /// as (m/s2)/N.
     #[arg(long, value_name = "UNIT", value_delimiter = ',')]
     pub unit: Vec<String>,
-    /// Samples per second of tables without a time column.
+    /// Sampling rate in Hz of tables without a time column, such as 48000.
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub sampling_rate: Option<f64>,
-    /// Where the points are: a list of lines POINT,X,Y,Z in metres.
+    /// Positions of the points: a file of lines POINT,X,Y,Z in m, such as 3,0.25,0,0.
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Band in Hz in which modes are searched, LO:HI.
+    /// Frequency band LO:HI in Hz in which modes are searched, such as 20:400; by default the whole
+    /// axis.
     #[arg(long, value_name = "LO:HI", value_parser = band)]
     pub band: Option<Band>,
-    /// Copy the files to raw/ of the folder; else the scene names them where they are.
+    /// Copy the files into raw/ of the folder; by default the scene refers to them where they are.
     #[arg(long)]
     pub copy: bool,
-    /// Continue with the good part of a partly bad file; the scene says so.
+    /// Use the intact part of a damaged file instead of stopping; the scene states `partial`.
     #[arg(long)]
     pub partial: bool,
 }
@@ -611,7 +615,7 @@ pub struct NewArgs {
     after_help = "Example:\n  modalign completions bash > modalign.bash      # bash: to be sourced, or put among its completions"
 )]
 pub struct CompletionsArgs {
-    /// The shell.
+    /// The shell, such as bash or zsh.
     pub shell: Shell,
 }
 
@@ -721,7 +725,7 @@ fn code(text: &str) -> Result<Code, String> {
 fn method_help() -> String {
     let names: Vec<&str> = ESTIMATORS.iter().map(|entry| entry.name).collect();
     format!(
-        "auto (= ml) or one of {}; polymax is lscf, the polyreference LSCF",
+        "Method: one of {}; auto, the default, is ml (maximum likelihood); polymax is lscf",
         names.join(", ")
     )
 }
@@ -729,7 +733,7 @@ fn method_help() -> String {
 fn format_help() -> String {
     let names: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
     format!(
-        "Read every input as this format instead of detecting it by content ({})",
+        "Format of every input; by default detected from its content ({})",
         names.join(", ")
     )
 }

@@ -15,7 +15,8 @@ pub struct StudyArgs {
     /// The study.
     #[command(subcommand)]
     pub study: Study,
-    /// Continue with the good part of a partly bad file of the scene.
+    /// Use the intact part of a damaged file of the scene instead of stopping; the exit code is
+    /// then 1.
     #[arg(long, global = true)]
     pub partial: bool,
 }
@@ -23,14 +24,11 @@ pub struct StudyArgs {
 /// The studies.
 #[derive(Debug, Subcommand)]
 pub enum Study {
-    /// Time and error of every method, order, FRF estimator and length of record, on a scene's data
-    /// and on their synthetic twins.
+    /// Compare time and error of all methods, on the data of a scene and on synthetic twins.
     SpeedAccuracy(SpeedAccuracyArgs),
-    /// Where every method fails: maps over noise, separation, damping, references and the like,
-    /// with the contour of each method, the failure mode beyond it, and the modes of the scene.
+    /// Find where each method fails: maps over noise, separation of modes, damping and the like.
     Breakdown(BreakdownArgs),
-    /// The least effort that a scene needs: the modes that its data support, the lowest order of
-    /// every method, where one mode at a time suffices, the simplest theory, the fewest parameters.
+    /// Find the simplest analysis that a scene needs: number of modes, model order, method, theory.
     Order(OrderArgs),
 }
 
@@ -51,17 +49,19 @@ impl Study {
     after_help = "Time: minutes on an idle machine; fewer with --draws 1.\nExample:\n  modalign study speed-accuracy measurements/free-free-beam -o speed"
 )]
 pub struct SpeedAccuracyArgs {
-    /// A scene's folder, whose study.toml says what is varied if there is one, or a study.toml.
+    /// A scene, or a study.toml, which states what is varied; by default the one in the scene's
+    /// folder.
     #[arg(value_name = "SCENE|SPEC")]
     pub path: PathBuf,
-    /// Write speed-accuracy.csv, speed-accuracy-times.csv, speed-accuracy.json and the figures into
-    /// this folder; into that of `run -o`, and `modalign report` shows them.
+    /// Write tables (.csv .json) and figures into this folder. In the folder of `run -o`, `modalign
+    /// report` includes them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
-    /// Draws of the noise at each level, instead of the spec's.
+    /// Draws of the noise at each level, such as 1 for a first look; by default those of
+    /// study.toml.
     #[arg(long, value_name = "N")]
     pub draws: Option<usize>,
 }
@@ -72,23 +72,23 @@ pub struct SpeedAccuracyArgs {
     after_help = "Time: minutes to hours, nearly in proportion to --draws; with -o every finished slice is kept, and the same command continues with the others.\nExample:\n  modalign study breakdown measurements/free-free-beam -o fails --draws 4"
 )]
 pub struct BreakdownArgs {
-    /// A study.toml, or a scene's folder: its study.toml, or without one the default slices. The
-    /// maps show the modes of the scene.
+    /// A scene, whose modes the maps show, or a study.toml, which states the maps; by default the
+    /// one in the scene's folder.
     pub input: PathBuf,
-    /// Write cells, tables and figures into this folder; slices that are finished there are not
-    /// computed again. In the folder of `run -o`, `modalign report` shows them.
+    /// Write results and figures into this folder; finished maps there are not computed again. In
+    /// the folder of `run -o`, `modalign report` includes them.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Only these slices of a batch: part I of N, into a folder that --merge reads.
+    /// Compute part I of N only, such as 1/4, into a folder for --merge: for several machines.
     #[arg(long, value_name = "I/N", value_parser = part, requires = "output")]
     pub cells: Option<Part>,
-    /// Compute nothing: join the slices that the parts of a batch left in these folders.
+    /// Join the results of --cells in these folders instead of computing.
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with = "cells")]
     pub merge: Vec<PathBuf>,
-    /// Draws for each cell, in place of those of the spec: few for a first look.
+    /// Draws for each cell of a map, such as 4 for a first look; by default those of study.toml.
     #[arg(long, value_name = "N")]
     pub draws: Option<u32>,
-    /// Figures as PNG, too.
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long)]
     pub png: bool,
 }
@@ -107,14 +107,14 @@ fn part(text: &str) -> Result<Part, String> {
     after_help = "Time: seconds to minutes.\nExample:\n  modalign study order measurements/free-free-beam -o needs"
 )]
 pub struct OrderArgs {
-    /// A scene's folder, whose study.toml says what counts as enough if there is one, or a
-    /// study.toml.
+    /// A scene, or a study.toml, which states the tolerances; by default the one in the scene's
+    /// folder.
     #[arg(value_name = "SCENE|SPEC")]
     pub path: PathBuf,
-    /// Write order.md, order.csv, order.json and a figure for each test into this folder.
+    /// Write tables (.md .csv .json) and a figure for each test into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write every figure as PNG, too, 300 dots to the inch (needs a build with `--features png`).
+    /// Write each figure also as PNG at 300 dpi (needs a build with `--features png`).
     #[arg(long, requires = "output")]
     pub png: bool,
 }

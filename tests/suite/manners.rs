@@ -48,11 +48,11 @@ fn manual_pages_of_the_program_and_of_every_verb_are_written() {
         ("modalign.1", ["modalign\\-run(1)", ".SH SYNOPSIS"]),
         (
             "modalign-run.1",
-            ["Write tables, modes, FRFs", "measurements/cycloid\\-ball"],
+            ["Write report.html, tables", "measurements/cycloid\\-ball"],
         ),
         (
             "modalign-study-order.1",
-            [".TH modalign-study-order", "theory, the fewest parameters"],
+            [".TH modalign-study-order", "number of modes, model order"],
         ),
     ] {
         for part in parts {
