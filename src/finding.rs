@@ -14,6 +14,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use chinese::pattern_values;
 pub use limit_kind::LimitKind;
 pub use location::Location;
 use numbers::format_with_std;

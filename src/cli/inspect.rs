@@ -207,6 +207,13 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     }
     let flags: String = flags.iter().map(|flag| format!(" {flag}")).collect();
     text += &channels_text(entries().filter(is_test));
+    if flags.contains(" DOF") {
+        text += "DOF: point and direction, such as 1:+Z";
+        text += match catalogs.len() {
+            1 => ".\n",
+            _ => "; one for all files, or one for each (1:+Z,2:+Z).\n",
+        };
+    }
     Some(text + &format!("Next: modalign new DIR FILE...{flags}"))
 }
 
@@ -545,7 +552,7 @@ fn array_table(catalog: &Catalog) -> Table {
             Column::text("name"),
             Column::text("shape"),
             Column::text("kind"),
-            Column::text("contents"),
+            Column::text("by name"),
         ],
         rows: arrays.iter().enumerate().map(row).collect(),
         footnotes: Vec::new(),

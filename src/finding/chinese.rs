@@ -20,6 +20,94 @@ static TEXTS: LazyLock<BTreeMap<Code, Texts>> = LazyLock::new(|| {
     toml::from_str(include_str!("zh.toml")).expect("`zh.toml` has the texts of codes")
 });
 
+/// Details of findings with `{}` for names and numbers, and their Chinese texts.
+const DETAILS: [(&str, &str); 18] = [
+    ("resonance at {} Hz", "{} Hz 处的共振"),
+    (
+        "run of excitation point {}, one of {} runs",
+        "激励点 {} 的测量批次，共 {} 批",
+    ),
+    (
+        "run of response {}, one of {} runs",
+        "响应 {} 的测量批次，共 {} 批",
+    ),
+    (
+        "another test mode fits the same model mode",
+        "另一试验模态也符合同一模型模态",
+    ),
+    (
+        "another model mode fits the same test mode",
+        "另一模型模态也符合同一试验模态",
+    ),
+    ("test {}, model {}", "试验 {}，模型 {}"),
+    ("stated {}, by the matrices {}", "说明为 {}，按矩阵为 {}"),
+    (
+        "the model does not tell the effect on its frequencies",
+        "模型未给出对其频率的影响",
+    ),
+    ("modes without a counterpart: {}", "无对应的模态：{}"),
+    (
+        "raises the mode at {} Hz by about {} %",
+        "使 {} Hz 的模态升高约 {} %",
+    ),
+    ("body {} is held there", "物体 {} 在该处固定"),
+    ("rejected stable poles: {}", "剔除的稳定极点：{}"),
+    ("also {}", "另有 {}"),
+    ("blocks of {} samples", "每块 {} 个样本"),
+    (
+        "the responses to the burst have not decayed when the record ends",
+        "记录结束时对猝发激励的响应尚未衰减",
+    ),
+    ("{} sensors, from {} to {} Hz", "{} 个传感器，{} 至 {} Hz"),
+    (
+        "residual {} % of the FRF, std × {}",
+        "残差为频响函数的 {} %，标准差 × {}",
+    ),
+    (
+        "of {} in common several move alike in every mode of the model and count once",
+        "共有的 {} 个自由度中，有些在模型各模态中运动相同，只计一次",
+    ),
+];
+
+/// A detail in Chinese, part by part; parts without a text remain English.
+fn chinese_detail(detail: &str) -> String {
+    let part = |text: &str| {
+        let mut texts = DETAILS.iter();
+        let found =
+            texts.find_map(|(english, chinese)| Some((chinese, pattern_values(english, text)?)));
+        found.map_or_else(
+            || text.to_owned(),
+            |(chinese, values)| {
+                let fill = |text: String, value: &&str| text.replacen("{}", value, 1);
+                values.iter().fold((*chinese).to_owned(), fill)
+            },
+        )
+    };
+    let parts: Vec<String> = detail.split("; ").map(part).collect();
+    parts.join("；")
+}
+
+/// The texts at the `{}` of a pattern; `None` if the text does not match.
+pub(crate) fn pattern_values<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut parts = pattern.split("{}");
+    let mut remaining = text.strip_prefix(parts.next()?)?;
+    let parts: Vec<&str> = parts.collect();
+    let mut found = Vec::new();
+    for (n, part) in parts.iter().enumerate() {
+        let end = if n + 1 == parts.len() {
+            remaining
+                .len()
+                .checked_sub(part.len())
+                .filter(|&at| remaining.is_char_boundary(at))?
+        } else {
+            remaining.find(part)?
+        };
+        found.push(&remaining[..end]);
+        remaining = remaining[end..].strip_prefix(part)?;
+    }
+    remaining.is_empty().then_some(found)
+}
+
 impl Code {
     /// [`Code::sentence`] in Chinese.
     pub fn chinese_sentence(self) -> &'static str {
@@ -53,7 +141,9 @@ impl Finding {
         let numbers = self.numbers(in_words, "，");
         let numbers = numbers.map_or_else(String::new, |numbers| format!("（{numbers}）"));
         let detail = self.detail.as_deref();
-        let detail = detail.map_or_else(String::new, |detail| format!("；{detail}"));
+        let detail = detail.map_or_else(String::new, |detail| {
+            format!("；{}", chinese_detail(detail))
+        });
         format!(
             "{}：{}{numbers}{detail}",
             location_text(&self.location),
@@ -87,6 +177,19 @@ fn location_text(location: &Location) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn details_are_translated_part_by_part_and_names_are_not() {
+        let detail = "resonance at 596.37 Hz; run of excitation point 9:+X, one of 9 runs; 3:+X";
+        let finding = Finding::new(Severity::Info, Code::RunsDisagree, Location::Whole);
+        let chinese = finding.detail(detail).chinese();
+        let expected = "；596.37 Hz 处的共振；激励点 9:+X 的测量批次，共 9 批；3:+X";
+        assert!(chinese.ends_with(expected), "{chinese}");
+        for (english, chinese) in DETAILS {
+            let count = |text: &str| text.matches("{}").count();
+            assert_eq!(count(english), count(chinese), "{english}");
+        }
+    }
 
     /// Whether a text is Chinese: at least a quarter of its letters, as names of options and files
     /// are Latin.

@@ -111,7 +111,7 @@ fn headline(list: &BeforeYouLeave) -> String {
         0 => format!(
             "Before you leave: enough good hits at {}.",
             match all {
-                1 => "the 1 point".to_owned(),
+                1 => "the only point".to_owned(),
                 all => format!("all {all} points"),
             }
         ),

@@ -45,7 +45,7 @@ pub(super) static PHRASES: &[Text] = &[
     text("unit", "单位"),
     text("remark", "备注"),
     text("all {} points", "全部 {} 个点"),
-    text("the 1 point", "该点"),
+    text("the only point", "该点"),
     text("{} iterations", "{} 次迭代"),
     text("{} iteration", "{} 次迭代"),
     text("{} starts", "{} 个起点"),
@@ -128,17 +128,42 @@ pub(super) static PHRASES: &[Text] = &[
     text("the excitation point", "激励点"),
     text("{} columns", "{} 列"),
     text("{} column", "{} 列"),
-    text("unit not stated", "单位未说明"),
-    text("time axis", "时间轴"),
-    text("frequency axis", "频率轴"),
-    text("force", "力"),
-    text("response", "响应"),
-    text("real", "实部"),
-    text("imaginary", "虚部"),
-    text("complex", "复数"),
-    text("magnitude", "幅值"),
-    text("phase", "相位"),
-    text("coherence", "相干"),
+    text("{}, noise floor {} %", "{}，噪声底 {} %"),
+    text("{} observable modes", "{} 阶可观测模态"),
+    text("{} observable mode", "{} 阶可观测模态"),
+    text("white noise{}", "白噪声{}"),
+    text("modes outside the band{}", "带外模态{}"),
+    text("record ends early{}", "记录过短{}"),
+    text(
+        "white noise{} and modes outside the band{}",
+        "白噪声{}、带外模态{}",
+    ),
+    text(
+        "white noise{} and record ends early{}",
+        "白噪声{}、记录过短{}",
+    ),
+    text(
+        "modes outside the band{} and record ends early{}",
+        "带外模态{}、记录过短{}",
+    ),
+    text(
+        "white noise{}, modes outside the band{} and record ends early{}",
+        "白噪声{}、带外模态{}、记录过短{}",
+    ),
+    text(" (at every level)", " (各水平)"),
+    text(" (at {} dB)", " ({} dB)"),
+    text("mode {} ({} Hz)", "第 {} 阶模态 ({} Hz)"),
+    text("mode {} ({} Hz) in {}", "第 {} 阶模态 ({} Hz，图 {})"),
+    text("{} decades of {}", "{} 个数量级 ({})"),
+    text("{} dB of {}", "{} dB ({})"),
+    text("{} half-power widths of {}", "{} 个半功率带宽 ({})"),
+    text("{} time constants of {}", "{} 个时间常数 ({})"),
+    text("{} fails at {}", "{} 失效于 {}"),
+    text("{} and {} fails at {}", "{}，{} 失效于 {}"),
+    text(
+        "{} fails at {} and {} fails at {}",
+        "{} 失效于 {}，{} 失效于 {}",
+    ),
     text("units", "单位"),
     text("the sampling rate", "采样率"),
     text("{} (at least {})", "{} (至少 {})"),
@@ -406,7 +431,11 @@ pub(super) static PHRASES: &[Text] = &[
 ];
 
 /// The phrases whose values are words.
-pub(super) const OF_WORDS: [&str; 3] = [
+pub(super) const OF_WORDS: [&str; 7] = [
+    "{} decades of {}",
+    "{} dB of {}",
+    "{} half-power widths of {}",
+    "{} time constants of {}",
     "not tested: {}",
     "beyond the limit: {}",
     "test {}, model {}",
@@ -423,6 +452,19 @@ pub(super) static WORDS: &[Text] = &[
     text("suspended", "悬挂"),
     text("fixed", "固定"),
     text("mounted", "安装"),
+    text("noise", "噪声"),
+    text("separation", "频率间隔"),
+    text("damping", "阻尼"),
+    text("record length", "记录长度"),
+    text("node distance", "与节点的距离"),
+    text("mass loading", "附加质量"),
+    text("hits", "锤击次数"),
+    text("references", "参考点数"),
+    text("order", "阶次"),
+    text("quantisation", "量化"),
+    text("second contacts", "连击"),
+    text("force noise", "力噪声"),
+    text("exponential window", "指数窗"),
 ];
 
 /// Kinds of records and functions, and quantities.
@@ -443,3 +485,18 @@ pub(super) static KINDS: &[Text] = &[
 const fn text(english: &'static str, chinese: &'static str) -> Text {
     Text { english, chinese }
 }
+
+/// Contents of a column by its name.
+pub(super) static COLUMN_CONTENTS: &[Text] = &[
+    text("unit not stated", "单位未说明"),
+    text("time axis", "时间轴"),
+    text("frequency axis", "频率轴"),
+    text("force", "力"),
+    text("response", "响应"),
+    text("real", "实部"),
+    text("imaginary", "虚部"),
+    text("complex", "复数"),
+    text("magnitude", "幅值"),
+    text("phase", "相位"),
+    text("coherence", "相干"),
+];

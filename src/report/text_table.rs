@@ -86,6 +86,7 @@ pub(super) static TEXTS: Texts = Texts {
         names: "names", "文件";
         format: "format", "格式";
         contents: "contents", "内容";
+        contents_by_name: "by name", "按名称";
         inspected_frequency: "frequency [Hz]", "频率 [Hz]";
         inspected_damping: "damping [%]", "阻尼比 [%]";
         inspected_mass: "modal mass [kg]", "模态质量 [kg]";
@@ -321,7 +322,10 @@ pub(super) static TEXTS: Texts = Texts {
         times_noise_floor: "times the\nnoise floor", "噪声底的\n倍数";
         times_bound: "times the\nbound", "理论下界的\n倍数";
         where_each_method: "Where each method meets the stated error", "各方法满足规定误差的范围";
+        speed_of_scene: "{}: speed against accuracy", "{}：速度与精度";
+        methods_fail: "Where methods fail", "方法失效之处";
         methods_fail_of_scene: "{}: where methods fail", "{}：方法失效之处";
+        range_of_factor: "{}\nat {}\n{}", "{}\n({}\n= {})";
         least_model_of_scene: "{}: the least model and method that it needs", "{}：所需的最简模型与方法";
         numbers_of_poles: "Numbers of poles that the data support, and lowest orders", "数据支持的极点数与最低阶次";
         poles_identified: "poles\nidentified", "识别的\n极点数";

@@ -1,9 +1,9 @@
 //! Translation of sentences, captions, column heads, row labels and verdicts. What has no
 //! translation, such as a reason under a table, remains English.
 
-use crate::finding::{Code, Severity};
+use crate::finding::{Code, Severity, pattern_values};
 
-use super::phrase_texts::{KINDS, OF_WORDS, PHRASES, WORDS};
+use super::phrase_texts::{COLUMN_CONTENTS, KINDS, OF_WORDS, PHRASES, WORDS};
 use super::screen_texts::SCREEN_TEXTS;
 use super::texts::{TEXTS, Text, labels_of};
 use super::verdict_texts::VERDICT_TEXTS;
@@ -97,7 +97,8 @@ fn label(head: &str, text: &str) -> String {
 }
 
 /// Heads of columns whose cells are lists of phrases, with these.
-const LISTS: [(&str, &[Text]); 5] = [
+const LISTS: [(&str, &[Text]); 6] = [
+    ("by name", COLUMN_CONTENTS),
     ("contents", PHRASES),
     ("responses", PHRASES),
     ("references", PHRASES),
@@ -252,9 +253,18 @@ fn heading(text: &str) -> String {
     let found = best_match(TEXTS.headings.iter().map(|(_, text)| text), text);
     found.map_or_else(
         || text.to_owned(),
-        |(found, names)| found.filled(Language::Chinese, &names),
+        |(found, names)| match found.english {
+            RANGE_OF_FACTOR => {
+                let names = names.iter().map(|name| value(name, WORDS));
+                found.filled(Language::Chinese, &names.collect::<Vec<_>>())
+            }
+            _ => found.filled(Language::Chinese, &names),
+        },
     )
 }
+
+/// Head of a column with the range of a factor at the value of another.
+const RANGE_OF_FACTOR: &str = "{}\nat {}\n{}";
 
 /// The text that matches, with the names at its `{}`. Of several the one with the most letters
 /// outside `{}` applies.
@@ -263,29 +273,8 @@ fn best_match(
     text: &str,
 ) -> Option<(&'static Text, Vec<&str>)> {
     let letter_count = |text: &str| text.replace("{}", "").chars().count();
-    let matches = texts.filter_map(|found| Some((found, names(found.english, text)?)));
+    let matches = texts.filter_map(|found| Some((found, pattern_values(found.english, text)?)));
     matches.max_by_key(|(found, _)| letter_count(found.english))
-}
-
-/// The names in a text at the positions of `{}` in a pattern; `None` if the text does not match.
-fn names<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
-    let mut parts = pattern.split("{}");
-    let mut remaining = text.strip_prefix(parts.next()?)?;
-    let parts: Vec<&str> = parts.collect();
-    let mut found = Vec::new();
-    for (n, part) in parts.iter().enumerate() {
-        let end = if n + 1 == parts.len() {
-            remaining
-                .len()
-                .checked_sub(part.len())
-                .filter(|&at| remaining.is_char_boundary(at))?
-        } else {
-            remaining.find(part)?
-        };
-        found.push(&remaining[..end]);
-        remaining = remaining[end..].strip_prefix(part)?;
-    }
-    remaining.is_empty().then_some(found)
 }
 
 #[cfg(test)]

@@ -635,6 +635,20 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "meaning_of_dof",
+        Text {
+            english: "DOF: point and direction, such as 1:+Z.",
+            chinese: "DOF：测点与方向，如 1:+Z。",
+        },
+    ),
+    (
+        "meaning_of_dofs",
+        Text {
+            english: "DOF: point and direction, such as 1:+Z; one for all files, or one for each (1:+Z,2:+Z).",
+            chinese: "DOF：测点与方向，如 1:+Z；全部文件一个，或每个文件一个 (1:+Z,2:+Z)。",
+        },
+    ),
+    (
         "not_stated",
         Text {
             english: "Not stated: {}.",

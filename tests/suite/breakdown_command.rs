@@ -74,6 +74,14 @@ fn any_threads_a_resumed_run_and_merged_parts_give_the_same_bytes() {
         &path("one"),
     ]);
     crate::screen::assert_fits(&screen, 40, 100, "study breakdown");
+    let (spec, out) = (path("study.toml"), path("one"));
+    let chinese = ["study", "breakdown", &spec, "-o", &out];
+    let chinese = succeed(chinese.into_iter().chain(["--lang", "zh"]));
+    assert_eq!(
+        crate::screen::english_words(&chinese, &[out]),
+        None,
+        "{chinese}"
+    );
     let verdict = screen.lines().nth(3).unwrap();
     assert!(
         verdict.starts_with("Use ") || verdict.starts_with("No method meets"),

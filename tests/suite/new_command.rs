@@ -202,6 +202,10 @@ fn inspect_says_what_new_reads_from_the_headings_of_columns() {
         next,
         "Next: modalign new DIR FILE... --response DOF --reference DOF"
     );
+    assert!(
+        text.contains("DOF: point and direction, such as 1:+Z."),
+        "{text}"
+    );
     succeed(["new", &path("scene"), &path("a.csv")]);
     let scene = std::fs::read_to_string(folder.path().join("scene/scene.toml")).unwrap();
     for line in [

@@ -506,7 +506,7 @@ fn scene_texts(folder: &str) -> Vec<String> {
 }
 
 /// The first three English words in a row, where the texts of the scene are left out.
-fn english_words(printed: &str, of_scene: &[String]) -> Option<String> {
+pub fn english_words(printed: &str, of_scene: &[String]) -> Option<String> {
     let lines = printed.lines().map(|line| {
         let texts = of_scene.iter();
         texts.fold(line.to_owned(), |line, text| line.replace(text, "0"))

@@ -308,6 +308,7 @@ pub fn order_screen(needs: &SceneNeeds, width: usize) -> Vec<Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Language;
     use crate::study::{DetectionCounts, Method, SpeedAccuracyOptions, SpeedLimits, Timing};
 
     fn study(tests: usize) -> SpeedAccuracy {
@@ -357,6 +358,17 @@ mod tests {
                 let text = terminal.render(&speed_accuracy_screen(&study(tests), width));
                 assert!(text.lines().count() <= MAX_LINES, "{text}");
                 assert!(text.contains("state 1: use ml"), "{text}");
+                let blocks = speed_accuracy_screen(&study(tests), width);
+                let chinese = terminal.render(&Language::Chinese.translated(blocks));
+                let is_word = |word: &str| word.chars().all(|c| c.is_ascii_lowercase());
+                let mut lines = chinese.lines().filter(|line| !line.contains("roving"));
+                let has_english = lines.any(|line| {
+                    let words: Vec<&str> = line.split_whitespace().collect();
+                    words
+                        .windows(3)
+                        .any(|three| three.iter().all(|word| is_word(word)))
+                });
+                assert!(!has_english && chinese.contains("采用 ml"), "{chinese}");
                 match omitted {
                     Some(note) => assert!(text.contains(note), "{text}"),
                     None => assert!(!text.contains("--full"), "{text}"),
