@@ -617,9 +617,10 @@ fn no_number_on_a_screen_has_more_than_five_significant_digits_behind_a_point() 
 }
 
 #[test]
-fn an_update_says_how_many_hits_it_rests_on() {
+fn an_update_says_on_which_tests_and_how_many_hits_it_rests() {
     let screen = succeed(["update", BEAM]);
-    assert!(screen.contains("\nHits: all 33 used.\n"), "{screen}");
+    let line = "\nFitted: roving hammer. Hits: all 33 used.\n";
+    assert!(screen.contains(line), "{screen}");
 }
 
 #[test]
