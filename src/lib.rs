@@ -83,7 +83,7 @@
 //!
 //! | to add | implement | list |
 //! |---|---|---|
-//! | a file format | [`io::Format`]; its source is an [`io::MemorySource`] or an [`io::Source`] | [`io::FORMATS`], and `READERS` in `tests/population/mutation.rs` |
+//! | a file format | [`io::Format`]; its source is an [`io::MemorySource`] or an [`io::Source`] | [`io::FORMATS`], and `READERS` in `tests/population/readers.rs` |
 //! | a method of identification | [`identify::PoleEstimator`], and `Method` of `identify`, empty but for one that knows measurement runs | [`identify::ESTIMATORS`] |
 //! | a machine | [`theory::TheoreticalModel`] | [`theory::BUILT_IN`] |
 //! | an output of tables | [`report::Renderer`] | [`report::RENDERERS`] |

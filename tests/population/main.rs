@@ -29,6 +29,7 @@ mod pairing_of_structures;
 mod pipeline;
 #[path = "../support/population/mod.rs"]
 mod population;
+mod readers;
 mod recording;
 mod scene_updates;
 mod seeds;

@@ -1,7 +1,8 @@
 //! Every reader on damaged files.
 
 use crate::draws;
-use crate::mutation::{READERS, stated, survives};
+use crate::mutation::{stated, survives};
+use crate::readers::READERS;
 
 /// Damaged files for each reader, unless `MUTATED_FILES` states another number.
 const FILES: u64 = 200_000;

@@ -1,7 +1,7 @@
 //! Small intact files of every format are the seeds of damaged ones, written by the library or made
 //! of text here.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read};
 
 use modalign::Dof;
 use modalign::axis::{FrequencyAxis, TimeAxis};
@@ -13,8 +13,6 @@ use modalign::io::{
 use modalign::linalg::Vector3;
 use modalign::modal::{Mode, ModeShape, Scaling};
 use num_complex::Complex64;
-
-use crate::mutation::unpacked;
 
 const H5PY: &[u8] = include_bytes!("../reference/h5py.h5.gz");
 const LINKS: &[u8] = include_bytes!("../reference/links.h5.gz");
@@ -551,4 +549,12 @@ pub fn signalcalc() -> Vec<Vec<u8>> {
     let row = |i: i32| format!("{:.13e}\t  -0.{i}504\t  {i}.25\r\n", 0.25 * f64::from(i));
     let rows: String = (0..60).map(row).collect();
     vec![format!("{head}{rows}").into_bytes()]
+}
+
+/// A file that is kept packed.
+pub fn unpacked(packed: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut unpacked = flate2::read::GzDecoder::new(packed);
+    unpacked.read_to_end(&mut bytes).unwrap();
+    bytes
 }

@@ -47,6 +47,8 @@ mod population;
 mod population_draws;
 mod population_sample;
 mod published;
+#[path = "../population/readers.rs"]
+mod readers;
 mod readme;
 mod real_modes;
 mod recordings;
@@ -62,6 +64,8 @@ mod study_command;
 mod supports;
 mod targets;
 mod testlab_sample;
+#[path = "../support/text_inputs.rs"]
+mod text_inputs;
 mod theory_command;
 mod torture;
 mod transmissions;

@@ -1,6 +1,7 @@
 //! A small sample of the damaged files on which every reader is tried: the first of each.
 
-use crate::mutation::{READERS, stated, survives};
+use crate::mutation::{stated, survives};
+use crate::readers::READERS;
 use modalign::io::FORMATS;
 
 /// Damaged files for each reader, unless `MUTATED_FILES` states another number.
