@@ -159,12 +159,13 @@ impl Spec {
         if is_scene || path.is_dir() && !file.exists() {
             return Ok(Self {
                 table: BreakdownTable::default(),
-                scene: Some(folder.clone()),
+                scene: Some(path.to_path_buf()),
                 folder,
             });
         }
         let study = parse_study(&read_text(&file)?, &file.display().to_string())?;
-        let beside = folder.join("scene.toml").exists().then(|| folder.clone());
+        // The file, because the folder of a name alone is empty.
+        let beside = Some(folder.join("scene.toml")).filter(|scene| scene.exists());
         Ok(Self {
             scene: study.scene.map(|scene| folder.join(scene)).or(beside),
             table: study.breakdown,

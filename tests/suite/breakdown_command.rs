@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::command::{assert_has_sentences, fail, root, succeed, write};
+use crate::command::{assert_has_sentences, fail, modalign_in, root, succeed, write};
 
 const SPEC: &str = r#"
 schema = "modalign-study/1"
@@ -174,4 +174,23 @@ fn invalid_values_of_a_spec_are_reported() {
     }
     let error = fail(["study", "breakdown", &path, "-o", "x", "--cells", "3/2"]);
     assert!(error.contains("I from 1 to N"), "{error}");
+}
+
+#[test]
+fn the_scene_beside_a_spec_in_the_current_folder_is_read() {
+    let place = tempfile::tempdir().unwrap();
+    let spec = SPEC.replace("modes = \"modes.json\"\n", "");
+    let scene = "schema = \"modalign-scene/9\"\ntitle = \"x\"\n";
+    write(
+        place.path(),
+        &[("study.toml", &spec), ("scene.toml", scene)],
+    );
+    for path in ["study.toml", "."] {
+        let ran = modalign_in(place.path(), ["study", "breakdown", path]);
+        let error = String::from_utf8_lossy(&ran.stderr);
+        assert!(
+            error.contains("got \"modalign-scene/9\""),
+            "{path}: {error}"
+        );
+    }
 }
