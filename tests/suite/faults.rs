@@ -7,6 +7,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+use rand::{Rng, SeedableRng, seq::SliceRandom};
+#[cfg(target_os = "linux")]
+use rand_chacha::ChaCha8Rng;
+
 use crate::command::{fail, modalign, root, succeed, write};
 
 /// What a folder holds, by name.
@@ -324,6 +329,150 @@ fn a_kill_while_writing_leaves_the_earlier_result() {
         );
     }
     assert!(caught > 0, "a kill came while the file was written");
+}
+
+/// Kills of the test below, unless `KILLS` states another number; 200 take some minutes.
+#[cfg(target_os = "linux")]
+const KILLS: usize = 6;
+
+/// The contents of a folder and of those in it, hidden files too.
+#[cfg(target_os = "linux")]
+fn whole_content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = content(folder);
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(whole_content(&path));
+        }
+    }
+    all
+}
+
+#[cfg(target_os = "linux")]
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().unwrap().to_string_lossy().starts_with('.')
+}
+
+/// A line of [`WRITING`] with the contents of `out` before and after, and its time.
+#[cfg(target_os = "linux")]
+struct Replacement {
+    line: &'static str,
+    earlier: BTreeMap<PathBuf, Vec<u8>>,
+    later: BTreeMap<PathBuf, Vec<u8>>,
+    time: Duration,
+}
+
+#[cfg(target_os = "linux")]
+impl Replacement {
+    /// Results of the same scene with another title, or texts, are replaced.
+    fn new(folder: &Path, (line, names): (&'static str, &[&str])) -> Self {
+        let (out, file) = (folder.join("out"), folder.join("scene.toml"));
+        std::fs::remove_dir_all(&out).unwrap();
+        std::fs::create_dir(&out).unwrap();
+        let finish = |line: &str| {
+            let ended = spawned(folder, line).wait_with_output().unwrap();
+            assert!(matches!(ended.status.code(), Some(0 | 1)), "{ended:?}");
+        };
+        if line.ends_with("-o out") {
+            let scene = std::fs::read_to_string(&file).unwrap();
+            std::fs::write(&file, scene.replace("title = \"", "title = \"Earlier, ")).unwrap();
+            finish(line);
+            std::fs::write(&file, scene).unwrap();
+        } else {
+            for name in names {
+                std::fs::write(out.join(name), "of an earlier day").unwrap();
+            }
+        }
+        let earlier = whole_content(&out);
+        let begin = std::time::Instant::now();
+        finish(line);
+        Self {
+            line,
+            earlier,
+            later: whole_content(&out),
+            time: begin.elapsed(),
+        }
+    }
+
+    /// Ends the line at a moment by a signal, checks what it left, and runs it again.
+    fn interrupt(&self, folder: &Path, signal: &str, moment: f64, while_writing: bool) {
+        let out = folder.join("out");
+        std::fs::remove_dir_all(&out).unwrap();
+        for (path, bytes) in &self.earlier {
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+        let mut child = spawned(folder, self.line);
+        if while_writing {
+            // Files are replaced within milliseconds after the first hidden one is there.
+            while child.try_wait().unwrap().is_none() && !is_written(&out) {}
+            std::thread::sleep(Duration::from_secs_f64(0.0025 * moment));
+        } else {
+            std::thread::sleep(self.time.mul_f64(moment));
+        }
+        if child.try_wait().unwrap().is_none() {
+            let id = child.id().to_string();
+            let sent = Command::new("kill").args(["-s", signal, &id]).status();
+            sent.unwrap();
+        }
+        child.wait_with_output().unwrap();
+        let case = format!("{} after {signal} at {moment}", self.line);
+        let mut found = whole_content(&out);
+        if signal == "TERM" {
+            assert!(
+                !found.keys().any(|path| is_hidden(path)),
+                "{case}: {found:?}"
+            );
+        }
+        found.retain(|path, _| !is_hidden(path));
+        let is_one = found == self.earlier || found == self.later;
+        let has_manifest = self.later.contains_key(&out.join("manifest.json"));
+        assert!(
+            is_one || !has_manifest || modalign::io::check_results(&out).is_err(),
+            "{case}: a mixture of two runs is not refused"
+        );
+        for (path, bytes) in &found {
+            let whole = [self.earlier.get(path), self.later.get(path)];
+            // The manifest is marked before the first result is replaced.
+            let is_manifest = path.ends_with("manifest.json");
+            assert!(
+                is_manifest || whole.contains(&Some(bytes)),
+                "{case}: {} is neither",
+                path.display()
+            );
+        }
+        let again = spawned(folder, self.line).wait_with_output().unwrap();
+        assert!(
+            matches!(again.status.code(), Some(0 | 1)),
+            "{case}: {again:?}"
+        );
+        let (found, later) = (whole_content(&out), &self.later);
+        assert!(
+            found == *later,
+            "{case}: {:?}, expected {:?}",
+            found.keys(),
+            later.keys()
+        );
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn killed_verbs_leave_old_or_new_results_or_a_mixture_that_is_refused() {
+    let folder = prepared();
+    let kills = crate::mutation::stated("KILLS", KILLS);
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut lines: Vec<_> = WRITING.to_vec();
+    lines.shuffle(&mut random);
+    let used = kills.min(lines.len());
+    for (number, line) in lines[..used].iter().enumerate() {
+        let replacement = Replacement::new(folder.path(), *line);
+        for kill in (number..kills).step_by(used) {
+            let signal = ["KILL", "TERM"][(kill / used + number) % 2];
+            let moment = random.random_range(0.0..1.0);
+            replacement.interrupt(folder.path(), signal, moment, random.random());
+        }
+    }
 }
 
 #[cfg(target_os = "linux")]
