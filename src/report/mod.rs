@@ -97,6 +97,7 @@ pub use states::states_block;
 pub use sweep::sweep_blocks;
 pub use table::{Align, Cell, Column, Table};
 pub use terminal::Terminal;
+#[cfg(feature = "cli")]
 pub(crate) use terminal::wrapping;
 pub use update::{update_blocks, update_page};
 
