@@ -139,6 +139,9 @@ fn use_model(text: &str, folder: &Path) {
             ..ModeOptions::default()
         };
         let _ = model.solve(&[], &options);
+        let _ = model.quantities();
+        let _ = model.sensitivities(options.band);
+        let _ = model.released_modes();
     }
 }
 

@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use modalign::frf::{HammerOptions, evaluate_hammer_test};
+use modalign::identify::{ESTIMATORS, IdentifyOptions, identification};
 use modalign::io::{
     Encoding, FORMATS, Format, Hints, HitFile, HitGrouping, Source, TableSpec, WriteOptions,
     frf_sets, group_hits, modal_model_of,
@@ -32,6 +33,9 @@ pub use seed_files::write_seeds;
 
 /// Hits with more samples are not evaluated: they take time and nothing else.
 const MAX_EVALUATED_SAMPLES: usize = 1 << 15;
+
+/// FRFs with more values are not identified, for the same reason.
+const MAX_IDENTIFIED_VALUES: usize = 1 << 9;
 
 /// The project.
 pub fn root() -> &'static Path {
@@ -128,7 +132,7 @@ impl Target {
                 let file = Cursor::new(reader.file(bytes));
                 if let Ok(mut source) = format.open(Box::new(file), &hints) {
                     write_as(usize::from(*choice) / readers.len(), source.as_mut());
-                    use_recording(source);
+                    use_recording(usize::from(*choice) / readers.len(), source);
                 }
             }
         }
@@ -147,12 +151,22 @@ fn write_as(choice: usize, source: &mut dyn Source) {
     let _ = format.write(&mut Cursor::new(Vec::new()), source, &options);
 }
 
-/// The modes, FRFs and hits of a file; short hits become FRFs.
-fn use_recording(mut source: Box<dyn Source>) {
+/// The modes, FRFs and hits of a file; a few FRFs become modes by one of the methods, short hits
+/// become FRFs.
+fn use_recording(choice: usize, mut source: Box<dyn Source>) {
     read_all(source.as_mut());
     let _ = modal_model_of(source.catalog(), Vec::new());
     let mut files = vec![HitFile::new(source)];
-    let _ = frf_sets(&mut files);
+    let method = ESTIMATORS[choice % ESTIMATORS.len()].name;
+    let options = IdentifyOptions {
+        method: method.to_owned(),
+        ..IdentifyOptions::default()
+    };
+    for set in frf_sets(&mut files).unwrap_or_default() {
+        if set.len() * set.axis().len <= MAX_IDENTIFIED_VALUES {
+            let _ = identification(&set, &options);
+        }
+    }
     let Ok(mut hits) = group_hits(files, HitGrouping::Records, &[]) else {
         return;
     };
