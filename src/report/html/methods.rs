@@ -123,7 +123,7 @@ fn sentences(texts: &Value) -> String {
 }
 
 fn tables(study: &Value, language: Language) -> String {
-    let tables = serde_json::from_value::<Vec<Block>>(study["tables"].clone());
+    let tables = serde_json::from_str::<Vec<Block>>(&study["tables"].to_string());
     fragment(&language.translated(tables.unwrap_or_default()), language)
 }
 

@@ -27,7 +27,7 @@ pub(super) fn has_failed(updated: &Value) -> bool {
 }
 
 fn stop_reason(updated: &Value) -> Option<StopReason> {
-    serde_json::from_value(updated["stop_reason"].clone()).ok()
+    serde_json::from_str(&updated["stop_reason"].to_string()).ok()
 }
 
 /// Goodness of fit of an update, its frequency errors, and its convergence; `None` without the
