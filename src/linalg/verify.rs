@@ -35,8 +35,10 @@ const RANDOM_VECTORS: usize = 2;
 /// fail; the largest figures are a third of it.
 const MAX_BACKWARD_ERROR: f64 = 20.0;
 /// The same of singular values, over `(m + n + 10) eps`. QR iteration converges slowly where
-/// columns depend on each other, and reaches 33 there; of other matrices it reaches 7. Larger or
-/// smaller: as above. Test: `columns_that_depend_on_each_other_have_singular_values`.
+/// columns depend on each other, and reaches 33 there; of other matrices it reaches 7. Smaller:
+/// sensitivities to dependent parameters are refused. Larger: errors of 1e-12 of the largest value,
+/// below which nothing here distinguishes values, are not found. Test:
+/// `columns_that_depend_on_each_other_have_singular_values`.
 const MAX_SINGULAR_VALUE_ERROR: f64 = 100.0;
 
 /// Checks eigenvalues and vectors of a symmetric matrix: `Q^T Q = I` and `A Q = Q Lambda`, which
