@@ -93,7 +93,8 @@ impl PoleEstimator for MaximumLikelihood {
 impl Method for MaximumLikelihood {
     fn outcome(&self, set: &FrfSet, band: Band) -> Result<Outcome, IdentifyError> {
         let shape = LineShape::of(set);
-        let (mut fit, found) = self.fitted(set, band, shape)?;
+        let unshifted = RunShifts::none(set.functions());
+        let (mut fit, found) = self.fitted(set, band, shape, unshifted.clone())?;
         let split = self.check_leakage(set, band, &mut fit)?;
         let merged = fit.merge_same_shapes();
         // Poles of leakage or of smoothed values are no companions.
@@ -102,7 +103,7 @@ impl Method for MaximumLikelihood {
         }
         let splits = fit.split_findings(&split, band);
         let plain = match shape.is_smoothed() {
-            true => Some(self.fitted(set, band, LineShape::EXACT)?),
+            true => Some(self.fitted(set, band, LineShape::EXACT, unshifted)?),
             false => None,
         };
         let contradicts = |(unsmoothed, _): &(PoleModel, DetectedPeaks)| {
@@ -135,14 +136,15 @@ impl Method for MaximumLikelihood {
 
 impl MaximumLikelihood {
     /// Fits poles with a line shape, including the rejection of spurious poles and the final
-    /// refinement.
+    /// refinement. `shifts`: those of the runs at the beginning.
     pub(in crate::identify) fn fitted(
         &self,
         set: &FrfSet,
         band: Band,
         shape: LineShape,
+        shifts: RunShifts,
     ) -> Result<(PoleModel, DetectedPeaks), IdentifyError> {
-        let (mut fit, found) = self.merged(set, band, shape)?;
+        let (mut fit, found) = self.merged(set, band, shape, shifts)?;
         fit.reduce_out_of_band_terms();
         fit.complete();
         Ok((fit, found))
@@ -156,8 +158,8 @@ impl MaximumLikelihood {
         set: &FrfSet,
         band: Band,
         shape: LineShape,
+        mut moved: RunShifts,
     ) -> Result<(PoleModel, DetectedPeaks), IdentifyError> {
-        let mut moved = RunShifts::none(set.functions());
         let mut fits: Vec<(PoleModel, DetectedPeaks)> = Vec::new();
         let mut initial_rounds = 0;
         loop {

@@ -93,7 +93,7 @@ impl MaximumLikelihood {
             if moved > MIN_CONTRADICTION {
                 continue;
             }
-            let (smoothed, _) = self.fitted(set, band, shape)?;
+            let (smoothed, _) = self.fitted(set, band, shape, fit.run_shifts.as_found())?;
             let in_all = NearModes::new(fit);
             let ratio = in_all.residual(&smoothed) / in_all.residual(fit);
             possible.extend((ratio <= MIN_CONTRADICTION).then_some(Hypothesis {

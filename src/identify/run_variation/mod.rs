@@ -79,7 +79,8 @@ pub(in crate::identify) struct RunShifts {
     runs: Vec<Vec<usize>>,
     /// Whether a run is a position of a sensor rather than an excitation point.
     roving_sensor: bool,
-    /// FRFs at the position of the sensor in each run; empty where no sensor is moved.
+    /// FRFs at the position of the sensor in each run; empty where no sensor is moved, or it has
+    /// several axes.
     positions: Vec<Vec<usize>>,
     /// Degrees of freedom of shapes and of participation factors.
     factors: usize,
@@ -119,12 +120,11 @@ impl RunShifts {
         let (_, roving_sensor) = measurement_runs(functions);
         let runs = separate_responses::by_point(functions);
         let frf_matrix = FrfMatrix::new(functions);
+        let response = |f: &usize| &functions[*f].response;
+        let has_one_axis = |run: &Vec<usize>| run.iter().all(|f| response(f) == response(&run[0]));
+        let are_positions = roving_sensor && runs.iter().all(has_one_axis);
         Self {
-            positions: if roving_sensor {
-                runs.clone()
-            } else {
-                Vec::new()
-            },
+            positions: are_positions.then(|| runs.clone()).unwrap_or_default(),
             runs,
             roving_sensor,
             factors: frf_matrix.outputs.len() + frf_matrix.inputs,
@@ -132,18 +132,30 @@ impl RunShifts {
         }
     }
 
-    /// Each FRF as a run, without shifted modes; `None` where the runs are single FRFs already.
+    /// Each FRF as a run, without shifted modes; `None` where the runs are single FRFs already, or
+    /// no shifts are searched.
     pub fn by_function(&self) -> Option<Self> {
         let functions: usize = self.runs.iter().map(Vec::len).sum();
         let runs: Vec<Vec<usize>> = (0..functions).map(|function| vec![function]).collect();
         let position = |f: usize| self.positions.iter().find(|position| position.contains(&f));
         let positions = (0..functions).filter_map(position).cloned();
-        (self.runs.len() < functions).then(|| Self {
+        (self.runs.len() < functions && self.rounds < MAX_ROUNDS).then(|| Self {
             runs,
             positions: positions.collect(),
             factors: self.factors,
             ..Self::default()
         })
+    }
+
+    /// The same shifts for a fit that does not search them again.
+    ///
+    /// A fit under another line shape then takes one alignment of the runs rather than all: where
+    /// frequencies shift between hits, these took most of the time.
+    pub fn as_found(&self) -> Self {
+        Self {
+            rounds: MAX_ROUNDS,
+            ..self.clone()
+        }
     }
 
     /// Aligns every FRF to the mean of the runs.
