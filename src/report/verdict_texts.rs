@@ -96,6 +96,20 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
+        "next_support",
+        Text {
+            english: "Next, as the supports of test and model differ: correct the one that is wrong ({}).",
+            chinese: "下一步 (试验与模型的支承不同)：请更正其中有误的一个 ({})。",
+        },
+    ),
+    (
+        "next_at_bound",
+        Text {
+            english: "Next, as {} is at its bound and the model does not fit: wider bounds of it, if they are possible; else what the form of the model neglects.",
+            chinese: "下一步 ({} 到达界限，模型不符)：若界限可以放宽，请放宽；否则请检查模型形式所忽略的因素。",
+        },
+    ),
+    (
         "next_limits",
         Text {
             english: "Next, limits that the updated model has to meet: [limits] in {}; then modalign check {}/comparison-after.json --against {}.",
@@ -624,7 +638,7 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         "meaning_of_objective",
         Text {
             english: "Objective: chi-square of data and prior, with the stated deviations.",
-            chinese: "目标函数：数据与先验的卡方，按规定的标准差。",
+            chinese: "目标函数：数据与先验的卡方，按给定的标准差。",
         },
     ),
     (

@@ -158,6 +158,20 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
             found.configuration, found.parameter
         ));
     }
+    if has(Code::SupportDiffers) {
+        let code = explained(Code::SupportDiffers);
+        return Some(format!(
+            "Next, as the supports of test and model differ: correct the one that is wrong ({code})."
+        ));
+    }
+    let at_bound = |parameter: &&UpdatedParameter| parameter.verdict == ParameterVerdict::AtBound;
+    let at_bound = result.parameters.iter().find(at_bound);
+    if let Some(parameter) = at_bound.filter(|_| !result.fits()) {
+        return Some(format!(
+            "Next, as {} is at its bound and the model does not fit: wider bounds of it, if they are possible; else what the form of the model neglects.",
+            parameter.name
+        ));
+    }
     if !result.fits() {
         let trials = match (&update.explanation, result.parameters.len()) {
             (Some(_), _) => "the single changes: --full",
