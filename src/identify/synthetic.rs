@@ -129,6 +129,39 @@ impl Structure {
     }
 }
 
+impl Structure {
+    /// The measured set with a mass in kg at a point in each FRF, counted from 0: a response o, hit
+    /// at i, is `α_oi − α_op s² m α_pi/(1 + s² m α_pp)`.
+    pub fn measured_under_masses(
+        &self,
+        how: &Measurement,
+        mass_of_frf: impl Fn(usize) -> (usize, f64),
+    ) -> FrfSet {
+        let measured = self.measured(how);
+        let mut set = FrfSet::new(how.axis);
+        let order = how.kind.derivative_order();
+        for (f, (sensor, hit)) in how.pairs.iter().enumerate() {
+            let (point, mass_kg) = mass_of_frf(f);
+            let loaded: Dof = format!("{}:+Z", point + 1).parse().unwrap();
+            let change = |k: usize| {
+                let s = Complex64::new(0.0, how.axis.rad_s(k));
+                let receptance = |a: &Dof, b: &Dof| self.value(&(a.clone(), b.clone()), s, 0);
+                let inertia = s * s * mass_kg;
+                let both = receptance(sensor, &loaded) * inertia * receptance(&loaded, hit);
+                -s.powi(order) * both / (1.0 + inertia * receptance(&loaded, &loaded))
+            };
+            let values = measured.values(f).iter().enumerate();
+            let data = FunctionData {
+                values: values.map(|(k, value)| value + change(k)).collect(),
+                coherence: None,
+                variance: measured.variance(f).map(<[f64]>::to_vec),
+            };
+            set.push(measured.functions()[f].clone(), data).unwrap();
+        }
+        set
+    }
+}
+
 /// A shape component between 0.3 and 1, of either sign: no sensor is near a node.
 fn component(random: &mut ChaCha8Rng) -> f64 {
     let size: f64 = random.random_range(0.3..1.0);

@@ -20,13 +20,13 @@ use crate::frf::FrfSet;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::peak_detection::DetectedPeaks;
-use crate::identify::data::residual::Residual;
+use crate::identify::data::residual::{PredictedResponse, Residual};
 use crate::identify::estimator::{Candidate, MethodOptions, PoleAtOrder, PoleTable};
 use crate::identify::fit::block_descent::{Convergence, MANY_POLES, mark_unconverged, refine};
 use crate::identify::fit::compressed_band::CompressedBand;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::run_variation::RunShifts;
-use crate::identify::run_variation::loaded_shapes::Unloaded;
+use crate::identify::run_variation::loaded_shapes::{MAX_SHAPE_CHANGE, Unloaded};
 use crate::identify::run_variation::run_means::{RunMean, RunMeans};
 use crate::linalg::{sort_ascending_by, sort_descending_by};
 
@@ -255,6 +255,27 @@ impl PoleModel {
         Some(stds.collect())
     }
 
+    /// Receptance of each FRF at the frequency of a pole, as fitted without it.
+    fn without_pole<'a>(
+        &'a self,
+        described: &PredictedResponse,
+        pole: &'a ModelPole,
+    ) -> impl Fn(usize) -> Complex64 + use<'a> {
+        let frfs = &self.data.frfs;
+        let distance = |k: &usize| (frfs.omega[*k] - pole.lambda.im).abs();
+        let lines = 0..frfs.lines();
+        let line = lines.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let line = line.unwrap_or(0);
+        let residual = described.residual(line..line + 1);
+        let profile = |lambda| frfs.line_shape.pole(frfs.omega[line], lambda);
+        let (of_pole, of_conjugate) = (profile(pole.lambda), profile(pole.lambda.conj()));
+        move |f| {
+            let fitted = frfs.values[f][line] - residual.at(f, line) * self.data.noise.std(f, line);
+            let residue = pole.residues[f];
+            fitted - residue * of_pole - residue.conj() * of_conjugate
+        }
+    }
+
     /// The table of candidates in a band, with findings. `companions`: poles of modes that have
     /// companions, and how large these are.
     pub fn table(
@@ -307,11 +328,12 @@ impl PoleModel {
             })
         };
         let means: Vec<Option<RunMean>> = kept.par_iter().map(|(pole, _)| mean(pole)).collect();
-        let all: Vec<&ModelPole> = kept.iter().map(|(pole, _)| *pole).collect();
-        let unloaded = all.iter();
-        let unloaded: Vec<Option<Unloaded>> = unloaded
-            .map(|pole| self.run_shifts.unloaded(pole, &all, &self.frf_matrix))
-            .collect();
+        let unloaded = |(pole, _): &(&ModelPole, &PoleMetrics)| {
+            let remaining = self.without_pole(&described, pole);
+            let shifts = &self.run_shifts;
+            shifts.unloaded(pole, &self.poles, &self.frf_matrix, remaining)
+        };
+        let unloaded: Vec<Option<Unloaded>> = kept.iter().map(unloaded).collect();
         let evidence = FindingContext {
             set,
             data: &self.data,
@@ -337,7 +359,8 @@ impl PoleModel {
             let residue_stds = self.residue_stds(pole, metrics);
             match &unloaded[index] {
                 Some(unloaded) => Candidate {
-                    residue_stds,
+                    // Those of the measured residues: of a large correction they are not known.
+                    residue_stds: residue_stds.filter(|_| unloaded.change <= MAX_SHAPE_CHANGE),
                     residues: Some(unloaded.residues.clone()),
                     multiplicity: unloaded.multiplicity,
                     ..merged
