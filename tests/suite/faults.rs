@@ -394,8 +394,9 @@ impl Replacement {
         }
     }
 
-    /// Ends the line at a moment by a signal, checks what it left, and runs it again.
-    fn interrupt(&self, folder: &Path, signal: &str, moment: f64, while_writing: bool) {
+    /// Ends the line at a moment by a signal, checks what it left, and runs it again. Whether the
+    /// signal came before the end.
+    fn interrupt(&self, folder: &Path, signal: &str, moment: f64, while_writing: bool) -> bool {
         let out = folder.join("out");
         std::fs::remove_dir_all(&out).unwrap();
         for (path, bytes) in &self.earlier {
@@ -415,7 +416,8 @@ impl Replacement {
             let sent = Command::new("kill").args(["-s", signal, &id]).status();
             sent.unwrap();
         }
-        child.wait_with_output().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        let is_caught = !matches!(ended.status.code(), Some(0 | 1));
         let case = format!("{} after {signal} at {moment}", self.line);
         let mut found = whole_content(&out);
         if signal == "TERM" {
@@ -453,6 +455,7 @@ impl Replacement {
             found.keys(),
             later.keys()
         );
+        is_caught
     }
 }
 
@@ -465,14 +468,19 @@ fn killed_verbs_leave_old_or_new_results_or_a_mixture_that_is_refused() {
     let mut lines: Vec<_> = WRITING.to_vec();
     lines.shuffle(&mut random);
     let used = kills.min(lines.len());
+    let mut caught = 0;
     for (number, line) in lines[..used].iter().enumerate() {
         let replacement = Replacement::new(folder.path(), *line);
         for kill in (number..kills).step_by(used) {
             let signal = ["KILL", "TERM"][(kill / used + number) % 2];
             let moment = random.random_range(0.0..1.0);
-            replacement.interrupt(folder.path(), signal, moment, random.random());
+            let while_writing = random.random();
+            if replacement.interrupt(folder.path(), signal, moment, while_writing) {
+                caught += 1;
+            }
         }
     }
+    assert!(caught > 0, "no signal came before the end of its line");
 }
 
 #[cfg(target_os = "linux")]
