@@ -84,7 +84,14 @@ impl Manifest {
         if !is_ours {
             return Ok(None);
         }
-        let manifest: Self = serde_json::from_str(&String::from_utf8_lossy(&bytes))
+        let text = std::str::from_utf8(&bytes).map_err(|cause| {
+            let sound = &bytes[..cause.valid_up_to()];
+            let line_start = memchr::memrchr(b'\n', sound).map_or(0, |end| end + 1);
+            let line = 1 + memchr::memchr_iter(b'\n', sound).count();
+            let got = "a byte that is not UTF-8".to_owned();
+            error(line, 1 + sound.len() - line_start, got)
+        })?;
+        let manifest: Self = serde_json::from_str(text)
             .map_err(|cause| error(cause.line(), cause.column(), cause.to_string()))?;
         match manifest.schema == MANIFEST_SCHEMA {
             true => Ok(Some(manifest)),
@@ -378,6 +385,26 @@ mod tests {
             write(&inner, &[], Some("run"));
             assert!(outer.exists(), "{name}");
         }
+    }
+
+    #[test]
+    fn a_manifest_that_is_not_utf_8_is_refused_with_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &[file("a.txt", "x", "run")], Some("run"));
+        let path = folder.path().join(MANIFEST_FILE);
+        let text = std::fs::read(&path).unwrap();
+        let at = memchr::memmem::find(&text, b"a.txt").unwrap();
+        let mut faulty = text.clone();
+        faulty[at] = 0xe4;
+        std::fs::write(&path, faulty).unwrap();
+        let before = String::from_utf8(text[..at].to_vec()).unwrap();
+        let line = before.lines().count();
+        let column = 1 + before.lines().last().unwrap().len();
+        let place = format!("{MANIFEST_FILE}:{line}:{column}: got a byte that is not UTF-8");
+        let error = check_results(folder.path()).unwrap_err().to_string();
+        assert!(error.contains(&place), "{error}");
+        let opened = ResultsFolder::open(folder.path()).err();
+        assert_eq!(opened.unwrap().to_string(), error);
     }
 
     #[test]
