@@ -20,7 +20,7 @@ use super::model::sensors;
 use super::model_name::{first_root, named_model};
 use super::placement::{PlacementPlan, placement_plans};
 use super::test_plan::{TestPlan, test_plan};
-use super::toml_text::{check_schema, read_text};
+use super::toml_text::{check_schema, read_text, stated_schema};
 use super::typed::{
     ConfigurationTable, FrfTable, IdentifyTable, ModelTable, PointTable, ReportTableTable,
     SCENE_SCHEMA, SceneFile, UpdateTable,
@@ -78,7 +78,7 @@ pub struct Scene {
 }
 
 /// Schema of a scene of any version.
-const SCENE_FAMILY: &str = "\"modalign-scene/";
+const SCENE_FAMILY: &str = "modalign-scene/";
 
 impl Scene {
     /// Whether a path names a scene: a folder, a file `scene.toml`, or another TOML file with the
@@ -87,12 +87,8 @@ impl Scene {
         let is_toml = path
             .extension()
             .is_some_and(|extension| extension == "toml");
-        let states_schema = |text: &str| {
-            let mut values = text
-                .lines()
-                .filter_map(|line| line.trim_start().strip_prefix("schema"));
-            values.any(|value| value.contains(SCENE_FAMILY))
-        };
+        let states_schema =
+            |text: &str| stated_schema(text).is_some_and(|schema| schema.starts_with(SCENE_FAMILY));
         path.is_dir()
             || path.file_name().is_some_and(|name| name == "scene.toml")
             || is_toml && read_text(path).is_ok_and(|text| states_schema(&text))

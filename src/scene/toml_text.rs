@@ -65,6 +65,13 @@ pub(super) fn check_schema(got: &str, expected: &str, path: &str) -> Result<(), 
     }
 }
 
+/// The `schema` key at the top of a document, which may have faults elsewhere.
+pub(super) fn stated_schema(text: &str) -> Option<String> {
+    let (table, _) = DeTable::parse_recoverable(text);
+    let schema = table.get_ref().get("schema")?.get_ref().as_str();
+    schema.map(str::to_owned)
+}
+
 /// A text as TOML writes it.
 pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()

@@ -748,3 +748,24 @@ fn a_common_error_of_all_pairs_is_said_as_a_factor_on_the_stiffnesses() {
     assert!(text.contains(sentence), "{screen}{findings}");
     assert!(!text.contains("one factor"), "{screen}");
 }
+
+#[test]
+fn a_scene_of_any_name_is_recognised_by_its_schema_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.toml");
+    for (text, is_scene) in [
+        ("schema = \"modalign-scene/1\"\n", true),
+        ("title = 't'\n'schema' = 'modalign-scene/2'\n", true),
+        ("schema = 'modalign-scene/1'\ntitle = \n", true),
+        ("schema = 'modalign-model/1'\n", false),
+        (
+            "schema = 'modalign-model/1'\ntitle = \"\"\"\nschema = \"modalign-scene/1\"\n\"\"\"\n",
+            false,
+        ),
+        ("[old]\nschema = \"modalign-scene/1\"\n", false),
+        ("# schema = \"modalign-scene/1\"\n", false),
+    ] {
+        write(folder.path(), &[("a.toml", text)]);
+        assert_eq!(modalign::scene::Scene::is_path(&path), is_scene, "{text}");
+    }
+}

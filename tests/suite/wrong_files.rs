@@ -361,8 +361,14 @@ const CASES: &[Case] = &[
     ),
     (
         Model,
+        &[("modalign-model/1", "modalign-study/1")],
+        &["got schema `modalign-study/1`, expected `modalign-model/1`"],
+    ),
+    // A file is what its schema says.
+    (
+        Model,
         &[("modalign-model/1", "modalign-scene/1")],
-        &["got schema `modalign-scene/1`, expected `modalign-model/1`"],
+        &["got unknown key `spring`, expected one of `schema`, `title`, `test`"],
     ),
     (
         Model,
