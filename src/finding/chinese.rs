@@ -21,7 +21,7 @@ static TEXTS: LazyLock<BTreeMap<Code, Texts>> = LazyLock::new(|| {
 });
 
 /// Details of findings with `{}` for names and numbers, and their Chinese texts.
-const DETAILS: [(&str, &str); 18] = [
+const DETAILS: [(&str, &str); 19] = [
     ("resonance at {} Hz", "{} Hz 处的共振"),
     (
         "run of excitation point {}, one of {} runs",
@@ -59,6 +59,7 @@ const DETAILS: [(&str, &str); 18] = [
         "记录结束时对猝发激励的响应尚未衰减",
     ),
     ("{} sensors, from {} to {} Hz", "{} 个传感器，{} 至 {} Hz"),
+    ("{} sensor, from {} to {} Hz", "{} 个传感器，{} 至 {} Hz"),
     (
         "residual {} % of the FRF, std × {}",
         "残差为频响函数的 {} %，标准差 × {}",
@@ -185,6 +186,8 @@ mod tests {
         let chinese = finding.detail(detail).chinese();
         let expected = "；596.37 Hz 处的共振；激励点 9:+X 的测量批次，共 9 批；3:+X";
         assert!(chinese.ends_with(expected), "{chinese}");
+        let one = "1 sensor, from 20.0 to 80.0 Hz";
+        assert_eq!(chinese_detail(one), "1 个传感器，20.0 至 80.0 Hz");
         for (english, chinese) in DETAILS {
             let count = |text: &str| text.matches("{}").count();
             assert_eq!(count(english), count(chinese), "{english}");
