@@ -48,6 +48,12 @@ pub fn breakdown(
     if let Some(folder) = args.output.as_ref().filter(|_| part.count == 1) {
         output.open_results(folder, Some(VERB))?;
     }
+    // The slices take minutes: a fault of the scene or its files is reported before. Only whole
+    // results mark modes.
+    let marked = match part.count {
+        1 => spec.marked_modes(reading, output)?,
+        _ => MarkedModes::default(),
+    };
     let finished = compute_slices(args, &plan, part, output)?;
     let kept = kept_slices(&finished);
     if part.count > 1 {
@@ -70,7 +76,7 @@ pub fn breakdown(
         title,
         modes: user_modes,
         is_bad,
-    } = spec.marked_modes(reading, output)?;
+    } = marked;
     let rates = breakdown_rates(&finished);
     let file = BreakdownFile {
         schema: json::BREAKDOWN_SCHEMA.to_owned(),

@@ -177,7 +177,7 @@ fn invalid_values_of_a_spec_are_reported() {
 }
 
 #[test]
-fn the_scene_beside_a_spec_in_the_current_folder_is_read() {
+fn the_scene_beside_a_spec_in_the_current_folder_is_read_before_slices_are_computed() {
     let place = tempfile::tempdir().unwrap();
     let spec = SPEC.replace("modes = \"modes.json\"\n", "");
     let scene = "schema = \"modalign-scene/9\"\ntitle = \"x\"\n";
@@ -186,11 +186,22 @@ fn the_scene_beside_a_spec_in_the_current_folder_is_read() {
         &[("study.toml", &spec), ("scene.toml", scene)],
     );
     for path in ["study.toml", "."] {
-        let ran = modalign_in(place.path(), ["study", "breakdown", path]);
+        let ran = modalign_in(place.path(), ["study", "breakdown", path, "-o", "out"]);
         let error = String::from_utf8_lossy(&ran.stderr);
         assert!(
             error.contains("got \"modalign-scene/9\""),
             "{path}: {error}"
         );
+        // Before the first slice is computed.
+        assert!(!place.path().join("out").exists(), "{path}");
     }
+    // The modes that a spec names, too.
+    write(
+        place.path(),
+        &[("study.toml", SPEC), ("modes.json", "{\"schema\": 1}")],
+    );
+    let words = ["study", "breakdown", "study.toml", "-o", "out"];
+    let ran = modalign_in(place.path(), words);
+    assert_eq!(ran.status.code(), Some(2), "{ran:?}");
+    assert!(!place.path().join("out").exists());
 }
