@@ -9,6 +9,8 @@ use crate::report::json::REPORT_FILE;
 use crate::scene::{ModelDraft, SceneError};
 use crate::theory::BUILT_IN;
 
+use super::new_points::{POINTS_OPTION, may_hold_points};
+
 /// A line `hint: did you mean ...?` for a file that does not exist beside one of nearly that name,
 /// or a model of nearly that name; the way to a scene for what files do not state.
 pub fn hint(error: &Error) -> String {
@@ -24,6 +26,11 @@ pub fn hint(error: &Error) -> String {
         return format!(
             "\nhint: {path} is a scene or a model, no data; `modalign run SCENE` runs a scene"
         );
+    }
+    if let Error::Io(IoError::NoNumbers { path, .. }) = error
+        && may_hold_points(Path::new(path))
+    {
+        return format!("\nhint: {POINTS_OPTION} with lines POINT,X,Y,Z in metres");
     }
     let missing = missing_path(error);
     if let Some(draft) = missing.and_then(ModelDraft::at) {

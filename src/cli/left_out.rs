@@ -8,6 +8,8 @@ use serde_json::{Value, json};
 use crate::io::IoError;
 use crate::printable::counted;
 
+use super::new_points::{POINTS_OPTION, may_hold_points};
+
 /// A file that is not used as test data.
 pub(super) struct LeftOut<'a> {
     pub(super) path: &'a Path,
@@ -47,14 +49,20 @@ impl LeftOut<'_> {
             Reason::Error(error) => error,
             Reason::Unnamed(_) => return format!("not used: {path}: {}", self.reason),
         };
+        let points = match error {
+            IoError::NoNumbers { .. } if may_hold_points(self.path) => {
+                format!("; {POINTS_OPTION} with lines POINT,X,Y,Z")
+            }
+            _ => String::new(),
+        };
         match error {
             IoError::NoNumbers { .. } if self.may_hold_data(read) => {
-                format!("not used: {error}; if it should contain data, export it again")
+                format!("not used: {error}; if it should contain data, export it again{points}")
             }
             IoError::UnknownFormat { .. } => {
                 format!("not used: {path}: of unknown format")
             }
-            error if error.is_no_measurement() => format!("not used: {error}"),
+            error if error.is_no_measurement() => format!("not used: {error}{points}"),
             error => format!("not read: {error}"),
         }
     }
@@ -71,7 +79,7 @@ impl Display for Reason {
             Reason::Unnamed(columns) => write!(
                 f,
                 "{} without a known heading beside files that state their contents; \
-                 coordinates of points are an option of `new`, --points FILE",
+                 {POINTS_OPTION}",
                 counted(*columns, "column")
             ),
         }

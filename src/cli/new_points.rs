@@ -90,6 +90,20 @@ pub(super) fn list_of_points(path: &Path, catalog: &Catalog) -> Option<Geometry>
 /// `lists_of_points_alone_are_no_recordings`.
 const MIN_SAMPLES: usize = 256;
 
+/// The option that takes coordinates of points.
+pub(super) const POINTS_OPTION: &str =
+    "coordinates of points are an option of `new`, --points FILE";
+
+/// Whether a file has a line with three numbers, as coordinates of points have.
+pub(super) fn may_hold_points(path: &Path) -> bool {
+    let has_three_numbers = |line: &str| {
+        let fields = line.split([',', ';', '\t', ' ']);
+        let numbers = fields.filter(|field| field.trim().parse::<f64>().is_ok());
+        numbers.count() >= 3
+    };
+    read_text(path).is_ok_and(|text| text.lines().any(has_three_numbers))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

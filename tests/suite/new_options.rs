@@ -410,6 +410,36 @@ fn lists_of_points_alone_are_no_recordings() {
         );
         assert!(!Path::new(&scene).exists());
     }
+    // Coordinates in another arrangement are no recordings either; the option is named.
+    write(
+        folder.path(),
+        &[
+            ("setup.csv", "xHit,0,0,0\nzHit,0.1,0.2,0.4\nxSensor,0,,\n"),
+            (
+                "named.csv",
+                "point,x,y,z,name\n1,0,0,0,left\n2,0.1,0,0,right\n",
+            ),
+            ("notes.csv", "steel tip, 3 hits\n"),
+            ("hit.csv", "time [s],force [N]\n0,0\n0.001,1\n0.002,0\n"),
+        ],
+    );
+    for (number, (name, is_named)) in [
+        ("setup.csv", true),
+        ("named.csv", true),
+        ("notes.csv", false),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let error = fail(["new", &path("scene"), &path(name)]);
+        assert_eq!(error.contains("--points FILE"), is_named, "{error}");
+        let scene = path(&format!("beside-{number}"));
+        let output = modalign(["new", &scene, &path("hit.csv"), &path(name)]);
+        let text = String::from_utf8(output.stdout).unwrap().replace('\n', " ");
+        let line = text.split("beside-").next().unwrap();
+        assert!(line.contains("not used: "), "{text}");
+        assert_eq!(line.contains("--points FILE"), is_named, "{text}");
+    }
     // Samples that are counted are a record.
     let rows: String = (1..=256)
         .map(|i| format!("{i},{},{},1\n", i % 7, i % 5))
