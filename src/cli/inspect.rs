@@ -14,7 +14,7 @@ use crate::io::{
 };
 use crate::printable::counted;
 use crate::report::{Block, Cell, Column, Renderer, Table, Terminal, abridged};
-use crate::scene::{ColumnHeading, column_headings};
+use crate::scene::{ColumnHeading, ColumnHeadings, column_headings};
 
 use super::args::InspectArgs;
 use super::left_out::{LeftOut, Reason};
@@ -146,7 +146,8 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
         });
     }
     let of_arrays = catalogs.iter().filter(|file| holds_arrays(file));
-    let columns: Vec<Option<ColumnHeading>> = of_arrays.flat_map(headings).collect();
+    let columns: Vec<Option<ColumnHeading>> =
+        of_arrays.flat_map(column_headings).flatten().collect();
     let unnamed = columns.iter().filter(|column| column.is_none()).count();
     let has = |roles: &[&str]| {
         let mut known = columns.iter().flatten();
@@ -205,7 +206,9 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
     if !names.is_empty() {
         text += &format!("Not stated: {}.\n", names.join(", "));
     }
-    let flags: String = flags.iter().map(|flag| format!(" {flag}")).collect();
+    let mut given = BTreeSet::new();
+    let flags = flags.into_iter().filter(|flag| given.insert(*flag));
+    let flags: String = flags.map(|flag| format!(" {flag}")).collect();
     text += &channels_text(entries().filter(is_test));
     if flags.contains(" DOF") {
         text += "DOF: point and direction, such as 1:+Z";
@@ -219,14 +222,6 @@ fn next_step(catalogs: &[Catalog]) -> Option<String> {
 
 /// Roles of columns that hold FRFs.
 const FRF_ROLES: [&str; 4] = ["real", "imaginary", "complex", "magnitude"];
-
-/// What the names of a file's columns state, as `new` reads them.
-fn headings(catalog: &Catalog) -> Vec<Option<ColumnHeading>> {
-    let arrays = catalog.arrays.iter();
-    arrays
-        .flat_map(|array| column_headings(catalog, array))
-        .collect()
-}
 
 /// The channels that stand in the place of points, and the options that name the points.
 fn channels_text<'e>(entries: impl Iterator<Item = &'e Entry>) -> String {
@@ -535,14 +530,15 @@ fn mode_table(modes: &[ModeEntry]) -> Table {
 
 fn array_table(catalog: &Catalog) -> Table {
     let arrays = &catalog.arrays;
-    let row = |(index, array): (usize, &ArrayInfo)| {
+    let headings = column_headings(catalog);
+    let row = |((index, array), headings): ((usize, &ArrayInfo), &ColumnHeadings)| {
         let lengths: Vec<String> = array.shape.iter().map(ToString::to_string).collect();
         vec![
             Cell::text((index + 1).to_string()),
             Cell::text(array.name.clone()),
             Cell::text(lengths.join(" x ")),
             Cell::text(array.kind.clone()),
-            heading_text(&column_headings(catalog, array)).map_or(Cell::Missing, Cell::Text),
+            heading_text(headings).map_or(Cell::Missing, Cell::Text),
         ]
     };
     Table {
@@ -554,7 +550,7 @@ fn array_table(catalog: &Catalog) -> Table {
             Column::text("kind"),
             Column::text("by name"),
         ],
-        rows: arrays.iter().enumerate().map(row).collect(),
+        rows: arrays.iter().enumerate().zip(&headings).map(row).collect(),
         footnotes: Vec::new(),
     }
 }
@@ -666,6 +662,8 @@ fn round(value: f64) -> f64 {
 }
 
 fn catalog_json(catalog: &Catalog) -> serde_json::Value {
+    let headings = column_headings(catalog);
+    let arrays = catalog.arrays.iter().zip(&headings);
     json!({
         "path": catalog.path,
         "format": catalog.format,
@@ -676,7 +674,7 @@ fn catalog_json(catalog: &Catalog) -> serde_json::Value {
         "coordinate_systems": catalog.geometry.systems.len(),
         "groups": catalog.geometry.groups.len(),
         "modes": catalog.modes.iter().map(mode_json).collect::<Vec<_>>(),
-        "arrays": catalog.arrays.iter().map(|array| array_json(catalog, array)).collect::<Vec<_>>(),
+        "arrays": arrays.map(|(array, headings)| array_json(array, headings)).collect::<Vec<_>>(),
         "entries": catalog.entries.iter().map(entry_json).collect::<Vec<_>>(),
         "damage": catalog.damage.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "findings": catalog.findings,
@@ -698,18 +696,17 @@ fn mode_json(entry: &ModeEntry) -> serde_json::Value {
     })
 }
 
-fn array_json(catalog: &Catalog, array: &ArrayInfo) -> serde_json::Value {
+fn array_json(array: &ArrayInfo, headings: &[Option<ColumnHeading>]) -> serde_json::Value {
     let column = |column: &Option<ColumnHeading>| {
         column
             .as_ref()
             .map(|column| json!({ "role": column.role, "unit": column.unit }))
     };
-    let columns = column_headings(catalog, array);
     json!({
         "name": array.name,
         "shape": array.shape,
         "kind": array.kind,
-        "columns": columns.iter().map(column).collect::<Vec<_>>(),
+        "columns": headings.iter().map(column).collect::<Vec<_>>(),
     })
 }
 
@@ -737,4 +734,41 @@ fn entry_json(entry: &Entry) -> serde_json::Value {
         "load_case": entry.identification.load_case,
         "id_lines": entry.identification.lines,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::FrequencyAxis;
+
+    #[test]
+    fn the_next_command_has_each_option_once() {
+        let axis = FrequencyAxis {
+            start_hz: 0.0,
+            step_hz: 1.0,
+            len: 8,
+        };
+        let axis = EntryAxis::Frequency(axis);
+        let frf = Entry::new(FunctionType::Frf, axis, SampleFormat::ComplexF64);
+        let frfs = Catalog {
+            entries: vec![frf],
+            ..Catalog::default()
+        };
+        let array = |name: &str| ArrayInfo {
+            name: name.to_owned(),
+            shape: vec![8],
+            kind: "f64".to_owned(),
+        };
+        let names = ["time [s]", "force [N]", "acceleration [m/s2]"];
+        let table = Catalog {
+            arrays: names.map(array).into(),
+            ..Catalog::default()
+        };
+        let text = next_step(&[frfs, table]).unwrap();
+        assert!(
+            text.contains("the reference of FRFs, the excitation point"),
+            "{text}"
+        );
+        assert_eq!(text.matches("--reference DOF").count(), 1, "{text}");
+    }
 }

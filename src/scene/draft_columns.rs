@@ -1,7 +1,7 @@
 //! Columns and arrays in a drafted scene, whose contents the user has to state.
 
 use crate::printable::counted;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use crate::dof::Dof;
@@ -97,20 +97,28 @@ impl ColumnHeading {
     }
 }
 
-/// The roles and units that the headings of an array's columns state, as a draft reads them.
+/// What the headings of an array's columns state, column by column.
+pub type ColumnHeadings = Vec<Option<ColumnHeading>>;
+
+/// The roles and units that the headings of each array's columns state, as a draft reads them;
+/// nothing for an array that holds no numbers.
 #[must_use]
-pub fn column_headings(catalog: &Catalog, array: &ArrayInfo) -> Vec<Option<ColumnHeading>> {
-    if !is_number(array) {
-        return Vec::new();
-    }
-    let columns = columns_of(array);
+pub fn column_headings(catalog: &Catalog) -> Vec<ColumnHeadings> {
     let draft = columns_to_state(&number_arrays(catalog)).columns;
-    let heading = |name: &String| {
-        let column = draft.iter().find(|column| column.name == *name)?;
-        let (role, unit) = (column.role?, column.unit.clone());
-        Some(ColumnHeading { role, unit })
+    let mut stated = BTreeMap::new();
+    for DraftColumn { name, role, unit } in draft {
+        let heading = role.map(|role| ColumnHeading { role, unit });
+        stated.entry(name).or_insert(heading);
+    }
+    let headings = |array: &ArrayInfo| match is_number(array) {
+        true => {
+            let columns = columns_of(array).into_iter();
+            let heading = |name| stated.get(&name).cloned().flatten();
+            columns.map(heading).collect()
+        }
+        false => Vec::new(),
     };
-    columns.iter().map(heading).collect()
+    catalog.arrays.iter().map(headings).collect()
 }
 
 /// Whether an array has an axis of hits beside those of channels and samples.

@@ -65,7 +65,7 @@ pub use configuration_tables::BASE_CONFIGURATION;
 pub use confine::check_confined;
 pub use damage::{damage, lost_part_findings};
 pub use draft::{Draft, DraftModel, DraftPlan, draft_scene};
-pub use draft_columns::{ColumnHeading, TableContent, column_headings};
+pub use draft_columns::{ColumnHeading, ColumnHeadings, TableContent, column_headings};
 pub use draft_file::{DraftFile, StatedUnits};
 pub use draft_unused::{Statement, UnusedStatement};
 pub use error::{Place, SceneError, TomlFault};
