@@ -90,7 +90,9 @@ pub fn update(
         true => outcome.findings.clone(),
         false => outcome.findings_on_update(),
     };
-    output.add_findings(&findings);
+    for (test, finding) in &findings {
+        output.add_findings_of(test, std::slice::from_ref(finding));
+    }
     let partly_bad = outcome.all_tests().any(|test| test.partly_bad);
     Ok(Outcome::missed_if(
         partly_bad || !outcome.result.stop_reason.converged(),

@@ -374,7 +374,7 @@ fn fits_block(scene_update: &SceneUpdate) -> Block {
 pub(super) fn fit_before(update: &SceneUpdate) -> String {
     let findings = update.findings.iter();
     let doubtful = findings
-        .filter(|finding| finding.code == Code::DoubtfulLeftOut)
+        .filter(|(_, finding)| finding.code == Code::DoubtfulLeftOut)
         .count();
     let left_out = [
         (doubtful, "doubtful test mode"),

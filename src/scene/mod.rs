@@ -55,6 +55,7 @@ mod toml_value;
 mod trigger;
 mod typed;
 mod update;
+mod update_findings;
 mod update_options;
 mod updated_model;
 

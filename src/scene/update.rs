@@ -28,21 +28,12 @@ use super::test_agreement::disagreements;
 use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
+use super::update_findings::{comparison_findings, with_test_names};
 use super::update_options::{residuals, update_band};
 use super::updated_model::{model_table_text, overrides_note, replace_nominal_values};
 
 /// Name of the published frequencies among the tests.
 const PUBLISHED: &str = "published";
-
-/// Findings of the comparison with the model at the start that bear on the update: the updated
-/// model may have adapted to what they name.
-const CODES_AT_START: [Code; 5] = [
-    Code::ReversedSensor,
-    Code::ReversedGroup,
-    Code::FrequenciesExchanged,
-    Code::PointsReversed,
-    Code::CommonFactor,
-];
 
 /// Result of updating a scene's model.
 #[derive(Clone, Debug)]
@@ -68,8 +59,9 @@ pub struct SceneUpdate {
     /// The updated `model.toml`, or the `[model]` table of a scene for a model that has no such
     /// file.
     pub model_toml: String,
-    /// Findings of the tests, the comparison and the update.
-    pub findings: Vec<Finding>,
+    /// Findings of the tests, the comparison and the update, each with the name of its test; empty
+    /// where it has none or there is one test.
+    pub findings: Vec<(String, Finding)>,
 }
 
 impl SceneUpdate {
@@ -81,7 +73,7 @@ impl SceneUpdate {
 
     /// The findings that bear on the update: those of the update and the comparison, and of the
     /// tests bad input, doubt about the verdict, and those on modes that the update uses.
-    pub fn findings_on_update(&self) -> Vec<Finding> {
+    pub fn findings_on_update(&self) -> Vec<(String, Finding)> {
         let of_tests = |finding: &Finding| {
             let mut tests = self.all_tests();
             tests.any(|test| test.modes.findings.contains(finding))
@@ -91,7 +83,7 @@ impl SceneUpdate {
             let mut used = rows.iter();
             used.any(|row| (row.test_hz - hz).abs() <= SAME_FREQUENCY * hz)
         };
-        let bears = |finding: &&Finding| {
+        let bears = |(_, finding): &&(String, Finding)| {
             !of_tests(finding)
                 || finding.severity == Severity::Error
                 || Code::ON_THE_VERDICT.contains(&finding.code)
@@ -180,23 +172,30 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let (result, explanation) = updated(scene, &stated, &all)?;
     let mut outcomes = Vec::with_capacity(all.len());
     let mut findings = Vec::new();
+    let measured = all.iter().map(|configuration| configuration.measured.len());
+    let has_one_test = measured.sum::<usize>() == 1;
     let doubtful = all.iter().flat_map(|configuration| {
         doubtful_left_out(&configuration.measured, band, stated.doubtful_modes)
     });
-    let doubtful: Vec<Finding> = doubtful.collect();
+    let doubtful: Vec<(String, Finding)> = doubtful.collect();
     for (configuration, values) in all.into_iter().zip(&result.configuration_values) {
         let outcome = compared(configuration, &stated, values)?;
         findings.extend(outcome.findings);
         // Configurations may have the same model.
         for finding in outcome.of_model {
+            let finding = (String::new(), finding);
             if !findings.contains(&finding) {
                 findings.push(finding);
             }
         }
         outcomes.push(outcome.update);
     }
-    findings.extend(result.findings());
+    let of_update = result.findings().into_iter();
+    findings.extend(of_update.map(|finding| (String::new(), finding)));
     findings.extend(doubtful);
+    if has_one_test {
+        findings.iter_mut().for_each(|(test, _)| test.clear());
+    }
     let others = outcomes.split_off(1);
     let base = outcomes.remove(0);
     Ok(SceneUpdate {
@@ -383,7 +382,8 @@ fn nothing_paired(
 /// A configuration before and after, with the findings of its tests and comparisons.
 struct Compared {
     update: ConfigurationUpdate,
-    findings: Vec<Finding>,
+    /// Each with the name of its test.
+    findings: Vec<(String, Finding)>,
     /// Warnings on the model.
     of_model: Vec<Finding>,
 }
@@ -419,36 +419,13 @@ fn compared(
     let theory_after = updated.solve(&sensors, &mode_options)?;
     let compared = |theory: &Theory| compare_measured(&scene, &measured, &tests, theory);
     let (before, after) = (compared(&theory_before)?, compared(&theory_after)?);
-    let mut findings: Vec<Finding> = tests
-        .iter()
-        .flat_map(|t| t.modes.findings.clone())
-        .collect();
-    findings.extend(
-        after
-            .findings
-            .into_iter()
-            .flat_map(|(_, finding_list)| finding_list),
-    );
-    let at_start = before
-        .findings
-        .iter()
-        .flat_map(|(_, finding_list)| finding_list);
-    let at_start = at_start.filter(|finding| CODES_AT_START.contains(&finding.code));
-    let new: Vec<Finding> = at_start
-        .filter(|finding| {
-            !findings
-                .iter()
-                .any(|other| (other.code, &other.location) == (finding.code, &finding.location))
-        })
-        .cloned()
-        .collect();
-    findings.extend(new);
+    let mut findings = comparison_findings(&tests, before.findings, after.findings);
     let mut supported = theory_after.clone();
     let mut on_tests = Vec::new();
     let table = Some(&after.table);
     add_support_findings(&scene, &tests, &mut supported, table, &mut on_tests)?;
     on_tests.extend(disagreements(&tests, &after.table));
-    findings.extend(on_tests.into_iter().flat_map(|(_, findings)| findings));
+    findings.extend(with_test_names(on_tests));
     let of_model = supported.modes.findings.into_iter();
     let of_model = of_model.filter(|finding| finding.severity > Severity::Info);
     Ok(Compared {
@@ -466,20 +443,28 @@ fn compared(
     })
 }
 
-/// A finding for each doubtful mode that does not count.
-fn doubtful_left_out(measured: &[Measured], band: Option<Band>, counted: bool) -> Vec<Finding> {
-    let modes = measured.iter().flat_map(|measured| &measured.modes.modes);
-    let inside = |mode: &&Mode| band.is_none_or(|band| band.contains(mode.frequency_hz));
+/// A finding for each doubtful mode that does not count, with the name of its test.
+fn doubtful_left_out(
+    measured: &[Measured],
+    band: Option<Band>,
+    counted: bool,
+) -> Vec<(String, Finding)> {
+    let modes = measured.iter().flat_map(|measured| {
+        let modes = measured.modes.modes.iter();
+        modes.map(|mode| (measured.name.as_str(), mode))
+    });
+    let inside =
+        |(_, mode): &(&str, &Mode)| band.is_none_or(|band| band.contains(mode.frequency_hz));
     let doubtful = modes
-        .filter(|mode| !counted && mode.is_doubtful())
+        .filter(|(_, mode)| !counted && mode.is_doubtful())
         .filter(inside);
-    let finding = |mode: &Mode| {
+    let finding = |(test, mode): (&str, &Mode)| {
         let location = Location::Mode(mode.frequency_hz);
         let reasons = mode.quality.iter().flat_map(|quality| &quality.reasons);
         let codes = reasons.filter_map(|reason| Some(reason.split_once(':')?.0));
         let codes: Vec<&str> = codes.filter(|code| !code.contains(' ')).collect();
         let finding = Finding::new(Severity::Warning, Code::DoubtfulLeftOut, location);
-        finding.detail(codes.join(", "))
+        (test.to_owned(), finding.detail(codes.join(", ")))
     };
     doubtful.map(finding).collect()
 }

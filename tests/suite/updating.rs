@@ -107,6 +107,35 @@ fn reversed_sensor_of_a_test_is_reported_by_update() {
     );
 }
 
+#[test]
+fn findings_of_an_update_name_their_test_where_there_are_several() {
+    let modes = storey_modes(&[1.3e4, 0.9e4, 1.1e4, 1.0e4, 1.2e4, 0.8e4]);
+    let reversed = |(hz, mut shape): (f64, Vec<f64>)| {
+        shape[2] = -shape[2];
+        (hz, Some(1e-3 * hz), shape)
+    };
+    let modes: Vec<_> = modes.into_iter().map(reversed).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let second = "[[test]]\nname = \"second\"\nmodes = \"modes.json\"\n";
+    for (more, expected) in [
+        ("", "warning: channel 3:+X"),
+        (second, ": t channel 3:+X; second channel 3:+X"),
+    ] {
+        let text = scene(&format!("{more}[update]\nshape_floor = 0.02\n"));
+        let files = [
+            ("scene.toml", text.as_str()),
+            ("model.toml", &frame(1.0, &[1.0e4; 6], (0.5, 2.0))),
+            ("modes.json", &modes_json(&modes)),
+        ];
+        write(folder.path(), &files);
+        let output = modalign(["update", folder.path().to_str().unwrap()]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        let mut lines = error.lines();
+        let line = lines.find(|line| line.contains("[reversed-sensor]"));
+        assert!(line.unwrap().contains(expected), "{error}");
+    }
+}
+
 /// Frequencies (Hz) and shapes of a shear frame of unit masses with these storey stiffnesses.
 fn storey_modes(stiffness: &[f64]) -> Vec<(f64, Vec<f64>)> {
     let count = stiffness.len();

@@ -143,7 +143,12 @@ pub fn step_to_check(folder: &str, path: &str, scene: &Scene) -> String {
 
 /// The next step after an update that does not fit or determines no parameter; `None` after others.
 pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
-    let has = |code: Code| update.findings.iter().any(|finding| finding.code == code);
+    let has = |code: Code| {
+        update
+            .findings
+            .iter()
+            .any(|(_, finding)| finding.code == code)
+    };
     if has(Code::ExampleValues) {
         return Some(example_step());
     }
