@@ -153,7 +153,7 @@ mod tests {
             for draw in 0..500 {
                 let rounding = [0.0, 1e-15, 1e-13, 1e-12, 1e-11][draw % 5];
                 // Frequencies depend more on a parameter than the components of shapes.
-                let size = |i: usize| if i % 12 == 0 { 50.0 } else { 3.0 };
+                let size = |i: usize| if i.is_multiple_of(12) { 50.0 } else { 3.0 };
                 let factors = RealMatrix::from_fn(rank, columns, |k, j| match j < rank {
                     true => f64::from(j == k),
                     false => next(),

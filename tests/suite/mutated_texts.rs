@@ -152,7 +152,7 @@ fn mutated_inputs_end_with_a_result_or_an_error() {
     let (first, files) = (stated("MUTATED_FIRST", 0), stated("MUTATED_FILES", FILES));
     let inputs = tempfile::tempdir().unwrap();
     write_inputs(
-        &root(),
+        root(),
         Path::new(env!("CARGO_BIN_EXE_modalign")),
         inputs.path(),
     );

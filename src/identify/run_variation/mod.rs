@@ -124,7 +124,11 @@ impl RunShifts {
         let has_one_axis = |run: &Vec<usize>| run.iter().all(|f| response(f) == response(&run[0]));
         let are_positions = roving_sensor && runs.iter().all(has_one_axis);
         Self {
-            positions: are_positions.then(|| runs.clone()).unwrap_or_default(),
+            positions: if are_positions {
+                runs.clone()
+            } else {
+                Vec::new()
+            },
             runs,
             roving_sensor,
             factors: frf_matrix.outputs.len() + frf_matrix.inputs,
