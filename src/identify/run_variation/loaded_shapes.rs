@@ -90,7 +90,9 @@ impl RunShifts {
             for (other, lowered) in &others {
                 let ratio = other.lambda.im / omega;
                 let coupling = 2.0 / (ratio * ratio - 1.0);
-                mixed = mixed.max((of_mode * lowered[run]).sqrt() * coupling.abs());
+                let part = (of_mode * lowered[run]).sqrt() * coupling.abs();
+                // Modes of one frequency mix wholly.
+                mixed = mixed.max(if part.is_nan() { f64::INFINITY } else { part });
                 scale += lowered[run] * coupling;
             }
             for f in functions {
@@ -98,7 +100,7 @@ impl RunShifts {
                 changes[*f] = of_others + pole.residues[*f] * scale;
             }
         }
-        if mixed.is_nan() || mixed > MAX_SHAPE_CHANGE {
+        if mixed > MAX_SHAPE_CHANGE {
             return Some(Unloaded {
                 residues: pole.residues.clone(),
                 change: mixed.min(1.0),
@@ -160,7 +162,10 @@ mod tests {
     use crate::axis::FrequencyAxis;
     use crate::finding::Code;
     use crate::frf::FrfSet;
+    use crate::identify::data::frf_matrix::FrfMatrix;
+    use crate::identify::data::model_pole::ModelPole;
     use crate::identify::run_variation::RunShifts;
+    use crate::identify::run_variation::shifted_mode::ShiftedMode;
     use crate::identify::run_variation::tests::{findings_of, found, roving};
     use crate::identify::synthetic::{Measurement, Structure};
     use crate::modal::{Grade, Mode, mac};
@@ -216,6 +221,92 @@ mod tests {
         mass_of_run: impl Fn(usize) -> (usize, f64),
     ) -> FrfSet {
         structure.measured_under_masses(&measurement(references), |f| mass_of_run(f % 10))
+    }
+
+    /// Two modes of unit modal mass at five points, the last at rest, with their frequencies
+    /// (rad/s) and their residues under a mass at each point, hit at the first.
+    fn two_modes_under_mass(mass_kg: f64) -> ([[f64; 5]; 2], [[Complex64; 5]; 2]) {
+        let shapes: [[f64; 5]; 2] = [[1.0, -0.8, 1.3, 0.4, 0.0], [0.3, 0.9, -1.1, 1.2, 0.0]];
+        let squares = [100.0f64.powi(2), 150.0f64.powi(2)];
+        let mut frequencies = [[0.0; 5]; 2];
+        let mut residues = [[Complex64::ZERO; 5]; 2];
+        for o in 0..5 {
+            // (1 + m φφᵀ)⁻¹ diag(ω²) has the squared frequencies; with a = m φ₁², b = m φ₂²:
+            let [a, b] = [0, 1].map(|j| mass_kg * shapes[j][o].powi(2));
+            let cross = mass_kg * shapes[0][o] * shapes[1][o];
+            let determinant = 1.0 + a + b;
+            let trace = (squares[0] * (1.0 + b) + squares[1] * (1.0 + a)) / determinant;
+            let root = (trace * trace / 4.0 - squares[0] * squares[1] / determinant).sqrt();
+            for (j, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                let square = trace / 2.0 + sign * root;
+                // (ω_i² − x (1 + m φ_i²)) q_i = x m φ₁ φ₂ q_j for x = ω².
+                let i = 1 - j;
+                let mut part = [1.0f64; 2];
+                let inertia = 1.0 + [a, b][i];
+                part[i] = square * cross / (squares[i] - square * inertia);
+                let mass = part[0].powi(2)
+                    + part[1].powi(2)
+                    + mass_kg * (part[0] * shapes[0][o] + part[1] * shapes[1][o]).powi(2);
+                let at = |point: usize| part[0] * shapes[0][point] + part[1] * shapes[1][point];
+                frequencies[j][o] = square.sqrt();
+                residues[j][o] =
+                    at(o) * at(0) / mass / Complex64::new(0.0, 2.0 * frequencies[j][o]);
+            }
+        }
+        (frequencies, residues)
+    }
+
+    #[test]
+    fn residues_without_a_small_mass_are_exact_to_first_order() {
+        let (frequencies, residues) = two_modes_under_mass(1e-6);
+        let (_, exact) = two_modes_under_mass(0.0);
+        let mean = |j: usize| frequencies[j].iter().sum::<f64>() / 5.0;
+        let runs: Vec<Vec<usize>> = (0..5).map(|run| vec![run]).collect();
+        let mode = |j: usize| ShiftedMode {
+            lambda: Complex64::new(-1.0, mean(j)),
+            scatter: 1.0,
+            decay_std: 0.0,
+            shifts: frequencies[j]
+                .map(|at| Complex64::new(0.0, at - mean(j)))
+                .to_vec(),
+            stds: vec![0.0; 5],
+            residues: residues[j].to_vec(),
+        };
+        let shifts = RunShifts {
+            positions: runs.clone(),
+            runs,
+            modes: vec![mode(0), mode(1)],
+            ..RunShifts::default()
+        };
+        let pole = |j: usize| {
+            let lambda = Complex64::new(-1.0, mean(j));
+            let mut pole = ModelPole::single(lambda, &[Complex64::ONE], 5);
+            pole.residues = residues[j].to_vec();
+            pole
+        };
+        let poles = [pole(0), pole(1)];
+        let matrix = FrfMatrix {
+            inputs: 1,
+            outputs: (0..5).map(|f| vec![(0, f)]).collect(),
+        };
+        for j in 0..2 {
+            let i = 1 - j;
+            let remaining = |f: usize| {
+                let product = residues[i][f] * Complex64::new(0.0, 2.0 * frequencies[i][f]);
+                product / (frequencies[i][f].powi(2) - mean(j).powi(2))
+            };
+            let unloaded = shifts
+                .unloaded(&poles[j], &poles, &matrix, remaining)
+                .unwrap();
+            for f in 0..4 {
+                let change = residues[j][f] - exact[j][f];
+                let error = unloaded.residues[f] - exact[j][f];
+                assert!(
+                    error.norm() < 2e-4 * change.norm(),
+                    "{j} {f}: {error} of {change}"
+                );
+            }
+        }
     }
 
     #[test]
