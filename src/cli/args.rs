@@ -19,6 +19,7 @@ use crate::theory::SweepRange;
 use super::color::ColorChoice;
 use super::hint::nearest;
 use super::study_args::StudyArgs;
+use super::wrapping::{DEFAULT_WIDTH, wrapped};
 
 /// Compares a hammer test with a theoretical model of the same machine, and updates the model.
 #[derive(Debug, Parser)]
@@ -370,7 +371,7 @@ pub struct TheoryArgs {
     /// frequency over relative change of parameter.
     #[arg(long)]
     pub sensitivities: bool,
-    /// Print further results of the model's theory in addition to its modes.
+    /// Print the quantities of a built-in model by which statements of its publication are judged.
     #[arg(long)]
     pub quantities: bool,
     /// Vary a parameter from LO to HI in N values, track the modes by their shapes, and report
@@ -482,7 +483,8 @@ pub struct CorrelateArgs {
     /// Maximum frequency error of a pair, as a fraction of the model's frequency; by default 0.2.
     #[arg(long, value_name = "FRACTION", requires = "theory")]
     pub max_frequency_error: Option<f64>,
-    /// Minimum MAC of a pair; by default 0.5. A mixed shape with 0.6 of it is an ambiguous pair.
+    /// Minimum MAC of a pair; by default 0.5. A shape that mixes several of the model is paired
+    /// from 0.6 times this on, as ambiguous.
     #[arg(long, value_name = "MAC", requires = "theory")]
     pub min_mac: Option<f64>,
     /// Definition of errors. theory, the default: (test − theory)/theory; test: (theory −
@@ -556,9 +558,9 @@ pub struct CheckArgs {
     /// baseline comparison; by default from the uncertainty of the shapes, or 0.01 without it.
     #[arg(long, value_name = "MAC", value_parser = fraction)]
     pub mac: Option<f64>,
-    /// False-alarm probability: of missing a limit although result and baseline differ by their
-    /// uncertainties alone.
-    #[arg(long, value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
+    /// Probability that the check fails although result and baseline differ by their uncertainties
+    /// alone.
+    #[arg(long, alias = "false-alarm-probability", value_name = "PROBABILITY", value_parser = probability, default_value = "0.01")]
     pub false_refusals: f64,
     /// Write the verdicts as JUnit XML for a CI server.
     #[arg(long, value_name = "FILE")]
@@ -702,20 +704,18 @@ fn language(text: &str) -> Result<Language, String> {
     Language::from_name(text).ok_or_else(|| format!("got `{text}`, expected en or zh"))
 }
 
-/// Characters in a line of the list of codes.
-const CODE_LIST_WIDTH: usize = 100;
-
 fn code(text: &str) -> Result<Code, String> {
     // As findings print it.
     let text = text.trim_start_matches('[').trim_end_matches(']');
     let found = Code::ALL.iter().copied().find(|code| code.name() == text);
     found.ok_or_else(|| {
-        let all: Vec<String> = Code::ALL.iter().map(|code| code.name()).collect();
+        let mut all: Vec<String> = Code::ALL.iter().map(|code| code.name()).collect();
+        all.sort_unstable();
         let near = nearest(text, all.iter().map(String::as_str));
         match near {
             Some(near) => format!("got code `{text}`; did you mean `{near}`?"),
             None => {
-                let list = textwrap::fill(&all.join(" "), CODE_LIST_WIDTH);
+                let list = wrapped(&all.join(" "), DEFAULT_WIDTH);
                 format!("got code `{text}`, expected one of\n{list}")
             }
         }

@@ -48,7 +48,11 @@ const EXPECTED_TEMPLATE: &str =
 /// Writes `scene.toml`, `SOURCE.md` and a skeleton of `expected.toml`; lists the entries that
 /// are still to be filled in.
 pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<Outcome, Error> {
-    let TestFiles { opened, left_out } = open_files(args, format, output)?;
+    let TestFiles {
+        opened,
+        left_out,
+        points: found_points,
+    } = open_files(args, format, output)?;
     check_new_files(args, &opened)?;
     // A scene is no value of --model, so that a folder of that name is not meant.
     let model_name = args.model.as_deref().filter(|name| name.is_file());
@@ -85,7 +89,8 @@ pub fn new(args: &NewArgs, format: Option<&str>, output: &mut Output) -> Result<
         .as_deref()
         .map(|path| draft_model(args, path))
         .transpose()?;
-    let points = args.points.as_deref().map(read_points).transpose()?;
+    let stated_points = args.points.as_deref().map(read_points).transpose()?;
+    let points = stated_points.or(found_points);
     let title = files
         .iter()
         .find_map(|file| file.catalog.title.first().cloned());
@@ -365,6 +370,8 @@ impl NamedFile<'_> {
 struct TestFiles<'a> {
     opened: Vec<NamedFile<'a>>,
     left_out: Vec<LeftOut<'a>>,
+    /// The points of a list beside them.
+    points: Option<Geometry>,
 }
 
 /// The files with data of a test; the others are named on the screen.
@@ -406,6 +413,7 @@ fn open_files<'a>(
     {
         return Err(error.into());
     }
+    let points = take_list_of_points(&mut opened, args)?;
     let states_contents = |file: &NamedFile| match TableContent::of(&file.catalog) {
         Some(table) => table.has_known_column,
         None => file.has_test_data(),
@@ -418,34 +426,73 @@ fn open_files<'a>(
             reason: Reason::Unnamed(file.catalog.arrays.len()),
         }));
     }
-    check_recordings(&opened)?;
     let read: Vec<&Path> = opened.iter().map(|file| file.path).collect();
     let lines = left_out.iter().map(|file| Block::Text(file.text(&read)));
     output.add_blocks(lines.collect());
-    Ok(TestFiles { opened, left_out })
+    output.add_blocks(points.iter().map(FoundPoints::text).collect());
+    Ok(TestFiles {
+        points: points.map(|found| found.points),
+        opened,
+        left_out,
+    })
 }
 
-/// Checks that the files are not all lists of points.
+/// A list of points among the files.
+struct FoundPoints<'a> {
+    path: &'a Path,
+    points: Geometry,
+}
+
+impl FoundPoints<'_> {
+    /// The line for the screen.
+    fn text(&self) -> Block {
+        let (path, count) = (self.path.display(), self.points.nodes.len());
+        Block::Text(format!(
+            "{path}: {}, as by --points.",
+            counted(count, "point")
+        ))
+    }
+}
+
+/// Takes the list of points out of the files, where there is one.
 ///
 /// # Errors
-/// With the option that takes such a list.
-fn check_recordings(files: &[NamedFile]) -> Result<(), Error> {
-    let lists = files
-        .iter()
-        .filter_map(|file| Some((file, list_of_points(file.path, &file.catalog)?)));
-    let lists: Vec<(&NamedFile, Geometry)> = lists.collect();
-    let Some((file, points)) = lists.first().filter(|_| lists.len() == files.len()) else {
-        return Ok(());
+/// With the option that takes such a list, for lists without recordings, for several lists, and for
+/// one beside that option.
+fn take_list_of_points<'a>(
+    files: &mut Vec<NamedFile<'a>>,
+    args: &NewArgs,
+) -> Result<Option<FoundPoints<'a>>, Error> {
+    let mut lists = Vec::new();
+    let list_of = |file: &NamedFile<'a>| {
+        let points = list_of_points(file.path, &file.catalog)?;
+        let path = file.path;
+        Some(FoundPoints { path, points })
     };
+    files.retain(|file| {
+        let list = list_of(file);
+        let is_recording = list.is_none();
+        lists.extend(list);
+        is_recording
+    });
     let more = match lists.len() {
+        0 => return Ok(None),
         1 => String::new(),
         count => format!(", and {} more", counted(count - 1, "such list")),
     };
-    let path = file.path.display();
-    let count = counted(points.nodes.len(), "point");
-    let got = format!("{count} in {path}{more}, without recordings");
-    let expected = "recordings, FRFs or modes, and the list as --points FILE";
-    Err(argument_error("FILE", got, expected))
+    let of_first = {
+        let FoundPoints { path, points } = &lists[0];
+        let count = counted(points.nodes.len(), "point");
+        format!("{count} in {}{more}", path.display())
+    };
+    let beside = match (files.is_empty(), &args.points) {
+        (true, _) => ", without recordings".to_owned(),
+        (false, Some(stated)) => format!(", and --points {}", stated.display()),
+        (false, None) if lists.len() > 1 => String::new(),
+        (false, None) => return Ok(lists.pop()),
+    };
+    let expected = "recordings, FRFs or modes, and one list of points as --points FILE";
+    Err(argument_error("FILE", of_first + &beside, expected))
 }
 
 fn copy_path(args: &NewArgs, path: &Path) -> PathBuf {

@@ -20,16 +20,17 @@ static TEXTS: LazyLock<BTreeMap<Code, Texts>> = LazyLock::new(|| {
     toml::from_str(include_str!("zh.toml")).expect("`zh.toml` has the texts of codes")
 });
 
-/// Details of findings with `{}` for names and numbers, and their Chinese texts.
-const DETAILS: [(&str, &str); 19] = [
+/// Details of findings with `{}` for names and numbers, and their Chinese texts; the first that
+/// fits.
+const DETAILS: [(&str, &str); 49] = [
     ("resonance at {} Hz", "{} Hz 处的共振"),
     (
-        "run of excitation point {}, one of {} runs",
+        "run of excitation point {}, of {} runs",
         "激励点 {} 的测量批次，共 {} 批",
     ),
     (
-        "run of response {}, one of {} runs",
-        "响应 {} 的测量批次，共 {} 批",
+        "run of sensor {}, of {} runs",
+        "传感器 {} 的测量批次，共 {} 批",
     ),
     (
         "another test mode fits the same model mode",
@@ -45,12 +46,18 @@ const DETAILS: [(&str, &str); 19] = [
         "the model does not tell the effect on its frequencies",
         "模型未给出对其频率的影响",
     ),
+    (
+        "without stiffness to ground {} Hz becomes {} Hz",
+        "去掉对地刚度后 {} Hz 变为 {} Hz",
+    ),
     ("modes without a counterpart: {}", "无对应的模态：{}"),
     (
         "raises the mode at {} Hz by about {} %",
         "使 {} Hz 的模态升高约 {} %",
     ),
     ("body {} is held there", "物体 {} 在该处固定"),
+    ("body {}: at_m = {}", "物体 {}：at_m = {}"),
+    ("points {}: at_m = {}", "测点 {}：at_m = {}"),
     ("rejected stable poles: {}", "剔除的稳定极点：{}"),
     ("also {}", "另有 {}"),
     ("blocks of {} samples", "每块 {} 个样本"),
@@ -58,16 +65,92 @@ const DETAILS: [(&str, &str); 19] = [
         "the responses to the burst have not decayed when the record ends",
         "记录结束时对猝发激励的响应尚未衰减",
     ),
+    (
+        "from the weakest to the strongest hit ({} dB): frequency {} %, damping {} %",
+        "从最弱到最强的锤击（{} dB）：频率 {} %，阻尼 {} %",
+    ),
+    (
+        "from the weakest to the strongest hit ({} dB): frequency {} %",
+        "从最弱到最强的锤击（{} dB）：频率 {} %",
+    ),
+    ("{} hits", "{} 次锤击"),
+    (
+        "force and order of the hits go together",
+        "力与锤击次序相关",
+    ),
+    (
+        "{} lines by {} Hz from {} Hz, those used {} lines by {} Hz from {} Hz",
+        "{} 条谱线，间隔 {} Hz，从 {} Hz 起；所用的为 {} 条，间隔 {} Hz，从 {} Hz 起",
+    ),
+    (
+        "added damping {} rad/s, those used {} rad/s",
+        "附加阻尼 {} rad/s，所用的为 {} rad/s",
+    ),
+    ("the built-in model was used", "采用了内置模型"),
+    ("{} names the file", "{} 指该文件"),
     ("{} sensors, from {} to {} Hz", "{} 个传感器，{} 至 {} Hz"),
     ("{} sensor, from {} to {} Hz", "{} 个传感器，{} 至 {} Hz"),
+    (
+        "standard deviation {} kg, centre of mass at ({}) m, from {} to {} Hz",
+        "标准差 {} kg，质心位于 ({}) m，{} 至 {} Hz",
+    ),
+    ("mass line {} ± {} kg", "质量线 {} ± {} kg"),
+    (
+        "mass_kg of [test.state] {} kg",
+        "[test.state] 的 mass_kg 为 {} kg",
+    ),
+    (
+        "if the stated mass is right, the FRFs are {} ± {} times what they should be",
+        "若所述质量正确，频响函数为应有值的 {} ± {} 倍",
+    ),
+    ("it fits with the other sign", "反号后相符"),
+    (
+        "it reads {} ± {} times what it should",
+        "读数为应有值的 {} ± {} 倍",
+    ),
+    (
+        "value and limit: fall of the sum of squares",
+        "数值与限值：平方和的下降",
+    ),
+    (
+        "check whether their cables or names are exchanged",
+        "请检查电缆或名称是否互换",
+    ),
     (
         "residual {} % of the FRF, std × {}",
         "残差为频响函数的 {} %，标准差 × {}",
     ),
+    ("{} of {} FRFs", "{} / {} 个频响函数"),
     (
         "of {} in common several move alike in every mode of the model and count once",
         "共有的 {} 个自由度中，有些在模型各模态中运动相同，只计一次",
     ),
+    ("{} at node {}", "{} 对应节点 {}"),
+    ("{} of {} sensors", "{} / {} 个传感器"),
+    ("the others are {} m to {} m off", "其余相距 {} m 至 {} m"),
+    (
+        "{} Hz as {} Hz of the model (MAC {})",
+        "{} Hz 与模型的 {} Hz 振型相同（MAC {}）",
+    ),
+    ("1 of {} lines, at {} Hz", "{} 条谱线中的 1 条，在 {} Hz"),
+    (
+        "{} of {} lines, from {} to {} Hz",
+        "{} / {} 条谱线，{} 至 {} Hz",
+    ),
+    (
+        "{}: {} Hz in {}, {} Hz in {}",
+        "{}：{} Hz（{}），{} Hz（{}）",
+    ),
+    ("{} modes more", "另有 {} 个模态"),
+    ("{} mode more", "另有 {} 个模态"),
+    ("no ratio of units of length", "不是长度单位之比"),
+];
+
+/// Words that are the value of such a `{}`.
+const WORDS: [(&str, &str); 3] = [
+    ("suspended", "悬挂"),
+    ("fixed", "固定"),
+    ("mounted", "安装"),
 ];
 
 /// A detail in Chinese, part by part; parts without a text remain English.
@@ -79,7 +162,10 @@ fn chinese_detail(detail: &str) -> String {
         found.map_or_else(
             || text.to_owned(),
             |(chinese, values)| {
-                let fill = |text: String, value: &&str| text.replacen("{}", value, 1);
+                let fill = |text: String, value: &&str| {
+                    let word = WORDS.iter().find(|(english, _)| english == value);
+                    text.replacen("{}", word.map_or(value, |(_, chinese)| chinese), 1)
+                };
                 values.iter().fold((*chinese).to_owned(), fill)
             },
         )
@@ -181,13 +267,20 @@ mod tests {
 
     #[test]
     fn details_are_translated_part_by_part_and_names_are_not() {
-        let detail = "resonance at 596.37 Hz; run of excitation point 9:+X, one of 9 runs; 3:+X";
+        let detail = "resonance at 596.37 Hz; run of excitation point 9:+X, of 9 runs; 3:+X";
         let finding = Finding::new(Severity::Info, Code::RunsDisagree, Location::Whole);
         let chinese = finding.detail(detail).chinese();
         let expected = "；596.37 Hz 处的共振；激励点 9:+X 的测量批次，共 9 批；3:+X";
         assert!(chinese.ends_with(expected), "{chinese}");
         let one = "1 sensor, from 20.0 to 80.0 Hz";
         assert_eq!(chinese_detail(one), "1 个传感器，20.0 至 80.0 Hz");
+        let supports =
+            "test suspended, model fixed; without stiffness to ground 9.1 Hz becomes 0.2 Hz";
+        let expected = "试验 悬挂，模型 固定；去掉对地刚度后 9.1 Hz 变为 0.2 Hz";
+        assert_eq!(chinese_detail(supports), expected);
+        let tests = "f2: 1291.0 Hz in left, 1367.0 Hz in right; f3 5.1 %; 1 mode more";
+        let expected = "f2：1291.0 Hz（left），1367.0 Hz（right）；f3 5.1 %；另有 1 个模态";
+        assert_eq!(chinese_detail(tests), expected);
         for (english, chinese) in DETAILS {
             let count = |text: &str| text.matches("{}").count();
             assert_eq!(count(english), count(chinese), "{english}");

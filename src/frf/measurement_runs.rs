@@ -17,7 +17,7 @@ pub(crate) fn shifted_run(functions: &[Function], function: usize, resonance_rad
         false => ("excitation point", &function.reference),
     };
     let (hz, count) = (resonance_rad_s / TAU, runs.len());
-    format!("resonance at {hz:.2} Hz; run of {kind} {dof}, one of {count} runs")
+    format!("resonance at {hz:.2} Hz; run of {kind} {dof}, of {count} runs")
 }
 
 /// Functions by run, and whether the sensor roves.

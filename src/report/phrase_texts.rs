@@ -4,6 +4,34 @@ use super::text_table::Text;
 
 /// Phrases that are a value, or a part of one between semicolons or commas.
 pub(super) static PHRASES: &[Text] = &[
+    // lines of a drafted scene to be filled in
+    text(
+        "point and direction of the sensor, such as {}",
+        "传感器的测点与方向，如 {}",
+    ),
+    text(
+        "point and direction of this sensor (or of the hit), such as {}",
+        "此传感器 (或锤击) 的测点与方向，如 {}",
+    ),
+    text("the hit point, such as {}", "锤击点，如 {}"),
+    text(
+        "the hit point with its direction, such as {}",
+        "锤击点及其方向，如 {}",
+    ),
+    text(
+        "the sensor with its direction, such as {}",
+        "传感器及其方向，如 {}",
+    ),
+    text("the sensor, such as {}", "传感器的测点与方向，如 {}"),
+    text(
+        "samples per second, a number without quotes",
+        "每秒采样数，数字不加引号",
+    ),
+    text(
+        "{}: [x, y, z] in metres, without quotes",
+        "{}：[x, y, z]，单位米，不加引号",
+    ),
+    text("that of its FRF", "其频响函数的自由度"),
     text("the test", "试验"),
     text("{} % at {}, smallest MAC {}", "{} % ({})，最小 MAC {}"),
     text("{} % at {}", "{} % ({})"),

@@ -12,8 +12,12 @@ pub(super) static SCREEN_TEXTS: &Group = group! {
     fits_as_well_and_differs: "Fits as well: {}; model mode {} differs most: {} Hz against {} Hz, MAC {}.", "同样符合：{}；模型第 {} 阶模态差别最大：{} Hz 与 {} Hz，MAC {}。";
     proposed: "Proposed: {} (the smallest set that brings the residual to its uncertainty).", "建议：{} (使残差降到其不确定度的最小参数组)。";
     proposed_by_bic: "Proposed: {} (no set brings the residual to its uncertainty; this one has the smallest BIC).", "建议：{} (没有参数组能使残差降到其不确定度；此组的 BIC 最小)。";
+    further_optima: "Further optima that fit as well: {} (update.json).", "另有 {} 个同样符合的最优点 (update.json)。";
+    held_parameters: "Held, as the test does not see them: {}.", "试验不能反映而保持不变：{}。";
     mode_without_partner: "Test mode {} ({} Hz) has no partner in the model and was not used.", "试验模态 {} ({} Hz) 在模型中无配对，未采用。";
     modes_without_partner: "Model modes without partner: {}.", "无配对的模型模态：{}。";
+    modes_of_updated_without_partner: "Modes of the updated model without partner: {}.", "无配对的修正后模型模态：{}。";
+    uncertainties_exceed_errors: "The stated uncertainties, frequency_floor among them, are about {} times the errors.", "所述不确定度 (包括 frequency_floor) 约为误差的 {} 倍。";
     // inspect
     geometry: "geometry: {}", "几何：{}";
     damaged: "damaged: {}", "损坏：{}";
@@ -28,6 +32,9 @@ pub(super) static SCREEN_TEXTS: &Group = group! {
     channels_of_references: "Channels, no points: the references {}.", "为通道而非测点：参考点 {}。";
     next_correlate_or_new: "Next: modalign correlate --test FILE --theory MODEL, or modalign new DIR FILE...", "下一步：modalign correlate --test FILE --theory MODEL，或 modalign new DIR FILE...";
     // new
+    points_of_a_list: "{}: {} points, as by --points.", "{}：{} 个测点，如同 --points 给出。";
+    point_of_a_list: "{}: {} point, as by --points.", "{}：{} 个测点，如同 --points 给出。";
+    not_used_unknown_format: "not used: {}: of unknown format", "未采用：{}：格式未知";
     nothing_left_to_fill_in: "{}: nothing is left to fill in.", "{}：无需再填写。";
     complete_but_alike: "{}: complete, but several files have the same DOFs (below).", "{}：已完整，但多个文件的自由度相同 (见下)。";
     lines_to_fill_in: "{}: {} lines to be filled in:", "{}：需填写 {} 行：";

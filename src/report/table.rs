@@ -67,7 +67,7 @@ pub enum Cell {
         /// Whether a positive value carries its sign.
         signed: bool,
     },
-    /// A measure of correlation up to 1, which prints as 1 only where it is 1.
+    /// A measure of correlation up to 1, which prints as 1 only where it is 1, rounding aside.
     Correlation {
         /// The value.
         value: f64,
@@ -187,7 +187,7 @@ impl Cell {
             }
             Cell::Correlation { value, decimals } => {
                 let largest_below_one = 1.0 - 0.1_f64.powi(*decimals as i32);
-                let shown = match *value < 1.0 {
+                let shown = match *value < 1.0 - ROUNDING_OF_ONE {
                     true => value.min(largest_below_one),
                     false => *value,
                 };
@@ -213,6 +213,9 @@ impl Cell {
         }
     }
 }
+
+/// Largest rounding of a correlation of a shape with itself.
+const ROUNDING_OF_ONE: f64 = 1e-12;
 
 /// Number of digits of a number in text without leading zeros and exponent.
 fn digit_count(text: &str) -> usize {
@@ -382,7 +385,13 @@ mod tests {
 
     #[test]
     fn mac_below_one_is_not_printed_as_one() {
-        for (mac, expected) in [(0.9995, "0.999"), (0.99999, "0.999"), (1.0, "1.000")] {
+        let of_itself = 1.0 - 3.0 * f64::EPSILON;
+        for (mac, expected) in [
+            (0.9995, "0.999"),
+            (0.99999, "0.999"),
+            (of_itself, "1.000"),
+            (1.0, "1.000"),
+        ] {
             assert_eq!(Cell::mac(Some(mac), 3).display(), expected);
         }
         assert_eq!(Cell::mac(Some(0.8766), 3).display(), "0.877");

@@ -8,6 +8,7 @@ use crate::scene::{SceneUpdate, Theory};
 use crate::update::{
     Alternative, Explanation, Fit, FitRow, MAX_POSTERIOR_OVER_PRIOR, ModelError, ParameterVerdict,
     Residuals, ShapeWeights, SubsetFit, UpdateResult, UpdatedParameter, measured_mode,
+    uncertainties_over_errors,
 };
 
 use super::comparison::{comparison_of_all_tests, error_head};
@@ -19,10 +20,10 @@ use super::update_configurations::{
 use super::verdict::Verdict;
 use super::{Block, Cell, Column, Table};
 
+/// Maximum number of other optima that are printed.
+const MAX_ALTERNATIVES: usize = 2;
 /// Maximum number of printed changes; `update.json` has all.
 const MAX_PRINTED_CHANGES: usize = 10;
-/// Largest number of other optima that are printed.
-const MAX_ALTERNATIVES: usize = 2;
 
 /// Why the MAC of an update differs from that of a comparison.
 pub(super) const MAC_OF_AN_UPDATE: &str = "MAC as weighted by the update: real parts alone, as those of an undamped model, each component over its standard deviation. A comparison uses the complex shapes, all components with equal weight.";
@@ -107,7 +108,7 @@ fn updated_parameters_block(scene_update: &SceneUpdate) -> Block {
     footnotes.extend(contradiction_text(&scene_update.result));
     footnotes.extend(scatter_text(scene_update));
     footnotes.extend(reasons_without_support(&scene_update.result));
-    footnotes.extend(alternatives_text(&scene_update.result));
+    footnotes.extend(alternatives_text(&scene_update.result, MAX_ALTERNATIVES));
     footnotes.push("std: posterior with all free parameters uncertain; identified: at most half of the prior; held: the test does not determine it even if all others are fixed.".to_owned());
     Block::Table(Table {
         caption: "Updated parameters".to_owned(),
@@ -197,7 +198,15 @@ pub(super) fn misfit_footnote(result: &UpdateResult) -> String {
         )
     };
     if result.fits() {
-        return figures("") + ".";
+        let (chi_square, nu) = (result.after.chi_square, result.degrees_of_freedom());
+        let wide = match uncertainties_over_errors(chi_square, nu) {
+            Some(ratio) => format!(
+                "\nThe stated uncertainties, frequency_floor among them, are about {} times the errors.",
+                significant(ratio, 2)
+            ),
+            None => String::new(),
+        };
+        return figures("") + "." + &wide;
     }
     let grown = || {
         let errors = result.model_errors.iter();
@@ -274,8 +283,9 @@ pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
     })
 }
 
-/// The other optima of about the same objective, each with what separates it from the best.
-pub(super) fn alternatives_text(result: &UpdateResult) -> Option<String> {
+/// The first optima of about the same objective, `most` of them, each with what separates it from the
+/// best, and the number of further ones.
+pub(super) fn alternatives_text(result: &UpdateResult, most: usize) -> Option<String> {
     let text = |other: &Alternative| {
         let parameters = result.parameters.iter().zip(&other.values);
         let values = parameters
@@ -295,13 +305,14 @@ pub(super) fn alternatives_text(result: &UpdateResult) -> Option<String> {
         });
         format!("Fits as well: {}{separation}.", values.join(", "))
     };
-    let all: Vec<String> = result
-        .alternatives
-        .iter()
-        .take(MAX_ALTERNATIVES)
-        .map(text)
-        .collect();
-    (!all.is_empty()).then(|| all.join("\n"))
+    let others = result.alternatives.iter();
+    let listed: Vec<String> = others.take(most).map(text).collect();
+    let further = result.alternatives.len() - listed.len();
+    let listed = (!listed.is_empty()).then(|| listed.join("\n"))?;
+    Some(match further {
+        0 => listed,
+        _ => format!("{listed} Further optima that fit as well: {further} (update.json)."),
+    })
 }
 
 fn combinations_block(result: &UpdateResult) -> Block {
@@ -466,9 +477,6 @@ pub(super) fn convergence_text(result: &UpdateResult) -> String {
         );
     }
     text += ".";
-    if !starts.others.is_empty() {
-        text += " Objective: chi-square of data and prior, with the stated deviations.";
-    }
     for (label, hz) in &result.left_out {
         text += &format!(
             " Test mode {} ({hz:.2} Hz) has no partner in the model and was not used.",

@@ -635,13 +635,6 @@ pub(super) static VERDICT_TEXTS: &Group = &[
         },
     ),
     (
-        "meaning_of_objective",
-        Text {
-            english: "Objective: chi-square of data and prior, with the stated deviations.",
-            chinese: "目标函数：数据与先验的卡方，按给定的标准差。",
-        },
-    ),
-    (
         "arrays_not_stated",
         Text {
             english: "The names of {} do not state the contents: state `role` in the scene.",

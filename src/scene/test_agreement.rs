@@ -5,6 +5,7 @@
 
 use crate::correlate::{ComparisonTable, Status};
 use crate::finding::{Code, Finding, Location, Severity};
+use crate::printable::counted;
 
 use super::test_result::TestResult;
 use super::test_state::TestState;
@@ -109,7 +110,7 @@ fn disagreement(names: &[&str], table: &ComparisonTable) -> Option<Finding> {
         further.map(|difference| format!("{} {:.1} %", difference.label, percent(difference))),
     );
     let left = others.len().saturating_sub(FURTHER_MODES);
-    parts.extend((left > 0).then(|| format!("{left} more modes")));
+    parts.extend((left > 0).then(|| format!("{} more", counted(left, "mode"))));
     let finding = Finding::new(Severity::Warning, Code::TestsDisagree, Location::Whole);
     let finding = finding
         .value(percent(largest), "%")

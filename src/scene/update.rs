@@ -29,7 +29,7 @@ use super::test_result::TestResult;
 use super::toml_text::read_text;
 use super::typed::{ModelTable, UpdateParameterTable, UpdateTable};
 use super::update_findings::{comparison_findings, with_test_names};
-use super::update_options::{residuals, update_band};
+use super::update_options::{residuals, stated_options, update_band};
 use super::updated_model::{model_table_text, overrides_note, replace_nominal_values};
 
 /// Name of the published frequencies among the tests.
@@ -424,13 +424,15 @@ fn compared(
     let mut on_tests = Vec::new();
     let table = Some(&after.table);
     add_support_findings(&scene, &tests, &mut supported, table, &mut on_tests)?;
-    on_tests.extend(disagreements(&tests, &after.table));
+    // By the pairs of the model as it was, which `run` names too.
+    let before_table = before.table.labelled_from(scene.first_root);
+    on_tests.extend(disagreements(&tests, &before_table));
     findings.extend(with_test_names(on_tests));
     let of_model = supported.modes.findings.into_iter();
     let of_model = of_model.filter(|finding| finding.severity > Severity::Info);
     Ok(Compared {
         update: ConfigurationUpdate {
-            before: before.table.labelled_from(scene.first_root),
+            before: before_table,
             after: after.table.labelled_from(scene.first_root),
             theory_before,
             theory_after,
@@ -623,22 +625,10 @@ fn sensors(model: &LoadedModel, scene: &Scene) -> Result<Vec<Sensor>, SceneError
 }
 
 fn options(scene: &Scene, stated: &UpdateTable) -> Result<UpdateOptions, SceneError> {
-    let default = UpdateOptions::default();
-    let floor = stated.shape_floor.or(default.shape_floor);
-    let stated_or = |stated: Option<f64>, default: f64| stated.unwrap_or(default);
     Ok(UpdateOptions {
         residuals: residuals(stated, &scene.path)?,
-        assumed_shape_std: stated_or(stated.assumed_shape_std, default.assumed_shape_std),
-        frf_floor: stated_or(stated.frf_floor, default.frf_floor),
-        frf_lines: stated.frf_lines.unwrap_or(default.frf_lines),
-        scatter_between_tests: stated.scatter_between_tests,
-        frequency_floor: stated.frequency_floor.unwrap_or(default.frequency_floor),
-        shape_floor: floor.filter(|_| stated.shapes != Some(false)),
-        prior_std: stated.prior_std.unwrap_or(default.prior_std),
-        starts: stated.starts.unwrap_or(default.starts),
-        seed: stated.seed.unwrap_or(default.seed),
-        max_iterations: stated.max_iterations.unwrap_or(default.max_iterations),
         pair: scene.pair.clone(),
+        ..stated_options(stated)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::axis::Band;
 use crate::theory::ParameterSpec;
-use crate::update::Residuals;
+use crate::update::{Residuals, UpdateError, UpdateOptions};
 
 use super::SceneError;
 use super::error::value_error;
@@ -18,7 +18,42 @@ pub(super) fn check_update(stated: &UpdateTable, path: &str) -> Result<(), Scene
     faults.take(check_effect(stated, path));
     faults.take(update_band(stated, path));
     faults.take(residuals(stated, path));
+    for error in stated_options(stated).faults() {
+        faults.add(match error {
+            UpdateError::Option {
+                name,
+                got,
+                expected,
+            } => value_error(
+                path,
+                &format!("[update] {name}"),
+                &got.to_string(),
+                expected,
+            ),
+            other => other.into(),
+        });
+    }
     faults.into_result()
+}
+
+/// The options that are stated, and the defaults of the others; residuals and pairing aside.
+pub(super) fn stated_options(stated: &UpdateTable) -> UpdateOptions {
+    let default = UpdateOptions::default();
+    let floor = stated.shape_floor.or(default.shape_floor);
+    let stated_or = |stated: Option<f64>, default: f64| stated.unwrap_or(default);
+    UpdateOptions {
+        assumed_shape_std: stated_or(stated.assumed_shape_std, default.assumed_shape_std),
+        frf_floor: stated_or(stated.frf_floor, default.frf_floor),
+        frf_lines: stated.frf_lines.unwrap_or(default.frf_lines),
+        scatter_between_tests: stated.scatter_between_tests,
+        frequency_floor: stated_or(stated.frequency_floor, default.frequency_floor),
+        shape_floor: floor.filter(|_| stated.shapes != Some(false)),
+        prior_std: stated_or(stated.prior_std, default.prior_std),
+        starts: stated.starts.unwrap_or(default.starts),
+        seed: stated.seed.unwrap_or(default.seed),
+        max_iterations: stated.max_iterations.unwrap_or(default.max_iterations),
+        ..default
+    }
 }
 
 /// Checks that the model has every parameter that `[update]` names.

@@ -66,7 +66,7 @@ pub use configuration::Configuration;
 pub use contribution::{Contradiction, Contribution};
 pub use design::{Design, DesignMode, FrequencyTarget, Goal, Proposal, design, design_parameters};
 pub use error::UpdateError;
-pub use evaluate::Evaluation;
+pub use evaluate::{Evaluation, uncertainties_over_errors};
 pub use history::{Iteration, PairingChange, StopReason};
 pub use identifiability::{
     Combination, Identifiability, MAX_POSTERIOR_OVER_PRIOR, ParameterVerdict,

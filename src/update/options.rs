@@ -121,14 +121,19 @@ impl UpdateOptions {
     /// [`UpdateError::Option`]; [`UpdateError::Correlate`] for those of pairing.
     pub fn validate(&self) -> Result<(), UpdateError> {
         self.pair.validate()?;
+        self.faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every option outside its range, those of pairing aside.
+    pub fn faults(&self) -> Vec<UpdateError> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let floor = self.shape_floor.unwrap_or(1.0);
         let checks = [
             (
                 "frequency_floor",
                 self.frequency_floor,
-                positive(self.frequency_floor) || self.frequency_floor == 0.0,
-                "a fraction of 0 or more",
+                (0.0..1.0).contains(&self.frequency_floor),
+                "a fraction from 0 to below 1, such as 0.001 for 0.1 %",
             ),
             ("shape_floor", floor, positive(floor), "a fraction above 0"),
             (
@@ -140,8 +145,8 @@ impl UpdateOptions {
             (
                 "frf_floor",
                 self.frf_floor,
-                positive(self.frf_floor) || self.frf_floor == 0.0,
-                "a fraction of 0 or more",
+                (0.0..1.0).contains(&self.frf_floor),
+                "a fraction from 0 to below 1",
             ),
             (
                 "frf_lines",
@@ -168,15 +173,13 @@ impl UpdateOptions {
                 "1 to 100000",
             ),
         ];
-        for (name, got, good, expected) in checks {
-            if !good {
-                return Err(UpdateError::Option {
-                    name,
-                    got,
-                    expected,
-                });
-            }
-        }
-        Ok(())
+        let faulty = checks.into_iter().filter(|(_, _, good, _)| !good);
+        faulty
+            .map(|(name, got, _, expected)| UpdateError::Option {
+                name,
+                got,
+                expected,
+            })
+            .collect()
     }
 }

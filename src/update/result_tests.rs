@@ -356,3 +356,14 @@ fn one_of_many_starts_at_the_lowest_optimum_identifies_nothing() {
     assert_eq!(of_few.starts.reached, 1);
     assert_eq!(verdicts(&of_few), [ParameterVerdict::Identified; 3]);
 }
+
+#[test]
+fn uncertainties_that_exceed_the_errors_are_named() {
+    let ratio = uncertainties_over_errors(0.9486, 64.0).unwrap();
+    assert!((ratio - 8.21).abs() < 0.01, "{ratio}");
+    assert!(uncertainties_over_errors(64.0 / 81.0, 64.0).is_some());
+    assert!(uncertainties_over_errors(0.8 * 64.0, 64.0).is_none());
+    // Of two residuals noise often leaves as little.
+    assert!(uncertainties_over_errors(0.2, 2.0).is_none());
+    assert!(uncertainties_over_errors(0.0, 64.0).is_none());
+}

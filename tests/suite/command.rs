@@ -10,6 +10,17 @@ pub fn program() -> PathBuf {
     stated.map_or_else(|| env!("CARGO_BIN_EXE_modalign").into(), PathBuf::from)
 }
 
+/// The program, which signals end although the suite may run under `nohup`, whose programs ignore
+/// them.
+pub fn interruptible() -> Command {
+    if !cfg!(target_os = "linux") {
+        return Command::new(program());
+    }
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(program());
+    command
+}
+
 /// The program with these arguments, in the project's folder.
 pub fn modalign<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
     modalign_in(root(), arguments)

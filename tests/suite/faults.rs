@@ -12,7 +12,7 @@ use rand::{Rng, SeedableRng, seq::SliceRandom};
 #[cfg(target_os = "linux")]
 use rand_chacha::ChaCha8Rng;
 
-use crate::command::{fail, modalign, root, succeed, write};
+use crate::command::{fail, interruptible, modalign, root, succeed, write};
 
 /// What a folder holds, by name.
 pub fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -263,13 +263,7 @@ fn a_closed_standard_output_keeps_the_verdict_and_the_findings() {
 
 /// The program in a folder, running.
 fn spawned(folder: &Path, line: &str) -> Child {
-    let program = crate::command::program();
-    let mut command = Command::new(&program);
-    if cfg!(target_os = "linux") {
-        // Signals end it though the suite may run under `nohup`.
-        command = Command::new("env");
-        command.arg("--default-signal").arg(&program);
-    }
+    let mut command = interruptible();
     command.current_dir(folder).args(line.split(' '));
     command
         .stdout(Stdio::piped())

@@ -440,6 +440,17 @@ fn lists_of_points_alone_are_no_recordings() {
         assert!(line.contains("not used: "), "{text}");
         assert_eq!(line.contains("--points FILE"), is_named, "{text}");
     }
+    // A list beside recordings is the one of the option; two are refused.
+    let hit = path("hit.csv");
+    succeed(["new", &path("stated"), &hit, "--points", &a]);
+    let found = succeed(["new", &path("found"), &hit, &a]);
+    assert!(found.contains("2 points, as by --points"), "{found}");
+    let scene = |name: &str| std::fs::read_to_string(path(&format!("{name}/scene.toml"))).unwrap();
+    assert_eq!(scene("found"), scene("stated").replace("stated", "found"));
+    for beside in [&["--points", &a][..], &[&a][..]] {
+        let error = fail([&["new", &path("twice"), &hit, &b], beside].concat());
+        assert!(error.contains("one list of points"), "{error}");
+    }
     // Samples that are counted are a record.
     let rows: String = (1..=256)
         .map(|i| format!("{i},{},{},1\n", i % 7, i % 5))

@@ -13,7 +13,7 @@ use modalign::scene::{hammer_test, load_synth};
 use modalign::synth::SecondContact;
 use serde_json::Value;
 
-use crate::command::{modalign, write};
+use crate::command::{interruptible, modalign, write};
 use crate::screen::assert_fits;
 
 const SPEC: &str = r#"schema = "modalign-synth/1"
@@ -80,7 +80,7 @@ struct Watch {
 
 impl Watch {
     fn start(folder: &Path, options: &[&str]) -> Self {
-        let mut child = Command::new(crate::command::program())
+        let mut child = interruptible()
             .arg("frf")
             .arg("--watch")
             .arg(folder)

@@ -289,7 +289,7 @@ mod tests {
             let detail = findings[0].detail.as_deref().unwrap();
             let kind = if hammer { "excitation point" } else { "sensor" };
             assert!(detail.starts_with("resonance at "), "{detail}");
-            let run = format!("; run of {kind} 5:+Z, one of 8 runs");
+            let run = format!("; run of {kind} 5:+Z, of 8 runs");
             assert!(detail.ends_with(&run), "{detail}");
             let value = findings[0].value.unwrap();
             assert!((0.3..0.5).contains(&value), "{value}");

@@ -35,10 +35,10 @@ struct Group<'t> {
     cells: Vec<(&'t Row, &'t TestCell)>,
 }
 
-/// A sentence for the tests with which the model agrees, for those with which it differs, and for
-/// those that show neither; none for tests without a pair.
+/// A sentence for the tests from which the model differs, for those that show neither, and for
+/// those with which it agrees; none for tests without a pair.
 pub(super) fn agreement(table: &ComparisonTable) -> Vec<String> {
-    let answers = [Answer::Agrees, Answer::Differs, Answer::NotShown];
+    let answers = [Answer::Differs, Answer::NotShown, Answer::Agrees];
     let mut groups = answers.map(|answer| (answer, None::<Group>));
     for summary in &table.summary {
         let cells = || {
@@ -222,9 +222,9 @@ mod tests {
             cells("rod", &pairs, Basis::Shape),
         ]);
         let said = agreement(&all);
-        assert!(said[0].contains("The model agrees with rod: "), "{said:?}");
+        assert!(said[1].contains("The model agrees with rod: "), "{said:?}");
         assert_eq!(
-            said[1],
+            said[0],
             "Agreement is not shown for bar: all pairs are by frequency alone; rms error 3.536 %, \
              largest +4.000 % at f2 (bar)."
         );
@@ -235,19 +235,19 @@ mod tests {
         use crate::report::screen::sentences::unseen_modes;
         let pairs = [(-3.0, 0.95), (4.0, 0.99), (1.0, 0.99), (2.0, 0.99)];
         assert_eq!(
-            unseen_modes(&table(&[cells("bar", &pairs, Basis::Shape)])),
+            unseen_modes("Model modes", &table(&[cells("bar", &pairs, Basis::Shape)])),
             None
         );
         let mut bar = cells("bar", &pairs, Basis::Shape);
         bar[1].status = Status::NotObservable;
         bar[3].status = Status::MissedUnexpected;
         assert_eq!(
-            unseen_modes(&table(&[bar.clone()])).unwrap(),
+            unseen_modes("Model modes", &table(&[bar.clone()])).unwrap(),
             "Model modes without partner: not observable at the points: f2; unmatched, observability unknown: f4."
         );
         let mut rod = cells("rod", &pairs, Basis::Shape);
         rod[1].status = Status::NotObservable;
-        let both = unseen_modes(&table(&[bar, rod])).unwrap();
+        let both = unseen_modes("Model modes", &table(&[bar, rod])).unwrap();
         assert!(both.contains("points: f2 (bar, rod); "), "{both}");
     }
 }

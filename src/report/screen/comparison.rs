@@ -29,7 +29,7 @@ pub fn comparison_screen(table: &ComparisonTable, width: usize) -> Vec<Block> {
     blocks.extend((table.summary.len() == 1).then(|| counts_block(table, width)));
     blocks.extend(comparison_tables(table, width, MAX_ROWS, usize::MAX));
     blocks.extend(empty_band_block(table));
-    let mut last: Vec<String> = unseen_modes(table).into_iter().collect();
+    let mut last: Vec<String> = unseen_modes("Model modes", table).into_iter().collect();
     last.extend(reasons(table));
     blocks.extend((!last.is_empty()).then(|| Block::Text(last.join("\n"))));
     blocks

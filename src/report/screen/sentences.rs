@@ -184,9 +184,9 @@ pub(super) fn pairs(table: &ComparisonTable) -> String {
 /// Whether a cell is of a kind of mode without partner.
 type IsOfKind = fn(&TestCell) -> bool;
 
-/// The modes of the model that the points of the tests do not see, and those that they should have
-/// seen; `None` where each mode in the band of a test has a partner.
-pub(super) fn unseen_modes(table: &ComparisonTable) -> Option<String> {
+/// The modes of the model, called `modes`, that the points of the tests do not see, and those that
+/// they should have seen; `None` where each mode in the band of a test has a partner.
+pub(super) fn unseen_modes(modes: &str, table: &ComparisonTable) -> Option<String> {
     let kinds: [(&str, IsOfKind); 3] = [
         ("not observable at the points", |cell| {
             cell.status == Status::NotObservable
@@ -202,7 +202,7 @@ pub(super) fn unseen_modes(table: &ComparisonTable) -> Option<String> {
         Some(format!("{what}: {}", named_rows(table, *applies)?))
     };
     let all: Vec<String> = kinds.iter().filter_map(of_kind).collect();
-    (!all.is_empty()).then(|| format!("Model modes without partner: {}.", all.join("; ")))
+    (!all.is_empty()).then(|| format!("{modes} without partner: {}.", all.join("; ")))
 }
 
 /// The rows with a cell to which this applies, the first of many, with their tests where there are

@@ -12,10 +12,13 @@ use crate::report::update_configurations::{
 };
 use crate::report::{Block, Cell, Column, Table};
 use crate::scene::SceneUpdate;
+use crate::update::{UpdateResult, UpdatedParameter};
 
 use super::hits::hit_sentence;
 use super::{fitted, sentences};
 
+/// Number of parameters above which those that the update held are named below the table.
+const MAX_ROWS: usize = 12;
 /// Maximum number of fitted tests that are named, not counted.
 const MAX_NAMED_TESTS: usize = 6;
 
@@ -23,7 +26,7 @@ const MAX_NAMED_TESTS: usize = 6;
 /// parameters before and after with standard deviation and verdict, the fit before and after, and
 /// the end of the iteration.
 pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> Vec<Block> {
-    let row = |parameter: &crate::update::UpdatedParameter| {
+    let row = |parameter: &UpdatedParameter| {
         let change = 100.0 * (parameter.updated / parameter.initial - 1.0);
         vec![
             Cell::text(&parameter.name),
@@ -40,15 +43,19 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     columns.extend(numbers.map(Column::number));
     columns.push(Column::text("verdict"));
     let result = &scene_update.result;
+    let hides_held = result.parameters.len() > MAX_ROWS;
+    let is_shown = |parameter: &&UpdatedParameter| !(hides_held && parameter.held);
+    let shown: Vec<&UpdatedParameter> = result.parameters.iter().filter(is_shown).collect();
     let parameters = Table {
         columns,
-        rows: result.parameters.iter().map(row).collect(),
+        rows: shown.iter().map(|parameter| row(parameter)).collect(),
         footnotes: [
+            hides_held.then(|| held_parameters(result)).flatten(),
             Some(misfit_footnote(result)),
             contradiction_text(result),
             scatter_text(scene_update),
             reasons_without_support(result),
-            alternatives_text(result),
+            alternatives_text(result, 1),
         ]
         .into_iter()
         .flatten()
@@ -82,7 +89,7 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     };
     let seen = [
         Some(data),
-        sentences::unseen_modes(&scene_update.after),
+        sentences::unseen_modes("Modes of the updated model", &scene_update.after),
         sentences::synthetic(scene_update.all_tests()),
     ];
     let seen: Vec<String> = seen.into_iter().flatten().collect();
@@ -97,6 +104,14 @@ pub fn update_screen(title: &str, scene_update: &SceneUpdate, width: usize) -> V
     let proposed = scene_update.explanation.as_ref();
     blocks.extend(proposed.map(crate::report::update::proposal));
     blocks
+}
+
+/// The parameters that the update held where they started; `None` without any.
+fn held_parameters(result: &UpdateResult) -> Option<String> {
+    let held = result.parameters.iter().filter(|parameter| parameter.held);
+    let names: Vec<&str> = held.map(|parameter| parameter.name.as_str()).collect();
+    (!names.is_empty())
+        .then(|| format!("Held, as the test does not see them: {}.", names.join(", ")))
 }
 
 /// A value to the second digit of its standard deviation, in two to five significant digits, zeros

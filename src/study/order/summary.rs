@@ -1,6 +1,7 @@
 //! The summary of a study states the needs of a scene in sentences.
 
 use crate::identify::OrderStep;
+use crate::update::uncertainties_over_errors;
 
 use super::super::wording::{counted, listed};
 use super::{LowestOrder, ModeNeeds, ParameterNeeds, SceneNeeds, TestNeeds, TheoryNeeds};
@@ -12,8 +13,6 @@ const MIN_DECISIVE_BIC_DIFFERENCE: f64 = 10.0;
 const MAX_MISFIT_OF_LAST_POLE: f64 = 2.0;
 /// Largest number of warnings that are listed.
 const MAX_LISTED_WARNINGS: usize = 4;
-/// Largest reduced chi-square of a fit whose standard deviations are larger than its errors.
-const MAX_SMALL_REDUCED_CHI_SQUARE: f64 = 0.25;
 
 /// A verdict for each test: `roving hammer: use peak, which is enough for all 6 observable modes.`
 pub fn method_sentences(needs: &SceneNeeds) -> Vec<String> {
@@ -303,14 +302,11 @@ fn parameters(needs: &ParameterNeeds) -> String {
         false => format!(", {all} with all {} free", needs.free.len()),
     };
     let freedom = needs.data.saturating_sub(needs.needed.len()) as f64;
-    let wide = match needs.chi_square[1] > 0.0
-        && needs.chi_square[1] < MAX_SMALL_REDUCED_CHI_SQUARE * freedom
-    {
-        true => format!(
-            " χ² this far below its {freedom:.0} degrees of freedom means that the stated uncertainties are about {:.0} times the errors.",
-            (freedom / needs.chi_square[1]).sqrt()
+    let wide = match uncertainties_over_errors(needs.chi_square[1], freedom) {
+        Some(ratio) => format!(
+            " χ² this far below its {freedom:.0} degrees of freedom means that the stated uncertainties are about {ratio:.0} times the errors."
         ),
-        false => String::new(),
+        None => String::new(),
     };
     format!(
         "Parameters: {which}, {how}: χ² of {} residuals is {none} before and {needed} after{beside_all}.{wide}{unseen}",
