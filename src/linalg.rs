@@ -43,7 +43,10 @@ pub use matrix::{
     real_matrix,
 };
 pub use order::{sort_ascending_by, sort_descending_by};
-pub use products::{add_square, adjoint_product, for_each_column, subtract_product};
+pub use products::{
+    RowProduct, StackedPart, add_square, adjoint_product, adjoint_product_from, for_each_column,
+    stacked_difference, subtract_product, subtract_row_products,
+};
 pub use scaled_pair::SymmetricModes;
 pub use semidefinite::{
     negative_dimension, null_dimension, null_limit, null_vector, principal_block,

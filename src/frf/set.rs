@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use num_complex::Complex64;
 
@@ -106,7 +107,8 @@ pub struct FrfSet {
     axis: FrequencyAxis,
     functions: Vec<Function>,
     pairs: BTreeSet<(Dof, Dof)>,
-    values: Vec<Vec<Complex64>>,
+    /// Shared with copies of the set and with its receptances, until they change.
+    values: Vec<Arc<Vec<Complex64>>>,
     coherence: Vec<Option<Vec<f64>>>,
     variance: Vec<Option<Vec<f64>>>,
     /// Decay rate of the exponential window still in the values, rad/s; 0 without one.
@@ -189,7 +191,7 @@ impl FrfSet {
             });
         }
         self.functions.push(function);
-        self.values.push(data.values);
+        self.values.push(Arc::new(data.values));
         self.coherence.push(data.coherence);
         self.variance.push(data.variance);
         Ok(())
@@ -210,9 +212,14 @@ impl FrfSet {
         &self.values[i]
     }
 
+    /// Values of function `i`, shared with the set.
+    pub(crate) fn shared_values(&self, i: usize) -> Arc<Vec<Complex64>> {
+        Arc::clone(&self.values[i])
+    }
+
     /// Values of function `i`, to be replaced.
     pub(crate) fn values_mut(&mut self, i: usize) -> &mut [Complex64] {
-        &mut self.values[i]
+        Arc::make_mut(&mut self.values[i]).as_mut_slice()
     }
 
     /// Coherence of function `i`.
@@ -249,13 +256,13 @@ impl FrfSet {
         part.valid_band = self.valid_band;
         part.excited_band = self.excited_band;
         for &i in functions {
-            let data = FunctionData {
-                values: self.values[i].clone(),
-                coherence: self.coherence[i].clone(),
-                variance: self.variance[i].clone(),
-            };
-            part.push(self.functions[i].clone(), data)
-                .expect("the functions of a set are of one length and differ");
+            let function = self.functions[i].clone();
+            let pair = (function.response.clone(), function.reference.clone());
+            assert!(part.pairs.insert(pair), "the functions of a set differ");
+            part.functions.push(function);
+            part.values.push(Arc::clone(&self.values[i]));
+            part.coherence.push(self.coherence[i].clone());
+            part.variance.push(self.variance[i].clone());
         }
         part
     }
@@ -280,7 +287,7 @@ impl FrfSet {
         first
             .values
             .iter_mut()
-            .for_each(|values| values.truncate(len));
+            .for_each(|values| Arc::make_mut(values).truncate(len));
         let of_noise = first.coherence.iter_mut().chain(&mut first.variance);
         of_noise.flatten().for_each(|values| values.truncate(len));
         let coherences = first.multiple_coherence.values_mut();
@@ -294,7 +301,8 @@ impl FrfSet {
         let mut scaled = self.clone();
         for (i, values) in scaled.values.iter_mut().enumerate() {
             let factor = factor(i);
-            values.iter_mut().for_each(|value| *value *= factor);
+            let values = Arc::make_mut(values).iter_mut();
+            values.for_each(|value| *value *= factor);
             let variance = scaled.variance[i].iter_mut().flatten();
             variance.for_each(|variance| *variance *= factor * factor);
         }

@@ -64,7 +64,8 @@ pub fn indicators(set: &FrfSet, options: &IdentifyOptions) -> Result<Indicators,
         mvmif: Vec::with_capacity(data.lines()),
     };
     for (k, omega) in data.omega.iter().enumerate() {
-        let line: Vec<Complex64> = data.values.iter().map(|values| values[k]).collect();
+        let line = (0..data.functions()).map(|f| data.values.at(f, k));
+        let line: Vec<Complex64> = line.collect();
         indicators.frequency_hz.push(omega / std::f64::consts::TAU);
         let magnitudes = line.iter().map(|r| r.norm());
         indicators.sum_of_frfs.push(omega * magnitudes.sum::<f64>());

@@ -156,7 +156,7 @@ pub fn support(
     for lambda in &identified {
         first.add_pole(Candidate::of(*lambda, &first));
     }
-    let mut rest = first.over_noise();
+    let mut rest = Residual::of_all(&first.over_noise());
     data.estimate_noise(&mut rest);
     data.detect_correlated_noise(&mut rest);
     let mut fitted = Fitted::new(&data);
@@ -331,11 +331,11 @@ impl<'a> Fitted<'a> {
         let background =
             OutOfBandBasis::new(&data.frfs.omega, &(0..lines), &OutOfBandTerms::Anywhere);
         let ratio = |f: usize| {
-            let pairs = data.noise.variance[f].iter().zip(&noise_profile);
+            let pairs = data.noise.by_frf[f].variances(0..lines).zip(&noise_profile);
             let ratios = pairs.map(|(v, c)| v / (level[f] * c).powi(2));
             ratios.collect::<Vec<f64>>()
         };
-        let value = |k: usize, f: usize| data.frfs.values[f][k] / (level[f] * noise_profile[k]);
+        let value = |k: usize, f: usize| data.frfs.values.at(f, k) / (level[f] * noise_profile[k]);
         let lines_per_effective_line = data.noise.line_correlation.lines_per_effective_line();
         let segment_lines = (lines_per_effective_line.round() as usize).clamp(1, MAX_SEGMENT_LINES);
         let mut fitted = Self {
@@ -438,7 +438,7 @@ impl<'a> Fitted<'a> {
 
     fn order_step(&self, last: Option<(Pole, bool, &[f64])>) -> OrderStep {
         let free = (self.rest.nrows() as f64 - self.used_freedom).max(1.0);
-        let energy = self.over_noise().energy();
+        let energy = self.over_noise().squared_norm_l2();
         let contains_pole = |gain: &&f64| **gain > 2.0 * self.ln_count;
         OrderStep {
             pole: last.map(|(pole, _, _)| pole),
@@ -453,23 +453,20 @@ impl<'a> Fitted<'a> {
     }
 
     /// Residual over the noise of each value.
-    fn over_noise(&self) -> Residual {
+    fn over_noise(&self) -> ComplexMatrix {
         let mut values = self.rest.clone();
         linalg::for_each_column(&mut values, |f, column| {
             for (value, ratio) in column.iter_mut().zip(&self.ratio[f]) {
                 *value /= ratio.sqrt();
             }
         });
-        Residual {
-            lines: 0..self.data.frfs.lines(),
-            values,
-        }
+        values
     }
 
     /// `−ln p − ln π` for each value of every segment, predicted from the lines outside it and
     /// outside the neighbours whose noise is correlated with it.
     fn scores(&self) -> Option<Vec<f64>> {
-        let residual = self.over_noise().values;
+        let residual = self.over_noise();
         let guard = if self.segment_lines > 1 {
             self.segment_lines
         } else {

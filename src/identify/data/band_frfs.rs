@@ -14,8 +14,8 @@ use num_complex::Complex64;
 
 use crate::axis::Band;
 use crate::frf::{FrfSet, Function};
-use crate::linalg::{self, ComplexMatrix};
 
+use crate::identify::data::frf_values::{FrfValues, MeasuredValues};
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::error::IdentifyError;
 
@@ -25,29 +25,6 @@ const GUARD_LINES_RATIO: f64 = 0.05;
 const MIN_BAND_LINES: usize = 8;
 /// Minimum number of lines on each side of a pole.
 const MIN_LINES_PER_SIDE: usize = 3;
-
-/// Values of FRFs: lines × FRFs.
-pub(in crate::identify) struct Values(ComplexMatrix);
-
-impl Values {
-    /// The whole matrix.
-    pub fn matrix(&self) -> &ComplexMatrix {
-        &self.0
-    }
-
-    /// Iterates over the FRFs, each with its values by line.
-    pub fn iter(&self) -> impl Iterator<Item = &[Complex64]> {
-        (0..self.0.ncols()).map(|f| &self[f])
-    }
-}
-
-impl std::ops::Index<usize> for Values {
-    type Output = [Complex64];
-
-    fn index(&self, function: usize) -> &[Complex64] {
-        self.0.col_as_slice(function)
-    }
-}
 
 /// Receptances on the lines of a band.
 pub(in crate::identify) struct BandFrfs {
@@ -63,7 +40,7 @@ pub(in crate::identify) struct BandFrfs {
     /// of an unstated one.
     pub leakage: Option<LineShape>,
     /// Values, m/N.
-    pub values: Values,
+    pub values: FrfValues,
     /// Magnitude of measured values over receptances, one vector per FRF: noise is white in the
     /// measured quantity.
     pub measured_scale: Vec<Arc<Vec<f64>>>,
@@ -98,22 +75,18 @@ impl BandFrfs {
         }
         let omega: Vec<f64> = lines.clone().map(|k| set.axis().rad_s(k)).collect();
         let scales = Scales::new(set, &omega);
-        let mut values = ComplexMatrix::zeros(omega.len(), set.len());
-        linalg::for_each_column(&mut values, |i, column| {
-            let measured = &set.values(i)[lines.clone()];
-            for ((value, measured), factor) in
-                column.iter_mut().zip(measured).zip(&scales.of(set, i).0)
-            {
-                *value = factor * measured;
-            }
+        let values = (0..set.len()).map(|i| MeasuredValues {
+            measured: set.shared_values(i),
+            first: lines.start,
+            factors: scales.of(set, i).factors.clone(),
         });
         Ok(Self {
             step: std::f64::consts::TAU * set.axis().step_hz,
             line_shape: LineShape::EXACT,
             leakage: LineShape::possible_leakage(set),
-            values: Values(values),
+            values: FrfValues::new(values.collect(), omega.len()),
             measured_scale: (0..set.len())
-                .map(|i| Arc::clone(&scales.of(set, i).1))
+                .map(|i| Arc::clone(&scales.of(set, i).magnitudes))
                 .collect(),
             lines_of_set: lines,
             omega,
@@ -122,10 +95,6 @@ impl BandFrfs {
 
     /// Some of the FRFs, by their numbers.
     pub fn sample(&self, functions: &[usize]) -> Self {
-        let mut values = ComplexMatrix::zeros(self.lines(), functions.len());
-        linalg::for_each_column(&mut values, |i, column| {
-            column.copy_from_slice(&self.values[functions[i]]);
-        });
         let scale = |f: &usize| Arc::clone(&self.measured_scale[*f]);
         Self {
             lines_of_set: self.lines_of_set.clone(),
@@ -133,14 +102,14 @@ impl BandFrfs {
             step: self.step,
             line_shape: self.line_shape,
             leakage: self.leakage,
-            values: Values(values),
+            values: self.values.sample(functions),
             measured_scale: functions.iter().map(scale).collect(),
         }
     }
 
     /// Number of FRFs.
     pub fn functions(&self) -> usize {
-        self.values.0.ncols()
+        self.values.functions()
     }
 
     /// Number of lines.
@@ -165,10 +134,10 @@ impl BandFrfs {
 
     /// Adds a correction to an FRF, a function of frequency in rad/s.
     pub fn correct(&mut self, function: usize, by: impl Fn(f64) -> Complex64) {
-        let values = self.values.0.col_as_slice_mut(function);
-        for (value, omega) in values.iter_mut().zip(&self.omega) {
-            *value += by(*omega);
-        }
+        let values = self.values.all_of(function);
+        let values = values.iter().zip(&self.omega);
+        let corrected = values.map(|(value, omega)| value + by(*omega)).collect();
+        self.values.set(function, corrected);
     }
 
     /// Range of the lines, rad/s.
@@ -183,24 +152,34 @@ impl BandFrfs {
     }
 }
 
-/// Factor from measured values to receptances, line by line, and the magnitude of its inverse: for
-/// each order of derivative.
-struct Scales(BTreeMap<i32, (Vec<Complex64>, Arc<Vec<f64>>)>);
+/// Scale of each order of derivative.
+struct Scales(BTreeMap<i32, Scale>);
+
+/// Measured values over receptances, by line.
+struct Scale {
+    /// Factors from measured values to receptances; `None` where these are measured.
+    factors: Option<Arc<Vec<Complex64>>>,
+    /// Magnitudes of the inverse.
+    magnitudes: Arc<Vec<f64>>,
+}
 
 impl Scales {
     fn new(set: &FrfSet, omega: &[f64]) -> Self {
         let of_order = |order: i32| {
             let factor = |w: &f64| Complex64::new(set.added_damping_rad_s, *w).powi(-order);
             let factors: Vec<Complex64> = omega.iter().map(factor).collect();
-            let scale = factors.iter().map(|factor| factor.norm().recip()).collect();
-            (factors, Arc::new(scale))
+            let magnitudes = factors.iter().map(|factor| factor.norm().recip());
+            Scale {
+                magnitudes: Arc::new(magnitudes.collect()),
+                factors: (order != 0).then(|| Arc::new(factors)),
+            }
         };
         let orders = set.functions().iter().map(derivative_order);
         let orders: BTreeSet<i32> = orders.collect();
         Self(orders.into_iter().map(|n| (n, of_order(n))).collect())
     }
 
-    fn of(&self, set: &FrfSet, function: usize) -> &(Vec<Complex64>, Arc<Vec<f64>>) {
+    fn of(&self, set: &FrfSet, function: usize) -> &Scale {
         &self.0[&derivative_order(&set.functions()[function])]
     }
 }

@@ -7,7 +7,10 @@
 //! weight of an FRF is the inverse of its noise variance (the median over the band) where the data
 //! supply the variances, else of its mean square, so that no FRF dominates.
 
+use num_complex::Complex64;
+
 use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::line_noise::LineNoise;
 
 /// Weighted power of all FRFs.
 pub(in crate::identify) struct DetectionSpectrum {
@@ -18,14 +21,15 @@ pub(in crate::identify) struct DetectionSpectrum {
 }
 
 impl DetectionSpectrum {
-    /// The indicator of the FRFs of a band; `stated` are their noise variances by FRF and line,
-    /// where the data supply them.
-    pub fn new(frfs: &BandFrfs, stated: Option<&[Vec<f64>]>) -> Self {
-        let weight = |f: usize| weight(frfs, f, stated.map(|variance| &variance[f][..]));
+    /// The indicator of the FRFs of a band; `stated` is the noise of each, where the data supply
+    /// it.
+    pub fn new(frfs: &BandFrfs, stated: Option<&[LineNoise]>) -> Self {
+        let weight = |f: usize| weight(frfs, f, stated.map(|noise| &noise[f]));
         let weights: Vec<f64> = (0..frfs.functions()).map(weight).collect();
         let mut power = vec![0.0; frfs.lines()];
-        for (values, weight) in frfs.values.iter().zip(&weights) {
-            for ((sum, value), omega) in power.iter_mut().zip(values).zip(&frfs.omega) {
+        for (f, weight) in weights.iter().enumerate() {
+            let values = frfs.values.all_of(f);
+            for ((sum, value), omega) in power.iter_mut().zip(values.iter()).zip(&frfs.omega) {
                 *sum += weight * omega * omega * value.norm_sqr();
             }
         }
@@ -33,17 +37,18 @@ impl DetectionSpectrum {
     }
 }
 
-fn weight(frfs: &BandFrfs, function: usize, variance: Option<&[f64]>) -> f64 {
+fn weight(frfs: &BandFrfs, function: usize, noise: Option<&LineNoise>) -> f64 {
     let squared = |k: usize| frfs.omega[k] * frfs.omega[k];
-    let scale = if let Some(variance) = variance {
+    let scale = if let Some(noise) = noise {
         let mut variances: Vec<f64> = (0..frfs.lines())
-            .map(|k| squared(k) * variance[k])
+            .map(|k| squared(k) * noise.variance(k))
             .collect();
         let middle = variances.len() / 2;
         *variances.select_nth_unstable_by(middle, f64::total_cmp).1
     } else {
-        let power = |k: usize| squared(k) * frfs.values[function][k].norm_sqr();
-        (0..frfs.lines()).map(power).sum::<f64>() / frfs.lines() as f64
+        let values = frfs.values.all_of(function);
+        let power = |(k, value): (usize, &Complex64)| squared(k) * value.norm_sqr();
+        values.iter().enumerate().map(power).sum::<f64>() / frfs.lines() as f64
     };
     if scale > 0.0 { 1.0 / scale } else { 0.0 }
 }

@@ -10,9 +10,12 @@
 //! window; *half-power points*, the frequencies at which the power is half of that of a peak.
 
 pub(in crate::identify) mod band_frfs;
+pub(in crate::identify) mod chebyshev;
 pub(in crate::identify) mod detection_spectrum;
 pub(in crate::identify) mod frf_matrix;
+pub(in crate::identify) mod frf_values;
 pub(in crate::identify) mod half_power;
+pub(in crate::identify) mod line_noise;
 pub(in crate::identify) mod line_shape;
 pub(in crate::identify) mod model_pole;
 pub(in crate::identify) mod other_responses;

@@ -29,6 +29,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::detection_spectrum::DetectionSpectrum;
 use crate::identify::data::half_power::half_power;
+use crate::identify::data::line_noise::LineNoise;
 
 /// Minimum phase change between the half-power points, over that of a resonance: noise or a
 /// neighbour may hide most of it. Before an antiresonance the phase changes in the other direction.
@@ -118,11 +119,11 @@ impl DetectedPeaks {
     }
 }
 
-/// Searches the indicator for peaks above the noise, of a variance by FRF and line, at a
-/// false-alarm probability for the whole band.
+/// Searches the indicator for peaks above the noise of the FRFs, at a false-alarm probability for
+/// the whole band.
 pub(in crate::identify) fn search(
     frfs: &BandFrfs,
-    variance: &[Vec<f64>],
+    noise: &[LineNoise],
     indicator: &DetectionSpectrum,
     false_alarm: f64,
 ) -> DetectedPeaks {
@@ -133,9 +134,9 @@ pub(in crate::identify) fn search(
             continue;
         };
         match rejection_reason(frfs, indicator, &peak) {
-            _ if deviation(frfs, variance, &peak) <= limit => {}
+            _ if deviation(frfs, noise, &peak) <= limit => {}
             None | Some(PeakRejection::NotHighest(_))
-                if !exceeds_its_valley(frfs, variance, indicator, &peak, limit) => {}
+                if !exceeds_its_valley(frfs, noise, indicator, &peak, limit) => {}
             None => found.peaks.push(peak),
             Some(drop) => found.dropped.push((peak, drop)),
         }
@@ -174,8 +175,10 @@ fn relative_phase_change(frfs: &BandFrfs, indicator: &DetectionSpectrum, peak: &
         _ => (peak.line, 0.0),
     };
     let ((low, left), (high, right)) = (foot(peak.left), foot(peak.right));
-    let term = |(h, weight): (&[Complex64], &f64)| weight * h[low].conj() * h[high];
-    let sum: Complex64 = frfs.values.iter().zip(&indicator.weights).map(term).sum();
+    let term = |(f, weight): (usize, &f64)| {
+        weight * frfs.values.at(f, low).conj() * frfs.values.at(f, high)
+    };
+    let sum: Complex64 = indicator.weights.iter().enumerate().map(term).sum();
     let sides: f64 = left + right;
     -sum.arg() / (sides.max(1.0) * std::f64::consts::FRAC_PI_4)
 }
@@ -227,17 +230,18 @@ fn left_weight(peak: &Peak) -> f64 {
 
 /// Squared deviation from the line between the feet over the variance of its noise, summed over
 /// FRFs; for noise on a straight line chi-squared with two degrees of freedom for every FRF.
-fn deviation(frfs: &BandFrfs, variance: &[Vec<f64>], peak: &Peak) -> f64 {
+fn deviation(frfs: &BandFrfs, noise: &[LineNoise], peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let weight_of_left = left_weight(peak);
-    let term = |(h, v): (&[Complex64], &Vec<f64>)| {
-        let between = weight_of_left * h[left] + (1.0 - weight_of_left) * h[right];
-        let variance = v[top]
-            + weight_of_left * weight_of_left * v[left]
-            + (1.0 - weight_of_left).powi(2) * v[right];
-        2.0 * (h[top] - between).norm_sqr() / variance
+    let term = |(f, noise): (usize, &LineNoise)| {
+        let h = |line| frfs.values.at(f, line);
+        let between = weight_of_left * h(left) + (1.0 - weight_of_left) * h(right);
+        let variance = noise.variance(top)
+            + weight_of_left * weight_of_left * noise.variance(left)
+            + (1.0 - weight_of_left).powi(2) * noise.variance(right);
+        2.0 * (h(top) - between).norm_sqr() / variance
     };
-    frfs.values.iter().zip(variance).map(term).sum()
+    noise.iter().enumerate().map(term).sum()
 }
 
 /// Lowest line before a higher one.
@@ -253,25 +257,25 @@ fn valley(peak: &Peak) -> Option<usize> {
 /// Whether the dip before a higher line exceeds the noise; true without a higher line.
 fn exceeds_its_valley(
     frfs: &BandFrfs,
-    variance: &[Vec<f64>],
+    noise: &[LineNoise],
     indicator: &DetectionSpectrum,
     peak: &Peak,
     limit: f64,
 ) -> bool {
-    valley(peak).is_none() || dip(frfs, variance, indicator, peak) > limit
+    valley(peak).is_none() || dip(frfs, noise, indicator, peak) > limit
 }
 
 /// Squared difference of the root of the indicator at the maximum and in the valley before the
 /// higher line, over its variance `Σ w²ω⁴|R|²v / S`. On the flank of a resonance the phase changes
 /// as well, without a peak: only the magnitude counts here.
-fn dip(frfs: &BandFrfs, variance: &[Vec<f64>], indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
+fn dip(frfs: &BandFrfs, noise: &[LineNoise], indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let Some(valley) = valley(peak) else {
         return 0.0;
     };
     let line = peak.line;
     let term = |f: usize| {
         let weighted = indicator.weights[f] * frfs.omega[line].powi(2);
-        weighted * weighted * frfs.values[f][line].norm_sqr() * variance[f][line]
+        weighted * weighted * frfs.values.at(f, line).norm_sqr() * noise[f].variance(line)
     };
     let variance: f64 = (0..frfs.functions()).map(term).sum::<f64>() / peak.power;
     let difference = peak.power.sqrt() - indicator.power[valley].sqrt();
@@ -308,8 +312,9 @@ fn is_highest_in_its_band(peak: &Peak) -> bool {
 fn clockwise_area(frfs: &BandFrfs, indicator: &DetectionSpectrum, peak: &Peak) -> f64 {
     let (left, top, right) = (peak.left.foot(), peak.line, peak.right.foot());
     let (mut area, mut sides) = (0.0, 0.0);
-    for (h, weight) in frfs.values.iter().zip(&indicator.weights) {
-        let (rise, fall) = (h[top] - h[left], h[right] - h[top]);
+    for (f, weight) in indicator.weights.iter().enumerate() {
+        let h = |line| frfs.values.at(f, line);
+        let (rise, fall) = (h(top) - h(left), h(right) - h(top));
         area -= weight * (rise.conj() * fall).im;
         sides += weight * rise.norm() * fall.norm();
     }

@@ -1,18 +1,30 @@
 //! Poles and out-of-band terms predict the FRFs on all lines of a band, with the residual as data
 //! minus prediction; the common out-of-band terms are found by singular value decomposition.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
-use num_complex::Complex64;
+use num_complex::{Complex32, Complex64};
+use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, RowProduct, ThinQr};
 
 use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::chebyshev::Chebyshev;
+use crate::identify::data::line_noise::LineNoise;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::data::model_pole::ModelPole;
 use crate::identify::data::out_of_band_basis::{
     MIN_OUT_OF_BAND_COLUMNS, OutOfBandBasis, OutOfBandTerm, OutOfBandTerms,
 };
+
+/// Length of the segments of a prediction, lines. Longer ones have more poles near their middle;
+/// shorter ones have as many polynomials.
+const SEGMENT_LINES: usize = 256;
+/// Distance from the middle of a segment, in half-lengths, from which a pole is a polynomial, and
+/// number of polynomials with which its error is rounding.
+const POLYNOMIAL_DISTANCE: f64 = 3.0;
+const POLYNOMIALS: usize = 18;
 
 /// Basis of the out-of-band terms over all lines of the band.
 ///
@@ -29,56 +41,161 @@ pub(in crate::identify) struct OutOfBandFit {
     weights: ComplexMatrix,
     /// Coordinates of the measured values: columns × FRFs.
     coordinates: ComplexMatrix,
+    /// Coordinates of smooth functions on the segments of the band.
+    smooth: Vec<SmoothCoordinates>,
+}
+
+/// Coordinates of functions that are polynomials on a segment of the band.
+struct SmoothCoordinates {
+    segment: Segment,
+    /// Frequencies of the nodes, rad/s.
+    nodes: Vec<f64>,
+    /// Weights of the values at the nodes: columns × nodes.
+    weights: ComplexMatrix,
+}
+
+/// Lines of a segment with their middle and half length, rad/s.
+struct Segment {
+    lines: Range<usize>,
+    middle: f64,
+    half_length: f64,
+}
+
+impl Segment {
+    fn new(omega: &[f64], lines: Range<usize>) -> Self {
+        let (first, last) = (omega[lines.start], omega[lines.end - 1]);
+        Self {
+            lines,
+            middle: 0.5 * (first + last),
+            half_length: 0.5 * (last - first),
+        }
+    }
+
+    /// Segments of a range of lines.
+    fn all(omega: &[f64], lines: &Range<usize>) -> Vec<Self> {
+        let count = lines.len().div_ceil(SEGMENT_LINES).max(1);
+        let edge = |n: usize| lines.start + n * lines.len() / count;
+        let segment = |n: usize| Self::new(omega, edge(n)..edge(n + 1));
+        (0..count).map(segment).collect()
+    }
+
+    /// Numbers of the poles that are no polynomials on the lines, and of the others.
+    fn near_and_far(&self, lambdas: &[Complex64]) -> (Vec<usize>, Vec<usize>) {
+        let is_near = |pole: &usize| {
+            let distance = (lambdas[*pole] - Complex64::new(0.0, self.middle)).norm();
+            distance < POLYNOMIAL_DISTANCE * self.half_length
+        };
+        (0..lambdas.len()).partition(is_near)
+    }
+
+    fn chebyshev(&self) -> Chebyshev {
+        Chebyshev::new(self.middle, self.half_length, POLYNOMIALS)
+    }
+}
+
+impl SmoothCoordinates {
+    /// Coordinates by the weights of the lines, lines × columns.
+    fn new(omega: &[f64], segment: Segment, weights: &ComplexMatrix) -> Self {
+        let chebyshev = segment.chebyshev();
+        let angles = chebyshev.angles(&omega[segment.lines.clone()]);
+        let polynomials = linalg::complex_matrix(angles.len(), POLYNOMIALS, |k, n| {
+            Chebyshev::value(n, angles[k])
+        });
+        let weights = weights.subrows(segment.lines.start, segment.lines.len());
+        Self {
+            nodes: chebyshev.nodes(),
+            weights: weights.adjoint() * polynomials * chebyshev.coefficients(),
+            segment,
+        }
+    }
+
+    /// Coordinates of the response of poles on the segment: columns × poles.
+    fn of_poles(&self, fit: &OutOfBandFit, lambdas: &[Complex64]) -> ComplexMatrix {
+        let (near, far) = self.segment.near_and_far(lambdas);
+        let lambdas_of =
+            |poles: &[usize]| -> Vec<Complex64> { poles.iter().map(|j| lambdas[*j]).collect() };
+        let lines = &self.segment.lines;
+        let omega = &fit.omega[lines.clone()];
+        let weights = fit.weights.subrows(lines.start, lines.len());
+        let of_near = weights.adjoint() * columns_at(fit.line_shape, omega, &lambdas_of(&near));
+        let of_far = &self.weights * columns_at(fit.line_shape, &self.nodes, &lambdas_of(&far));
+        let mut coordinates = ComplexMatrix::zeros(self.weights.nrows(), lambdas.len());
+        for (poles, part) in [(&near, of_near), (&far, of_far)] {
+            for (c, pole) in poles.iter().enumerate() {
+                coordinates.col_mut(*pole).copy_from(part.col(c));
+            }
+        }
+        coordinates
+    }
 }
 
 /// Residual on a range of lines: data minus model, over the standard deviation of the noise.
+///
+/// It is held in single precision, half the memory of the FRFs: of the difference, which is formed
+/// in double precision, statistics alone are taken.
 pub(in crate::identify) struct Residual {
     /// The range of lines.
     pub lines: Range<usize>,
-    /// Lines × FRFs.
-    pub values: ComplexMatrix,
+    /// By FRF.
+    values: Vec<Vec<Complex32>>,
 }
 
 impl Residual {
     /// Residual of lines × FRFs, from the first line.
-    #[cfg(test)]
-    pub fn of_all(values: ComplexMatrix) -> Self {
+    pub fn of_all(values: &ComplexMatrix) -> Self {
+        let column = |f: usize| values.col_as_slice(f).iter().map(single).collect();
         Self {
             lines: 0..values.nrows(),
-            values,
+            values: (0..values.ncols()).map(column).collect(),
         }
     }
 
+    /// Number of FRFs.
+    pub fn functions(&self) -> usize {
+        self.values.len()
+    }
+
     /// Residual of an FRF at a line.
+    #[inline]
     pub fn at(&self, function: usize, line: usize) -> Complex64 {
-        self.values[(line - self.lines.start, function)]
+        double(&self.values[function][line - self.lines.start])
     }
 
     /// Residual of an FRF on a range of lines.
-    pub fn of(&self, function: usize, lines: Range<usize>) -> &[Complex64] {
+    pub fn of(
+        &self,
+        function: usize,
+        lines: Range<usize>,
+    ) -> impl ExactSizeIterator<Item = Complex64> {
         let start = lines.start - self.lines.start;
-        &self.values.col_as_slice(function)[start..start + lines.len()]
+        let values = &self.values[function][start..start + lines.len()];
+        values.iter().map(double)
     }
 
-    /// Rescales the residual from one set of noise variances, by FRF and line, to another.
-    pub fn rescale(&mut self, before: &[Vec<f64>], now: &[Vec<f64>]) {
+    /// Rescales the residual from the noise of each FRF before to that now.
+    pub fn rescale(&mut self, before: &[LineNoise], now: &[LineNoise]) {
         let lines = self.lines.clone();
-        linalg::for_each_column(&mut self.values, |f, column| {
-            let variances = before[f][lines.clone()].iter().zip(&now[f][lines.clone()]);
-            for (value, (before, now)) in column.iter_mut().zip(variances) {
-                *value *= (before / now).sqrt();
+        let columns = self.values.par_iter_mut().enumerate();
+        columns.for_each(|(f, column)| {
+            let (before, now) = (before[f].stds(lines.clone()), now[f].stds(lines.clone()));
+            for (value, (before, now)) in column.iter_mut().zip(before.zip(now)) {
+                *value = single(&(double(value) * (before / now)));
             }
         });
     }
 
     /// `Σ|r|²` of the residual r.
     pub fn energy(&self) -> f64 {
-        self.values.squared_norm_l2()
+        let energy = |column: &Vec<Complex32>| -> f64 {
+            column.iter().map(|value| double(value).norm_sqr()).sum()
+        };
+        let energies: Vec<f64> = self.values.par_iter().map(energy).collect();
+        energies.iter().sum()
     }
 
     /// Mean square of the residual.
     pub fn mean_power(&self) -> f64 {
-        self.energy() / (self.values.nrows() * self.values.ncols()) as f64
+        self.energy() / (self.lines.len() * self.values.len()) as f64
     }
 }
 
@@ -100,10 +217,18 @@ impl OutOfBandFit {
             })
         };
         let weights = of(&|k| noise_profile[k].recip());
+        let segments = match frfs.line_shape.is_smoothed() {
+            // Between the lines a smoothed pole is no polynomial.
+            true => Vec::new(),
+            false => Segment::all(&frfs.omega, &(0..frfs.lines())),
+        };
+        let smooth = segments.into_par_iter();
+        let smooth = smooth.map(|segment| SmoothCoordinates::new(&frfs.omega, segment, &weights));
         Self {
+            smooth: smooth.collect(),
             omega: frfs.omega.clone(),
             line_shape: frfs.line_shape,
-            coordinates: linalg::adjoint_product(&weights, frfs.values.matrix().as_ref()),
+            coordinates: frfs.values.adjoint_product(&weights, 0..frfs.lines()),
             columns: of(&|k| noise_profile[k]),
             weights,
             level,
@@ -117,17 +242,29 @@ impl OutOfBandFit {
 
     /// Coordinates of the residual of the poles: columns × FRFs.
     pub fn residual_coordinates(&self, roots: &[ModelPole]) -> ComplexMatrix {
-        let poles = pole_columns(self.line_shape, &self.omega, roots);
-        let pole_coordinates = self.weights.adjoint() * poles;
+        let pole_coordinates = self.pole_coordinates(&with_conjugates(roots));
         &self.coordinates - pole_coordinates * residues(roots, self.level.len())
     }
 
-    /// Prediction of the lines by poles and out-of-band terms; `variance` is that of the noise, by
-    /// FRF and line.
+    /// Coordinates of the response of poles: columns × poles.
+    fn pole_coordinates(&self, lambdas: &[Complex64]) -> ComplexMatrix {
+        if self.smooth.is_empty() {
+            return self.weights.adjoint() * columns_at(self.line_shape, &self.omega, lambdas);
+        }
+        let parts = self.smooth.par_iter();
+        let parts: Vec<ComplexMatrix> = parts.map(|part| part.of_poles(self, lambdas)).collect();
+        let mut sum = ComplexMatrix::zeros(self.weights.ncols(), lambdas.len());
+        for part in parts {
+            sum += part;
+        }
+        sum
+    }
+
+    /// Prediction of the lines by poles and out-of-band terms, with the noise of each FRF.
     pub fn predict<'a>(
         &'a self,
         frfs: &'a BandFrfs,
-        variance: &'a [Vec<f64>],
+        noise: &'a [LineNoise],
         roots: &'a [ModelPole],
     ) -> PredictedResponse<'a> {
         let (coordinates, residues) = (
@@ -146,7 +283,7 @@ impl OutOfBandFit {
         PredictedResponse {
             out_of_band: self,
             frfs,
-            variance,
+            noise,
             poles: roots,
             amplitudes,
         }
@@ -214,7 +351,7 @@ impl OutOfBandFit {
 pub(in crate::identify) struct PredictedResponse<'a> {
     out_of_band: &'a OutOfBandFit,
     frfs: &'a BandFrfs,
-    variance: &'a [Vec<f64>],
+    noise: &'a [LineNoise],
     poles: &'a [ModelPole],
     /// Amplitudes of out-of-band terms, poles and conjugates: columns × FRFs.
     amplitudes: ComplexMatrix,
@@ -223,30 +360,109 @@ pub(in crate::identify) struct PredictedResponse<'a> {
 impl PredictedResponse<'_> {
     /// Residual on a range of lines, over the noise at each.
     pub fn residual(&self, lines: Range<usize>) -> Residual {
-        let first = self.out_of_band.columns.ncols();
-        let of_poles = pole_columns(
-            self.out_of_band.line_shape,
-            &self.out_of_band.omega[lines.clone()],
-            self.poles,
-        );
-        let columns = linalg::complex_matrix(lines.len(), self.amplitudes.nrows(), |k, c| {
-            if c < first {
-                self.out_of_band.columns[(lines.start + k, c)]
-            } else {
-                of_poles[(k, c - first)]
-            }
-        });
-        let over_noise = |f: usize, column: &mut [Complex64]| {
-            let variance = &self.variance[f][lines.clone()];
-            for (value, variance) in column.iter_mut().zip(variance) {
-                *value /= variance.sqrt();
-            }
-        };
-        let measured = self.frfs.values.matrix();
-        let measured = measured.subrows(lines.start, lines.len());
-        let values = linalg::subtract_product(measured, &columns, &self.amplitudes, over_noise);
-        Residual { lines, values }
+        let segments = Segment::all(&self.out_of_band.omega, &lines).into_par_iter();
+        let segments: Vec<RowProduct> = segments.map(|segment| self.segment(segment)).collect();
+        let over_noise =
+            |f: usize, lines: Range<usize>, rest: &[Complex64], all: &mut Vec<Complex32>| {
+                let values = rest.iter().zip(self.noise[f].stds(lines));
+                all.extend(values.map(|(value, std)| single(&(value * std.recip()))));
+            };
+        Residual {
+            values: self.frfs.values.subtract_products(&segments, over_noise),
+            lines,
+        }
     }
+
+    /// Prediction of the lines of a segment, with polynomials for all columns that are smooth
+    /// there, where that takes fewer operations: poles far from the segment, and out-of-band terms
+    /// unless the data end near it.
+    fn segment(&self, segment: Segment) -> RowProduct<'_> {
+        let fit = self.out_of_band;
+        let lines = segment.lines.clone();
+        let omega = &fit.omega[lines.clone()];
+        let lambdas = with_conjugates(self.poles);
+        let (near, far) = segment.near_and_far(&lambdas);
+        let terms = fit.columns.ncols();
+        let is_at_end = lines.start < lines.len() || fit.omega.len() - lines.end < lines.len();
+        let smooth = far.len() + if is_at_end { 0 } else { terms };
+        let is_shorter = POLYNOMIALS * (lines.len() + smooth + POLYNOMIALS) < smooth * lines.len();
+        if !is_shorter || fit.line_shape.is_smoothed() {
+            let poles = columns_at(fit.line_shape, omega, &lambdas);
+            let column = |k: usize, c: usize| match c.checked_sub(terms) {
+                None => fit.columns[(lines.start + k, c)],
+                Some(c) => poles[(k, c)],
+            };
+            return RowProduct {
+                a: linalg::complex_matrix(lines.len(), terms + lambdas.len(), column),
+                c: Cow::Borrowed(&self.amplitudes),
+                rows: lines,
+            };
+        }
+        let chebyshev = segment.chebyshev();
+        let angles = chebyshev.angles(omega);
+        let polynomials = linalg::complex_matrix(lines.len(), POLYNOMIALS, |k, n| {
+            Chebyshev::value(n, angles[k])
+        });
+        let qr = ThinQr::or_not_a_number(&polynomials);
+        let lambdas_of =
+            |poles: &[usize]| -> Vec<Complex64> { poles.iter().map(|j| lambdas[*j]).collect() };
+        let functions = self.amplitudes.ncols();
+        let of_far = linalg::complex_matrix(far.len(), functions, |j, f| {
+            self.amplitudes[(terms + far[j], f)]
+        });
+        let at_nodes = columns_at(fit.line_shape, &chebyshev.nodes(), &lambdas_of(&far));
+        let coefficients = qr.r.subcols(0, POLYNOMIALS) * chebyshev.coefficients();
+        let mut of_smooth = coefficients * (at_nodes * of_far);
+        let mut explicit = Vec::new();
+        if is_at_end {
+            explicit.extend(0..terms);
+        } else {
+            let columns = fit.columns.subrows(lines.start, lines.len());
+            let columns = qr.q.adjoint() * columns;
+            of_smooth += columns * self.amplitudes.subrows(0, terms);
+        }
+        let terms_at_end = explicit.len();
+        explicit.extend(near.iter().map(|pole| terms + pole));
+        let of_near = columns_at(fit.line_shape, omega, &lambdas_of(&near));
+        let column = |k: usize, c: usize| match c.checked_sub(explicit.len()) {
+            Some(polynomial) => qr.q[(k, polynomial)],
+            None if c < terms_at_end => fit.columns[(lines.start + k, c)],
+            None => of_near[(k, c - terms_at_end)],
+        };
+        let columns = explicit.len() + POLYNOMIALS;
+        let amplitude = |c: usize, f: usize| match c.checked_sub(explicit.len()) {
+            Some(polynomial) => of_smooth[(polynomial, f)],
+            None => self.amplitudes[(explicit[c], f)],
+        };
+        RowProduct {
+            a: linalg::complex_matrix(lines.len(), columns, column),
+            c: Cow::Owned(linalg::complex_matrix(columns, functions, amplitude)),
+            rows: lines,
+        }
+    }
+}
+
+fn single(value: &Complex64) -> Complex32 {
+    Complex32::new(value.re as f32, value.im as f32)
+}
+
+fn double(value: &Complex32) -> Complex64 {
+    Complex64::new(value.re.into(), value.im.into())
+}
+
+/// Every pole and its conjugate.
+fn with_conjugates(roots: &[ModelPole]) -> Vec<Complex64> {
+    let pairs = roots.iter().map(|root| [root.lambda, root.lambda.conj()]);
+    pairs.flatten().collect()
+}
+
+/// `1/(iω − λ)`: frequencies × poles.
+fn columns_at(line_shape: LineShape, omega: &[f64], lambdas: &[Complex64]) -> ComplexMatrix {
+    let mut columns = ComplexMatrix::zeros(omega.len(), lambdas.len());
+    linalg::for_each_column(&mut columns, |column, values| {
+        line_shape.fill_pole(omega, lambdas[column], values);
+    });
+    columns
 }
 
 /// `1/(iω − λ)` of every pole and of its conjugate: lines × twice the number of poles.
@@ -255,17 +471,7 @@ pub(in crate::identify) fn pole_columns(
     omega: &[f64],
     roots: &[ModelPole],
 ) -> ComplexMatrix {
-    let mut columns = ComplexMatrix::zeros(omega.len(), 2 * roots.len());
-    linalg::for_each_column(&mut columns, |column, values| {
-        let lambda = roots[column / 2].lambda;
-        let lambda = if column % 2 == 0 {
-            lambda
-        } else {
-            lambda.conj()
-        };
-        line_shape.fill_pole(omega, lambda, values);
-    });
-    columns
+    columns_at(line_shape, omega, &with_conjugates(roots))
 }
 
 /// Residues of every pole and of its conjugate: twice the number of poles × FRFs.

@@ -2,10 +2,9 @@
 //! out-of-band terms on its lines, and the coordinates of the measured values in it.
 //!
 //! A pole farther from the middle of the segment than [`REACH`] half-lengths is a smooth function
-//! on its lines: a polynomial, found from the values at Chebyshev nodes, whose error falls by ρ =
-//! 3 + √8 with each degree (Trefethen 2013, Approximation Theory and Approximation Practice,
-//! theorem 8.2). A nearer pole λ has the first three powers of `x = |σ_0|/(iω − λ_0)` at an
-//! expansion point λ_0. With `ε = (λ − λ_0)/|σ_0|`
+//! on its lines: a polynomial, found from the values at Chebyshev nodes
+//! ([`chebyshev`](crate::identify::data::chebyshev)). A nearer pole λ has the first three powers of
+//! `x = |σ_0|/(iω − λ_0)` at an expansion point λ_0. With `ε = (λ − λ_0)/|σ_0|`
 //!
 //! ```text
 //! |σ|/(iω − λ) = |σ/σ_0| (x + ε x² + ε² x³ + …)
@@ -14,13 +13,13 @@
 //! (for a smoothed pole, xⁿ is its derivative of order n − 1 by λ, times `|σ_0|ⁿ/(n − 1)!`; between
 //! the lines it has a ripple that no polynomial represents, 1e-8 of its value under a Hann window).
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use num_complex::Complex64;
 
 use crate::linalg::{self, ComplexMatrix, ComplexView, ThinQr};
 
+use crate::identify::data::chebyshev::Chebyshev;
 use crate::identify::data::line_shape::LineShape;
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::noise::band_profile::BandProfile;
@@ -151,19 +150,19 @@ impl Segment {
             .out_of_band_terms
             .subrows(self.offset, self.lines.len());
         self.out_of_band_terms = self.weights.adjoint() * terms;
-        let rows = |matrix: &ComplexMatrix| {
-            let of_lines = matrix.subrows(self.lines.start, self.lines.len());
-            linalg::adjoint_product(&self.weights, of_lines)
-        };
-        self.out_of_band_columns = rows(data.out_of_band_fit().columns());
-        self.values = rows(data.frfs.values.matrix());
-        let noise_profile = self.profile(profile);
+        let columns = data.out_of_band_fit().columns();
+        let columns = columns.subrows(self.lines.start, self.lines.len());
+        self.out_of_band_columns = self.weights.adjoint() * columns;
+        let values = &data.frfs.values;
+        self.values = values.adjoint_product(&self.weights, self.lines.clone());
+        let noise_profile = self.profile(profile).iter();
+        let weights: Vec<f64> = noise_profile.map(|u| (u * u).recip()).collect();
         let outside = |f: usize| {
-            let values = data.frfs.values[f][self.lines.clone()]
-                .iter()
-                .zip(noise_profile);
-            let whole: f64 = values.map(|(h, u)| h.norm_sqr() / (u * u)).sum();
-            let inside: f64 = self.values.col(f).iter().map(Complex64::norm_sqr).sum();
+            let values = values.of(f, self.lines.clone());
+            let values = values.iter().zip(&weights);
+            let whole: f64 = values.map(|(h, weight)| h.norm_sqr() * weight).sum();
+            let coordinates = self.values.col_as_slice(f).iter();
+            let inside: f64 = coordinates.map(Complex64::norm_sqr).sum();
             (whole - inside) / profile.level[f].powi(2)
         };
         self.energy_outside = (0..self.values.ncols()).map(outside).sum();
@@ -181,42 +180,31 @@ impl Segment {
         let noise_profile = self.profile(profile);
         let half_length = self.reach / REACH;
         let (count, ends) = (demand.polynomials, demand.end_terms.ncols());
-        let polynomial = |k: usize, n: usize| {
-            let position = ((omega[k] - self.middle.im) / half_length).clamp(-1.0, 1.0);
-            Complex64::from((n as f64 * position.acos()).cos())
-        };
+        let chebyshev = Chebyshev::new(self.middle.im, half_length, count);
+        let angles = chebyshev.angles(omega);
         let powers = near_powers(data.frfs.line_shape, omega, &near);
         let columns = count + ends + powers.ncols();
         let value = |k: usize, c: usize| {
             let value = match c.checked_sub(count) {
-                None => polynomial(k, c),
+                None => Chebyshev::value(c, angles[k]),
                 Some(end) if end < ends => demand.end_terms[(k, end)],
                 Some(column) => powers[(k, column - ends)],
             };
             value / noise_profile[k]
         };
         let qr = ThinQr::or_not_a_number(&linalg::complex_matrix(omega.len(), columns, value));
-        // Coefficient of the polynomial n from the value at the node i: (2 − δ_n0)/count T_n(x_i).
-        let angle = |i: usize| PI * (i as f64 + 0.5) / count as f64;
-        let coefficient = |n: usize, i: usize| {
-            let factor = if n == 0 { 1.0 } else { 2.0 };
-            Complex64::from(factor / count as f64 * (n as f64 * angle(i)).cos())
-        };
-        let coefficients = linalg::complex_matrix(count, count, coefficient);
-        let node = |i: usize| self.middle.im + half_length * angle(i).cos();
-        let nodes = (0..count).map(node).collect();
         let weights =
             linalg::complex_matrix(omega.len(), columns, |k, c| qr.q[(k, c)] / noise_profile[k]);
         let of_powers =
             linalg::complex_matrix(columns, powers.ncols(), |i, c| qr.r[(i, count + ends + c)]);
-        self.from_nodes = qr.r.subcols(0, count) * coefficients;
-        self.nodes = nodes;
+        self.from_nodes = qr.r.subcols(0, count) * chebyshev.coefficients();
+        self.nodes = chebyshev.nodes();
         self.weights = weights;
         self.powers = of_powers;
         let line_distance = |lambda: &Complex64| {
-            let distance = |w: &f64| (Complex64::new(0.0, *w) - lambda).norm();
-            let nearest = omega.iter().map(distance).fold(f64::INFINITY, f64::min);
-            nearest / lambda.re.abs()
+            let square = |w: &f64| (Complex64::new(0.0, *w) - lambda).norm_sqr();
+            let nearest = omega.iter().map(square).fold(f64::INFINITY, f64::min);
+            nearest.sqrt() / lambda.re.abs()
         };
         self.line_distances = near.iter().map(line_distance).collect();
         self.expansion_points = near;
@@ -273,7 +261,7 @@ impl Segment {
     }
 
     fn is_near(&self, lambda: Complex64) -> bool {
-        (lambda - self.middle).norm() < self.reach
+        (lambda - self.middle).norm_sqr() < self.reach * self.reach
     }
 
     fn is_expanded(&self, lambda: Complex64) -> bool {

@@ -18,7 +18,7 @@ use crate::linalg::{self, ComplexMatrix, sort_ascending_by};
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::{FitState, ModelPole, PoleQuality, combined};
-use crate::identify::fit::compressed_band::CompressedBand;
+use crate::identify::fit::compressed_band::{CompressedBand, KnownResponse};
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::gauss_newton::{Block, FitContext, Fitted, Unknown, fit};
 
@@ -135,11 +135,12 @@ pub(in crate::identify) fn refine(
         }
         lost &= fresh;
         sweep += usize::from(!fresh);
+        let coordinates = out_of_band_coordinates.as_ref();
         let around = FitContext {
             data,
             frf_matrix,
             poles: &roots,
-            out_of_band_coordinates: out_of_band_coordinates.as_ref(),
+            known: &KnownResponse::new(&roots, data.frfs.functions(), coordinates),
             needs_shape_stds: is_final && matches!(stop, Convergence::Fine | Convergence::Residues),
         };
         let fitted: Vec<Fitted> = active

@@ -15,7 +15,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix, ComplexView, ThinQr};
+use crate::linalg::{self, ComplexMatrix, ComplexView, StackedPart, ThinQr};
 
 use crate::identify::data::band_frfs::BandFrfs;
 use crate::identify::data::line_shape::LineShape;
@@ -41,6 +41,11 @@ const MAX_POLYNOMIAL_ERROR_OVER_NOISE: f64 = 1e-6;
 const MAX_END_DIFFERENCE: f64 = 1.0 / 32.0;
 /// Minimum length of a segment, lines.
 const MIN_SEGMENT_LINES: usize = 48;
+/// Fits and steps that read a compressed band, and segments that are renewed once meanwhile: means
+/// over the fits of `tests/bench/identify.rs`.
+const FITS_PER_BAND: usize = 8;
+const STEPS_PER_BAND: usize = 14;
+const RENEWED_SEGMENTS: usize = 3;
 
 /// A compressed band.
 pub(in crate::identify) struct CompressedBand {
@@ -57,13 +62,39 @@ pub(in crate::identify) struct CompressedBand {
     version: u64,
 }
 
-/// Poles and out-of-band terms whose response is subtracted from the values.
-pub(in crate::identify) struct KnownResponse<'a> {
-    pub poles: &'a [ModelPole],
-    /// Numbers of the poles of which the conjugate alone is subtracted, ascending.
-    pub members: &'a [usize],
-    /// Coordinates of the out-of-band terms of all lines, where they are subtracted.
-    pub out_of_band: Option<&'a ComplexMatrix>,
+/// Amplitudes of all poles, of their conjugates and of the out-of-band terms of all lines, of which
+/// a block subtracts those that it does not fit.
+pub(in crate::identify) struct KnownResponse {
+    /// Every pole, then every conjugate.
+    lambdas: Vec<Complex64>,
+    /// Poles, conjugates and out-of-band terms × FRFs.
+    amplitudes: ComplexMatrix,
+}
+
+impl KnownResponse {
+    /// Response of poles with their residues, and of out-of-band terms where their coordinates are
+    /// given.
+    pub fn new(poles: &[ModelPole], functions: usize, out_of_band: Option<&ComplexMatrix>) -> Self {
+        let (count, terms) = (poles.len(), out_of_band.map_or(0, ComplexMatrix::nrows));
+        let mut amplitudes = ComplexMatrix::zeros(2 * count + terms, functions);
+        linalg::for_each_column(&mut amplitudes, |f, column| {
+            let (direct, others) = column.split_at_mut(count);
+            let (mirrored, of_terms) = others.split_at_mut(count);
+            for ((value, conjugate), pole) in direct.iter_mut().zip(mirrored).zip(poles) {
+                *value = pole.residues[f];
+                *conjugate = pole.residues[f].conj();
+            }
+            if let Some(terms) = out_of_band {
+                of_terms.copy_from_slice(terms.col_as_slice(f));
+            }
+        });
+        let direct = poles.iter().map(|pole| pole.lambda);
+        let mirrored = poles.iter().map(|pole| pole.lambda.conj());
+        Self {
+            lambdas: direct.chain(mirrored).collect(),
+            amplitudes,
+        }
+    }
 }
 
 /// Coordinates of the values minus the contribution of other poles and out-of-band terms.
@@ -99,12 +130,24 @@ impl CompressedBand {
             profile,
         };
         let ranges = band.cheapest_ranges(data, poles, members);
-        let new = |range: Range<usize>| {
-            let demand = band.demand(data, &range, poles);
-            Segment::new(data, &band.profile, lines.start, range, &demand)
-        };
-        band.segments = ranges.into_par_iter().map(new).collect();
+        band.set_segments(data, poles, ranges);
         band
+    }
+
+    fn set_segments(&mut self, data: &FitData, poles: &[Complex64], ranges: Vec<Range<usize>>) {
+        let new = |range: Range<usize>| {
+            let demand = self.demand(data, &range, poles);
+            Segment::new(data, &self.profile, self.lines.start, range, &demand)
+        };
+        self.segments = ranges.into_par_iter().map(new).collect();
+    }
+
+    /// The same band in a number of segments.
+    #[cfg(test)]
+    pub fn in_segments(mut self, data: &FitData, poles: &[Complex64], count: usize) -> Self {
+        let ranges = equal_ranges(&self.lines, count);
+        self.set_segments(data, poles, ranges);
+        self
     }
 
     pub fn lines(&self) -> &Range<usize> {
@@ -113,12 +156,6 @@ impl CompressedBand {
 
     pub fn profile(&self) -> &BandProfile {
         &self.profile
-    }
-
-    /// Number of segments.
-    #[cfg(test)]
-    pub fn segments(&self) -> usize {
-        self.segments.len()
     }
 
     /// Number of columns of the out-of-band terms.
@@ -173,8 +210,9 @@ impl CompressedBand {
         }
     }
 
-    /// The segments that need the least operations: few long ones for few poles, where the
-    /// coordinates of all values count; short ones for many, where the decompositions count.
+    /// The segments that need the least operations. Long ones have few coordinates, of which every
+    /// fit and every step takes products; of short ones the decompositions take less, and a pole
+    /// that moves renews few lines.
     fn cheapest_ranges(
         &self,
         data: &FitData,
@@ -183,6 +221,9 @@ impl CompressedBand {
     ) -> Vec<Range<usize>> {
         let functions = data.frfs.functions();
         let fitted = self.out_of_band_terms.ncols() + 2 * members;
+        let known = poles.len() + data.out_of_band_fit().columns().ncols();
+        let operations_per_coordinate =
+            FITS_PER_BAND * known * functions + STEPS_PER_BAND * fitted * (fitted + functions);
         let cost = |ranges: &Vec<Range<usize>>| {
             let (mut coordinates, mut operations) = (0, 0);
             for range in ranges {
@@ -194,48 +235,58 @@ impl CompressedBand {
                 coordinates += columns;
                 operations += range.len() * columns * (columns + functions);
             }
-            operations + coordinates * fitted * (fitted + functions)
+            let renewed = ranges.len().min(RENEWED_SEGMENTS) as f64 / ranges.len() as f64;
+            let operations = (1.0 + renewed) * operations as f64;
+            operations + (coordinates * operations_per_coordinate) as f64
         };
         let halves = std::iter::successors(Some(1), |count| Some(2 * count));
         let counts =
             halves.take_while(|count| *count == 1 || self.lines.len() >= count * MIN_SEGMENT_LINES);
-        let ranges = counts.map(|count| {
-            let edge = |n: usize| self.lines.start + n * self.lines.len() / count;
-            (0..count).map(|n| edge(n)..edge(n + 1)).collect()
-        });
-        ranges.min_by_key(cost).unwrap_or_default()
+        let ranges = counts.map(|count| equal_ranges(&self.lines, count));
+        let ranges = ranges.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        ranges.unwrap_or_default()
     }
 
-    /// Coordinates of the values minus the known response.
-    pub fn without_known_response(&self, known: &KnownResponse) -> CompressedValues {
-        let unit = |lambda: Complex64| PoleColumn {
-            lambda,
+    /// Coordinates of the values minus the known response, without that of `members`, the numbers
+    /// of the poles that are fitted, ascending.
+    pub fn without_known_response(
+        &self,
+        known: &KnownResponse,
+        members: &[usize],
+    ) -> CompressedValues {
+        let is_subtracted = |row: &usize| members.binary_search(row).is_err();
+        let rows = (0..known.lambdas.len()).filter(is_subtracted);
+        let rows: Vec<usize> = rows.collect();
+        let unit = |row: &usize| PoleColumn {
+            lambda: known.lambdas[*row],
             scale: 1.0,
             n: 1,
         };
-        let is_member = |j: &usize| known.members.binary_search(j).is_ok();
-        let others: Vec<usize> = (0..known.poles.len()).filter(|j| !is_member(j)).collect();
-        let direct = others.iter().map(|j| unit(known.poles[*j].lambda));
-        let mirrored = known.poles.iter().map(|pole| unit(pole.lambda.conj()));
-        let columns: Vec<PoleColumn> = direct.chain(mirrored).collect();
+        let columns: Vec<PoleColumn> = rows.iter().map(unit).collect();
         let functions = self.profile.level.len();
-        let amplitude = |row: usize, f: usize| match others.get(row) {
-            Some(j) => known.poles[*j].residues[f],
-            None => known.poles[row - others.len()].residues[f].conj(),
-        };
-        let amplitudes = linalg::complex_matrix(columns.len(), functions, amplitude);
-        let of_segment = |segment: &Segment| {
+        let (first, all) = (known.lambdas.len(), known.amplitudes.nrows());
+        let columns_of = |segment: &Segment| {
             let line_shapes = segment.line_shapes(self.line_shape, &columns);
-            let mut values = &segment.values - line_shapes * &amplitudes;
-            if let Some(coordinates) = known.out_of_band {
-                values -= &segment.out_of_band_columns * coordinates;
+            let mut a = ComplexMatrix::zeros(segment.coordinates(), all);
+            for (c, row) in rows.iter().enumerate() {
+                a.col_mut(*row).copy_from(line_shapes.col(c));
             }
-            values
+            if all > first {
+                a.subcols_mut(first, all - first)
+                    .copy_from(&segment.out_of_band_columns);
+            }
+            a
         };
-        let parts: Vec<ComplexMatrix> = self.segments.par_iter().map(of_segment).collect();
-        let values = stack(&parts, functions);
+        let segments = self.segments.par_iter();
+        let parts: Vec<StackedPart> = segments
+            .map(|segment| StackedPart {
+                b: &segment.values,
+                a: columns_of(segment),
+            })
+            .collect();
+        let values = linalg::stacked_difference(&parts, &known.amplitudes);
         let energy = |f: usize| {
-            let energy: f64 = values.col(f).iter().map(Complex64::norm_sqr).sum();
+            let energy: f64 = values.col_as_slice(f).iter().map(Complex64::norm_sqr).sum();
             energy / self.profile.level[f].powi(2)
         };
         let inside: f64 = (0..functions).map(energy).sum();
@@ -318,13 +369,25 @@ fn end_terms<'a>(data: &'a FitData, lines: &Range<usize>) -> ComplexView<'a> {
         .subcols(columns.ncols() - count, count)
 }
 
+/// Lines in a number of ranges of the same length.
+fn equal_ranges(lines: &Range<usize>, count: usize) -> Vec<Range<usize>> {
+    let edge = |n: usize| lines.start + n * lines.len() / count;
+    (0..count).map(|n| edge(n)..edge(n + 1)).collect()
+}
+
 /// Strongest value over its noise, at least 1.
 fn response_over_noise(frfs: &BandFrfs, lines: &Range<usize>, profile: &BandProfile) -> f64 {
+    let weights = profile
+        .noise_profile
+        .iter()
+        .map(|factor| (factor * factor).recip());
+    let weights: Vec<f64> = weights.collect();
     let strongest = |f: usize| {
-        let values = frfs.values[f][lines.clone()]
+        let values = frfs.values.of(f, lines.clone());
+        let powers = values
             .iter()
-            .zip(&profile.noise_profile);
-        let powers = values.map(|(h, factor)| h.norm_sqr() / (factor * factor));
+            .zip(&weights)
+            .map(|(h, weight)| h.norm_sqr() * weight);
         powers.fold(0.0, f64::max) / profile.level[f].powi(2)
     };
     let functions = (0..frfs.functions()).into_par_iter();

@@ -111,7 +111,7 @@ impl FitData {
     /// Prediction of the lines by poles and out-of-band terms.
     pub fn predict<'a>(&'a self, poles: &'a [ModelPole]) -> PredictedResponse<'a> {
         self.out_of_band_fit()
-            .predict(&self.frfs, &self.noise.variance, poles)
+            .predict(&self.frfs, &self.noise.by_frf, poles)
     }
 
     /// Residual of poles and out-of-band terms on all lines.

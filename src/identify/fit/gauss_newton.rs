@@ -33,6 +33,7 @@ use crate::identify::fit::compressed_band::{CompressedBand, CompressedValues, Kn
 use crate::identify::fit::fit_data::FitData;
 use crate::identify::fit::mode_strength::{Strength, Strengths};
 use crate::identify::fit::shape_covariance::ShapeCovariance;
+use crate::identify::fit::shape_solution::BlockShapes;
 use crate::identify::fit::variable_projection::{Linearised, Pattern, Problem, patterns};
 
 pub(in crate::identify) use crate::identify::fit::variable_projection::Unknown;
@@ -86,8 +87,9 @@ pub(in crate::identify) struct FitContext<'a> {
     pub frf_matrix: &'a FrfMatrix,
     /// All poles, with their residues.
     pub poles: &'a [ModelPole],
-    /// Coordinates of the out-of-band terms of all lines, where they are subtracted first.
-    pub out_of_band_coordinates: Option<&'a ComplexMatrix>,
+    /// Response of the poles and of the out-of-band terms of all lines, where these are subtracted
+    /// first.
+    pub known: &'a KnownResponse,
     /// Whether the shapes need standard deviations: all poles have converged.
     pub needs_shape_stds: bool,
 }
@@ -129,14 +131,21 @@ pub(in crate::identify) fn fit(
         }
     }
     let misfit = here.cost / problem.freedom(&members, &unknowns);
-    for (root, residues) in members.iter_mut().zip(&mut here.residues) {
-        root.residues = std::mem::take(residues);
+    let shapes = BlockShapes {
+        members: &members,
+        columns: &columns(&members),
+        patterns: &problem.patterns,
+        solutions: &here.solutions,
+        functions: around.data.frfs.functions(),
+    };
+    let strengths = shapes.strengths().iter().map(Strength::values).collect();
+    let residues = shapes.residues();
+    for (root, residues) in members.iter_mut().zip(residues) {
+        root.residues = residues.values;
+        root.residue_variances = residues.variances;
     }
     if around.needs_shape_stds {
-        problem.add_pole_uncertainty(&members, &block.core, &mut here);
-    }
-    for (root, variances) in members.iter_mut().zip(here.residue_variances) {
-        root.residue_variances = variances;
+        problem.add_pole_uncertainty(&mut members, &block.core, &here);
     }
     let next = if steps == 0 && !unknowns.is_empty() {
         let step = damped_solution(&here.information, &here.gradient, MIN_DAMPING);
@@ -151,7 +160,7 @@ pub(in crate::identify) fn fit(
         members,
         unknowns,
         information: here.information,
-        strengths: here.strength.iter().map(Strength::values).collect(),
+        strengths,
     }
 }
 
@@ -198,7 +207,7 @@ impl<'a> BandProblem<'a> {
             None => CompressedBand::new(around.data, &block.lines, &poles, block.members.len()),
         };
         Self {
-            values: window.without_known_response(&known_response(around, block)),
+            values: window.without_known_response(around.known, &block.members),
             patterns: patterns(around.frf_matrix, window.profile()),
             around,
             block,
@@ -219,7 +228,7 @@ impl<'a> BandProblem<'a> {
     }
 
     /// Adds the effect of the errors of the unknowns to the variances of the residues of the core.
-    fn add_pole_uncertainty(&self, members: &[ModelPole], core: &[usize], here: &mut Linearised) {
+    fn add_pole_uncertainty(&self, members: &mut [ModelPole], core: &[usize], here: &Linearised) {
         if here.information.nrows() == 0 {
             return;
         }
@@ -229,11 +238,13 @@ impl<'a> BandProblem<'a> {
         let shape_covariance = ShapeCovariance {
             columns: &columns(members),
             patterns: &self.patterns,
-            shape_derivatives: &here.shape_derivatives,
+            solutions: &here.solutions,
             covariance: &covariance,
         };
         for &j in core {
-            shape_covariance.add_pole_uncertainty(j, &members[j], &mut here.residue_variances[j]);
+            let mut variances = std::mem::take(&mut members[j].residue_variances);
+            shape_covariance.add_pole_uncertainty(j, &members[j], &mut variances);
+            members[j].residue_variances = variances;
         }
     }
 
@@ -241,8 +252,8 @@ impl<'a> BandProblem<'a> {
     fn linearised(&mut self, members: &[ModelPole], unknowns: &[Unknown]) -> Linearised {
         let poles = evaluated_poles(self.around, self.block, Some(members));
         if self.window.follow(self.around.data, &poles) {
-            let known = known_response(self.around, self.block);
-            self.values = self.window.without_known_response(&known);
+            let (known, members) = (self.around.known, &self.block.members);
+            self.values = self.window.without_known_response(known, members);
         }
         let moving: Vec<usize> = unknowns
             .iter()
@@ -264,8 +275,7 @@ impl<'a> BandProblem<'a> {
             problem.linearised()
         };
         let terms: Vec<Linearised> = self.patterns.par_iter().map(linearise).collect();
-        let functions = self.around.data.frfs.functions();
-        let mut sums = Linearised::none(members, unknowns.len(), functions);
+        let mut sums = Linearised::none(unknowns.len());
         sums.cost = self.values.energy - explained;
         for term in terms {
             sums.add(term);
@@ -291,15 +301,6 @@ fn unknowns(members: &[ModelPole], free: &[usize]) -> Vec<Unknown> {
         }
     }
     unknowns
-}
-
-/// Response of the poles outside a block, of all conjugates and of the out-of-band terms.
-fn known_response<'a>(around: &'a FitContext, block: &'a Block) -> KnownResponse<'a> {
-    KnownResponse {
-        poles: around.poles,
-        members: &block.members,
-        out_of_band: around.out_of_band_coordinates,
-    }
 }
 
 /// The poles that a fit evaluates: all of them, the members of the block where they are now, and

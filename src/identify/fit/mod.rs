@@ -20,4 +20,5 @@ pub(in crate::identify) mod mode_strength;
 pub(in crate::identify) mod pole_covariance;
 pub(in crate::identify) mod residues;
 pub(in crate::identify) mod shape_covariance;
+pub(in crate::identify) mod shape_solution;
 pub(in crate::identify) mod variable_projection;

@@ -59,6 +59,18 @@ impl Strength {
         self.outputs.push((covariance, shapes));
     }
 
+    /// Adds outputs of one variance with their shapes, for a single mode.
+    pub fn add_single(&mut self, variance: f64, shapes: impl Iterator<Item = Complex64>) {
+        if !(variance > 0.0 && variance.is_finite()) {
+            return;
+        }
+        for shape in shapes {
+            let value = 2.0 * (shape.norm_sqr() / variance);
+            self.sum += value;
+            self.largest = self.largest.max(value);
+        }
+    }
+
     /// Adds the outputs of another sum.
     pub fn merge(&mut self, other: Self) {
         self.outputs.extend(other.outputs);

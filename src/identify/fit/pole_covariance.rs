@@ -128,17 +128,29 @@ fn variance_inflation(
         let mut along = vec![Complex64::ZERO; lines.len()];
         for f in group {
             let a = root.residues[*f].conj() / over(*f);
-            let values = &data.frfs.values[*f][lines.clone()];
-            let variance = &data.noise.variance[*f][lines.clone()];
-            let force_fraction = &data.noise.force_fraction[*f][lines.clone()];
-            for (k, ((h, v), p)) in values.iter().zip(variance).zip(force_fraction).enumerate() {
-                let p = p.clamp(0.0, 1.0);
-                response[k] += a.norm_sqr() * v * (1.0 - p);
-                independent[k] += a.norm_sqr() * v;
-                single[k] += (1.0 - fraction) * a.norm_sqr() * v * p;
+            let values = data.frfs.values.of(*f, lines.clone());
+            let noise = &data.noise.by_frf[*f];
+            let power = a.norm_sqr();
+            let lines_of_frf = values
+                .iter()
+                .zip(noise.variances(lines.clone()))
+                .enumerate();
+            for (k, (h, v)) in lines_of_frf.clone() {
+                independent[k] += power * v;
+                phasor[k] = phasor[k] + a * h;
+            }
+            let Some(force_fraction) = noise.force_fractions(lines.clone()) else {
+                for (k, (_, v)) in lines_of_frf {
+                    response[k] += power * v;
+                }
+                continue;
+            };
+            for ((k, (h, v)), p) in lines_of_frf.zip(force_fraction) {
+                let p = f64::from(*p).clamp(0.0, 1.0);
+                response[k] += power * v * (1.0 - p);
+                single[k] += (1.0 - fraction) * power * v * p;
                 let size = h.norm().max(f64::MIN_POSITIVE);
-                along[k] += a * h * ((v * p).sqrt() / size);
-                phasor[k] += a * h;
+                along[k] = along[k] + a * h * ((v * p).sqrt() / size);
             }
         }
         if fraction > 0.0 {

@@ -7,12 +7,13 @@
 //! terms cannot represent, are fitted jointly; farther ones and the conjugates are subtracted with
 //! the residues of the previous iteration (Jacobi). All FRFs have one matrix and one QR in common.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::linalg::{self, ComplexMatrix};
+use crate::linalg::{self, ComplexMatrix, RowProduct};
 
 use crate::identify::data::band_frfs::BandFrfs;
 
@@ -192,9 +193,11 @@ pub(in crate::identify) fn remainder(
             _ => residue.conj(),
         }
     });
-    let values = frfs.values.matrix().subrows(lines.start, lines.len());
-    let remaining = linalg::subtract_product(values, &columns, &amplitudes, |_, _| {});
-    (0..remaining.ncols())
-        .map(|f| remaining.col_as_slice(f).to_vec())
-        .collect()
+    let product = RowProduct {
+        rows: lines,
+        a: columns,
+        c: Cow::Owned(amplitudes),
+    };
+    let copy = |_, _, values: &[Complex64], all: &mut Vec<Complex64>| all.extend_from_slice(values);
+    frfs.values.subtract_products(&[product], copy)
 }

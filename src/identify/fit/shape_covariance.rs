@@ -13,15 +13,15 @@ use num_complex::Complex64;
 use crate::linalg::ComplexMatrix;
 
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::fit::variable_projection::{Pattern, ShapeDerivative};
+use crate::identify::fit::variable_projection::{Pattern, ShapeSolution};
 
 /// Shapes of a block and their derivatives by its unknowns.
 pub(in crate::identify) struct ShapeCovariance<'a> {
     /// Member and rank-one term of each column of shapes.
     pub columns: &'a [(usize, usize)],
     pub patterns: &'a [Pattern],
-    /// One for each pattern.
-    pub shape_derivatives: &'a [ShapeDerivative],
+    /// One for each pattern; `None` for outputs without information.
+    pub solutions: &'a [Option<ShapeSolution>],
     /// Covariance of the unknowns.
     pub covariance: &'a ComplexMatrix,
 }
@@ -57,16 +57,20 @@ impl ShapeCovariance<'_> {
     /// Derivatives of the residues by each unknown through the shape: FRFs × unknowns.
     fn slopes(&self, root: &ModelPole, column: usize) -> ComplexMatrix {
         let mut slopes = ComplexMatrix::zeros(root.residues.len(), self.covariance.nrows());
-        for (pattern, turn) in self.patterns.iter().zip(self.shape_derivatives) {
+        for (pattern, solution) in self.patterns.iter().zip(self.solutions) {
+            let Some(solution) = solution else { continue };
+            let inverse = solution.inverse.subrows(column, 1);
+            // `R⁻¹QᴴD` for a shape value of 1 in the term.
+            let moves = inverse * &solution.within;
             let factors: Vec<Complex64> = pattern
                 .inputs
                 .iter()
                 .map(|input| root.parts[0][*input] * root.decay().abs())
                 .collect();
-            for (t, &(unknown, of)) in turn.of.iter().enumerate() {
-                let moves = -turn.moves[(column, t)];
+            for (t, &(unknown, of)) in solution.of.iter().enumerate() {
+                let moves = -moves[(0, t)];
                 let slopes = slopes.col_as_slice_mut(unknown);
-                let shapes = turn.shapes.row(of);
+                let shapes = solution.shapes.row(of);
                 for ((functions, level), shape) in pattern.outputs.iter().zip(shapes.iter()) {
                     let slope = moves * shape * level;
                     for (f, factor) in functions.iter().zip(&factors) {

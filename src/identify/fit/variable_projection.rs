@@ -10,7 +10,6 @@ use crate::linalg::{self, ComplexMatrix};
 
 use crate::identify::data::frf_matrix::FrfMatrix;
 use crate::identify::data::model_pole::ModelPole;
-use crate::identify::fit::mode_strength::Strength;
 use crate::identify::noise::band_profile::BandProfile;
 
 /// A nonlinear unknown.
@@ -62,77 +61,40 @@ pub(in crate::identify) struct Linearised {
     pub cost: f64,
     pub information: ComplexMatrix,
     pub gradient: ComplexMatrix,
-    /// Strength of each member.
-    pub strength: Vec<Strength>,
-    pub residues: Vec<Vec<Complex64>>,
-    /// `E|δA|²` of each residue in white noise, for exact unknowns.
-    pub residue_variances: Vec<Vec<f64>>,
-    /// Derivatives of the shapes by the unknowns, pattern by pattern.
-    pub shape_derivatives: Vec<ShapeDerivative>,
+    /// Shapes of each pattern; `None` for outputs without information. Most steps of a fit read
+    /// none of them.
+    pub solutions: Vec<Option<ShapeSolution>>,
 }
 
-/// Derivatives of the shapes of a pattern by the unknowns.
-pub(in crate::identify) struct ShapeDerivative {
-    /// `R⁻¹QᴴD`, shapes × terms, for a shape value of 1 in the term.
-    pub moves: ComplexMatrix,
-    /// Unknown and shape of each term.
-    pub of: Vec<(usize, usize)>,
+/// Shapes of the outputs of a pattern.
+pub(in crate::identify) struct ShapeSolution {
+    /// `R⁻¹` of the columns of the shapes.
+    pub inverse: ComplexMatrix,
     /// Shapes by column and output, in units of the output's noise.
     pub shapes: ComplexMatrix,
-}
-
-impl ShapeDerivative {
-    /// Of outputs without information.
-    fn none() -> Self {
-        let nothing = || linalg::complex_matrix(0, 0, |_, _| Complex64::ZERO);
-        Self {
-            moves: nothing(),
-            of: Vec::new(),
-            shapes: nothing(),
-        }
-    }
+    /// `QᴴD`, shapes × terms, for a shape value of 1 in the term.
+    pub within: ComplexMatrix,
+    /// Unknown and shape of each term.
+    pub of: Vec<(usize, usize)>,
 }
 
 impl Linearised {
     /// Sum over no output.
-    pub fn none(members: &[ModelPole], unknowns: usize, functions: usize) -> Self {
+    pub fn none(unknowns: usize) -> Self {
         Self {
             cost: 0.0,
             information: linalg::complex_matrix(unknowns, unknowns, |_, _| Complex64::ZERO),
             gradient: linalg::complex_matrix(unknowns, 1, |_, _| Complex64::ZERO),
-            strength: members
-                .iter()
-                .map(|root| Strength::none(root.multiplicity()))
-                .collect(),
-            residues: vec![vec![Complex64::ZERO; functions]; members.len()],
-            residue_variances: vec![vec![0.0; functions]; members.len()],
-            shape_derivatives: Vec::new(),
+            solutions: Vec::new(),
         }
     }
 
     /// Adds the sum over other outputs.
     pub fn add(&mut self, other: Self) {
         self.cost += other.cost;
-        self.shape_derivatives.extend(other.shape_derivatives);
+        self.solutions.extend(other.solutions);
         self.information += other.information;
         self.gradient += other.gradient;
-        for (strength, other) in self.strength.iter_mut().zip(other.strength) {
-            strength.merge(other);
-        }
-        for (residues, other) in self.residues.iter_mut().zip(other.residues) {
-            for (sum, residue) in residues.iter_mut().zip(other) {
-                *sum += residue;
-            }
-        }
-        for (variances, other) in self
-            .residue_variances
-            .iter_mut()
-            .zip(other.residue_variances)
-        {
-            for (sum, variance) in variances.iter_mut().zip(other) {
-                *sum += variance;
-            }
-        }
     }
 }
 
@@ -182,8 +144,7 @@ pub(in crate::identify) struct Problem<'a> {
 impl Problem<'_> {
     /// Solves the linear problem of these outputs.
     pub fn linearised(&self) -> Linearised {
-        let functions = self.data.z.ncols();
-        let mut sums = Linearised::none(self.members, self.unknowns.len(), functions);
+        let mut sums = Linearised::none(self.unknowns.len());
         let rows = self.data.g.nrows();
         let high = rows * self.pattern.inputs.len();
         let factor = |column: usize, input: usize| {
@@ -202,11 +163,11 @@ impl Problem<'_> {
         });
         if high < self.columns.len() {
             // More shapes than values: no information.
-            sums.shape_derivatives.push(ShapeDerivative::none());
+            sums.solutions.push(None);
             return sums;
         }
         let Ok(qr) = linalg::thin_qr(&b) else {
-            sums.shape_derivatives.push(ShapeDerivative::none());
+            sums.solutions.push(None);
             return sums;
         };
         let inverse = linalg::inverse_upper(&qr.r);
@@ -219,16 +180,13 @@ impl Problem<'_> {
             .sum::<f64>();
         let terms = self.terms();
         let within = self.add_information(&mut sums, &terms, &qr.q, &shapes, &residual);
-        self.add_significance(&mut sums, &inverse, &shapes);
-        self.set_residues(&mut sums, &inverse, &shapes);
-        sums.shape_derivatives.push(ShapeDerivative {
-            moves: &inverse * &within,
-            of: terms
-                .iter()
-                .map(|term| (term.number, term.column))
-                .collect(),
+        let of = terms.iter().map(|term| (term.number, term.column));
+        sums.solutions.push(Some(ShapeSolution {
+            of: of.collect(),
+            inverse,
             shapes,
-        });
+            within,
+        }));
         sums
     }
 
@@ -296,11 +254,13 @@ impl Problem<'_> {
                 if factor == Complex64::ZERO {
                     continue;
                 }
-                for c in 0..q.ncols() {
-                    within[(c, t)] += factor * of_q[(c, term.line_shape)];
+                let columns = within.col_as_slice_mut(t).iter_mut();
+                for (sum, product) in columns.zip(of_q.col_as_slice(term.line_shape)) {
+                    *sum = *sum + factor * product;
                 }
                 for o in 0..outputs {
-                    products[(t, o)] += factor.conj() * of_residual[(term.line_shape, o)];
+                    products[(t, o)] =
+                        products[(t, o)] + factor.conj() * of_residual[(term.line_shape, o)];
                 }
             }
         }
@@ -310,10 +270,11 @@ impl Problem<'_> {
         let explained = within.adjoint() * &within;
         let shape_products = shapes.as_ref() * shapes.adjoint();
         for (a, term) in terms.iter().enumerate() {
+            let mut gradient = sums.gradient[(term.number, 0)];
             for o in 0..outputs {
-                sums.gradient[(term.number, 0)] +=
-                    shapes[(term.column, o)].conj() * products[(a, o)];
+                gradient = gradient + shapes[(term.column, o)].conj() * products[(a, o)];
             }
+            sums.gradient[(term.number, 0)] = gradient;
             for (b, other) in terms.iter().enumerate() {
                 let whole = all[(a, b)] * self.data.squares[(term.line_shape, other.line_shape)];
                 let mut inner = whole - explained[(a, b)];
@@ -321,64 +282,11 @@ impl Problem<'_> {
                     inner.re = inner.re.max(ROUND_OFF_ENERGY * whole.re);
                 }
                 // Σ_o conj(ψ_c) ψ_d.
-                sums.information[(term.number, other.number)] +=
-                    shape_products[(other.column, term.column)] * inner;
+                let place = (term.number, other.number);
+                sums.information[place] =
+                    sums.information[place] + shape_products[(other.column, term.column)] * inner;
             }
         }
         within
-    }
-
-    fn add_significance(
-        &self,
-        sums: &mut Linearised,
-        inverse: &ComplexMatrix,
-        shapes: &ComplexMatrix,
-    ) {
-        for (j, strength) in sums.strength.iter_mut().enumerate() {
-            let columns: Vec<usize> = (0..self.columns.len())
-                .filter(|c| self.columns[*c].0 == j)
-                .collect();
-            let row = |c: usize| (0..inverse.ncols()).map(move |k| (c, k));
-            let covariance = linalg::complex_matrix(columns.len(), columns.len(), |a, b| {
-                row(columns[a])
-                    .zip(row(columns[b]))
-                    .map(|(p, q)| inverse[p] * inverse[q].conj())
-                    .sum()
-            });
-            let shapes = linalg::complex_matrix(columns.len(), shapes.ncols(), |a, o| {
-                shapes[(columns[a], o)]
-            });
-            strength.add(covariance, shapes);
-        }
-    }
-
-    /// Residues, and their variances from those of the shapes, `R⁻¹R⁻ᴴ` over the noise of the
-    /// output.
-    fn set_residues(&self, sums: &mut Linearised, inverse: &ComplexMatrix, shapes: &ComplexMatrix) {
-        for (index, input) in self.pattern.inputs.iter().enumerate() {
-            let factor = |(j, part): &(usize, usize)| {
-                let root = &self.members[*j];
-                root.parts[*part][*input] * root.decay().abs()
-            };
-            let mut unit = vec![vec![Complex64::ZERO; inverse.ncols()]; self.members.len()];
-            for (column, indices) in self.columns.iter().enumerate() {
-                for (k, sum) in unit[indices.0].iter_mut().enumerate() {
-                    *sum += factor(indices) * inverse[(column, k)];
-                }
-            }
-            let unit: Vec<f64> = unit
-                .iter()
-                .map(|row| row.iter().map(Complex64::norm_sqr).sum())
-                .collect();
-            for (o, (functions, level)) in self.pattern.outputs.iter().enumerate() {
-                let f = functions[index];
-                for (column, indices) in self.columns.iter().enumerate() {
-                    sums.residues[indices.0][f] += shapes[(column, o)] * level * factor(indices);
-                }
-                for (variances, unit) in sums.residue_variances.iter_mut().zip(&unit) {
-                    variances[f] = unit * level * level;
-                }
-            }
-        }
     }
 }

@@ -282,8 +282,8 @@ fn residues_at_peaks(
 ) -> Result<Vec<ModeResidues>, IdentifyError> {
     let data = FitData::guarded(set, band)?;
     let frfs = &data.frfs;
-    let spectrum = DetectionSpectrum::new(frfs, data.noise.stated_variance());
-    let found = peak_detection::search(frfs, &data.noise.variance, &spectrum, false_alarm);
+    let spectrum = DetectionSpectrum::new(frfs, data.noise.stated_noise());
+    let found = peak_detection::search(frfs, &data.noise.by_frf, &spectrum, false_alarm);
     let pole = |peak| peak_detection::first_pole(frfs, &spectrum, &found, peak);
     let poles: Vec<Complex64> = found.peaks.iter().map(pole).collect();
     let window = |lambda: &Complex64| {

@@ -65,10 +65,10 @@ impl<M: MultiModeMethod> PoleEstimator for MultiModeEstimator<M> {
         let has_participation = frf_matrix.is_complete() && frf_matrix.inputs > 1;
         let single_input = frf_matrix.as_one_input();
         let is_scalar = !has_participation || !self.method.gives_participation();
-        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_noise());
         let found = peak_detection::search(
             &data.frfs,
-            &data.noise.variance,
+            &data.noise.by_frf,
             &indicator,
             self.options.false_alarm_probability,
         );

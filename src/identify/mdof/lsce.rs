@@ -125,7 +125,7 @@ impl Responses {
         let levels = levels(data, frf_matrix, &lines);
         let response = |f: usize| {
             let value = |k: usize| {
-                data.frfs.values[f][lines.start + k] * (taper(k, count, edge) / levels[f])
+                data.frfs.values.at(f, lines.start + k) * (taper(k, count, edge) / levels[f])
             };
             let mut samples: Vec<Complex64> = (0..count).map(value).collect();
             samples.resize(points, Complex64::ZERO);

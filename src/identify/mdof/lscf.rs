@@ -117,8 +117,8 @@ pub(in crate::identify) fn split_band(
             0.0
         };
         // A segment without any response has no poles.
-        let is_zero = |frf: &[Complex64]| frf[..end].iter().all(|v| *v == Complex64::ZERO);
-        let tables = match data.values.iter().all(is_zero) {
+        let is_zero = |f: usize| (0..end).all(|k| data.values.at(f, k) == Complex64::ZERO);
+        let tables = match (0..data.functions()).all(is_zero) {
             true => Vec::new(),
             false => tables_below(end)?,
         };

@@ -1,6 +1,7 @@
 //! Fourier transforms of weighted frequency lines give the Toeplitz blocks of the normal equations
 //! of the polyreference LSCF ([`plscf`](crate::identify::mdof::plscf)).
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use num_complex::Complex64;
@@ -19,6 +20,8 @@ const MODEL_ERROR_VARIANCE_RATIO: f64 = 1e-6;
 const REWEIGHTED_ERROR_VARIANCE_RATIO: f64 = 1e-10;
 /// Number of outputs whose sums one thread forms.
 pub(in crate::identify) const CHUNK_OUTPUTS: usize = 8;
+/// Number of such sums that are held at once: each has as many values as the FRFs of its inputs.
+const CHUNKS_AT_ONCE: usize = 16;
 
 /// Transforms over the lines, from which all blocks of the normal equations are formed.
 pub(in crate::identify) struct Transforms {
@@ -75,17 +78,18 @@ impl Transforms {
             order,
         };
         let m = frf_matrix.inputs;
-        let chunks: Vec<(Vec<Output>, Vec<Vec<Complex64>>)> = frf_matrix
-            .outputs
-            .par_chunks(CHUNK_OUTPUTS)
-            .map(|outputs| weighted.transformed(outputs))
-            .collect();
         let mut sums = vec![vec![Complex64::ZERO; lines.len()]; m * m];
         let mut outputs = Vec::with_capacity(frf_matrix.outputs.len());
-        for (chunk_outputs, products) in chunks {
-            outputs.extend(chunk_outputs);
-            for (sum, product) in sums.iter_mut().zip(products) {
-                sum.iter_mut().zip(product).for_each(|(s, p)| *s += p);
+        for chunks in frf_matrix.outputs.chunks(CHUNKS_AT_ONCE * CHUNK_OUTPUTS) {
+            let chunks = chunks.par_chunks(CHUNK_OUTPUTS);
+            let chunks: Vec<(Vec<Output>, Vec<Vec<Complex64>>)> = chunks
+                .map(|outputs| weighted.transformed(outputs))
+                .collect();
+            for (chunk_outputs, products) in chunks {
+                outputs.extend(chunk_outputs);
+                for (sum, product) in sums.iter_mut().zip(products) {
+                    sum.iter_mut().zip(product).for_each(|(s, p)| *s = *s + p);
+                }
             }
         }
         let mut scratch = weighted.plan.scratch();
@@ -125,18 +129,18 @@ impl Lines<'_> {
         let mut scratch = self.plan.scratch();
         let of_output = |output: &Vec<(usize, usize)>| {
             let weights = self.weights(output);
-            let functions: Vec<&[Complex64]> = output
+            let functions: Vec<Cow<'_, [Complex64]>> = output
                 .iter()
-                .map(|(_, f)| &self.data.frfs.values[*f][self.lines.clone()])
+                .map(|(_, f)| self.data.frfs.values.of(*f, self.lines.clone()))
                 .collect();
             for (position, sum) in sums.iter_mut().enumerate() {
-                let (p, q) = (functions[position / m], functions[position % m]);
-                let pairs = p.iter().zip(q).zip(&weights);
+                let (p, q) = (&functions[position / m], &functions[position % m]);
+                let pairs = p.iter().zip(q.iter()).zip(&weights);
                 sum.iter_mut()
                     .zip(pairs)
                     .for_each(|(sum, ((p, q), w))| *sum += w * (p.conj() * q));
             }
-            let weighted = |h: &&[Complex64]| {
+            let weighted = |h: &Cow<'_, [Complex64]>| {
                 let line = h.iter().zip(&weights).map(|(h, w)| w * h).collect();
                 self.lags(line, &mut scratch)
             };
@@ -157,7 +161,7 @@ impl Lines<'_> {
         let m = output.len() as f64;
         let mut powers = vec![0.0; self.lines.len()];
         for (_, f) in output {
-            let values = &self.data.frfs.values[*f][self.lines.clone()];
+            let values = self.data.frfs.values.of(*f, self.lines.clone());
             let squares = values.iter().map(Complex64::norm_sqr);
             powers
                 .iter_mut()
@@ -166,8 +170,8 @@ impl Lines<'_> {
         }
         let mut weights = vec![0.0; self.lines.len()];
         for (_, f) in output {
-            let variance = &self.data.noise.variance[*f][self.lines.clone()];
-            for ((sum, v), power) in weights.iter_mut().zip(variance).zip(&powers) {
+            let variances = self.data.noise.by_frf[*f].variances(self.lines.clone());
+            for ((sum, v), power) in weights.iter_mut().zip(variances).zip(&powers) {
                 *sum += 1.0 / (v + self.model_error * power);
             }
         }
@@ -241,11 +245,12 @@ mod tests {
             let angle = (data.frfs.omega[k] - transforms.plane.omega_0) * transforms.plane.step_s;
             Complex64::from_polar(1.0, angle * f64::from(lag))
         };
-        let value = |o: usize, p: usize, k: usize| data.frfs.values[frf_matrix.outputs[o][p].1][k];
+        let value =
+            |o: usize, p: usize, k: usize| data.frfs.values.at(frf_matrix.outputs[o][p].1, k);
         let weight = |o: usize, k: usize| {
             let power = (value(o, 0, k).norm_sqr() + value(o, 1, k).norm_sqr()) / 2.0;
             let precision = |p: usize| {
-                let variance = data.noise.variance[frf_matrix.outputs[o][p].1][k];
+                let variance = data.noise.by_frf[frf_matrix.outputs[o][p].1].variance(k);
                 1.0 / (variance + MODEL_ERROR_VARIANCE_RATIO * power)
             };
             (precision(0) + precision(1)) / 2.0

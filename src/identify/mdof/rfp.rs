@@ -83,7 +83,7 @@ impl MultiModeMethod for RationalFractions {
         found: &DetectedPeaks,
         weight_poles: &[Complex64],
     ) -> Result<Vec<BandSegment>, IdentifyError> {
-        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+        let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_noise());
         let all_peaks = found.of_any_direction();
         let tops: Vec<f64> = all_peaks.iter().map(|p| data.frfs.omega[p.line]).collect();
         let segment_of = |(j, peak): (usize, &peak_detection::Peak)| {
@@ -201,8 +201,8 @@ impl FitLines {
         );
         let size = highest + 1;
         let mut triangle = linalg::complex_matrix(0, size, |_, _| Complex64::ZERO);
-        for (values, level) in data.values.iter().zip(&self.profile.level) {
-            let values = &values[self.lines.clone()];
+        for (f, level) in self.profile.level.iter().enumerate() {
+            let values = data.values.of(f, self.lines.clone());
             let scaled = |k: usize| values[k] / (level * self.profile.noise_profile[k]);
             let mut columns = linalg::complex_matrix(self.x.len(), size, |k, j| {
                 scaled(k) * of_noise.columns[j][k]

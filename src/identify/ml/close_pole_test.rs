@@ -158,7 +158,7 @@ mod tests {
             .map(|f| white_noise(data.frfs.lines(), 1.0, 100 * seed + f))
             .collect();
         let residual = linalg::complex_matrix(data.frfs.lines(), SENSORS, |k, f| noise[f][k]);
-        let residual = Residual::of_all(residual);
+        let residual = Residual::of_all(&residual);
         (data, FrfMatrix::new(set.functions()), pole, residual)
     }
 
@@ -175,7 +175,7 @@ mod tests {
             let sign = if f % 2 == 0 { 0.8 } else { -0.8 };
             noise.at(f, k) + sign * second(k)
         });
-        let residual = Residual::of_all(residual);
+        let residual = Residual::of_all(&residual);
         let found = close_pair_candidates(
             &data,
             &frf_matrix,

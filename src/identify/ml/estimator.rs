@@ -173,10 +173,10 @@ impl MaximumLikelihood {
             } else {
                 frf_matrix.as_one_input()
             };
-            let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_variance());
+            let indicator = DetectionSpectrum::new(&data.frfs, data.noise.stated_noise());
             let found = peak_detection::search(
                 &data.frfs,
-                &data.noise.variance,
+                &data.noise.by_frf,
                 &indicator,
                 self.options.false_alarm_probability,
             );
@@ -388,12 +388,12 @@ impl PoleModel {
         let normalised = self.residual();
         let of = |f: usize| {
             let residual =
-                |k: usize| normalised.at(f, k).norm_sqr() * self.data.noise.variance[f][k];
+                |k: usize| normalised.at(f, k).norm_sqr() * self.data.noise.by_frf[f].variance(k);
             let lines = 0..self.data.frfs.lines();
             let residual: f64 = lines.clone().map(residual).sum();
             residual
                 / lines
-                    .map(|k| self.data.frfs.values[f][k].norm_sqr())
+                    .map(|k| self.data.frfs.values.at(f, k).norm_sqr())
                     .sum::<f64>()
         };
         (0..self.data.frfs.functions()).map(of).sum::<f64>() / self.data.frfs.functions() as f64

@@ -224,8 +224,8 @@ impl NearModes {
         };
         let lines: Vec<usize> = (0..fit.data.frfs.lines()).filter(is_near).collect();
         Self {
-            variance: (fit.data.noise.variance.iter())
-                .map(|variance| lines.iter().map(|k| variance[*k]).collect())
+            variance: (fit.data.noise.by_frf.iter())
+                .map(|noise| lines.iter().map(|k| noise.variance(*k)).collect())
                 .collect(),
             lines,
         }
@@ -241,7 +241,8 @@ impl NearModes {
             let normalised = described.residual(range);
             for (f, variance) in self.variance.iter().enumerate() {
                 let of_line = |(k, variance): (&usize, &f64)| {
-                    normalised.at(f, *k).norm_sqr() * fit.data.noise.variance[f][*k] / variance
+                    normalised.at(f, *k).norm_sqr() * fit.data.noise.by_frf[f].variance(*k)
+                        / variance
                 };
                 let variance = &variance[first..][..lines.len()];
                 sum += lines.iter().zip(variance).map(of_line).sum::<f64>();

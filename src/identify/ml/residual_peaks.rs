@@ -268,7 +268,7 @@ mod tests {
             let profile = fitted.decay() / (Complex64::new(0.0, data.frfs.omega[k]) - lambda);
             1e3 * (1.0 + (f * f) as f64).sin() * profile
         });
-        let residual = Residual::of_all(residual);
+        let residual = Residual::of_all(&residual);
         let tried = |poles: &[ModelPole]| {
             let found = residual_peak_poles(&data, &frf_matrix, poles, &residual, 1e-3, 4);
             let at_pole = |pole: &&ModelPole| (pole.lambda - lambda).norm() < 1e-9 * lambda.norm();

@@ -21,7 +21,7 @@ pub(in crate::identify) struct BandProfile {
 impl BandProfile {
     /// Profile of a range of lines.
     pub fn new(noise: &NoiseModel, lines: Range<usize>) -> Self {
-        let functions = noise.variance.len();
+        let functions = noise.by_frf.len();
         let mean: Vec<f64> = (0..functions)
             .into_par_iter()
             .map(|f| noise.mean_variance(f, lines.clone()))
@@ -30,10 +30,10 @@ impl BandProfile {
         let pieces = noise_profile.par_chunks_mut(CACHE_LINES).enumerate();
         pieces.for_each(|(number, sums)| {
             let first = lines.start + number * CACHE_LINES;
-            for (variance, mean) in noise.variance.iter().zip(&mean) {
+            for (noise, mean) in noise.by_frf.iter().zip(&mean) {
                 let weight = (mean * functions as f64).recip();
-                let variance = &variance[first..first + sums.len()];
-                for (sum, v) in sums.iter_mut().zip(variance) {
+                let variances = noise.variances(first..first + sums.len());
+                for (sum, v) in sums.iter_mut().zip(variances) {
                     *sum += v * weight;
                 }
             }

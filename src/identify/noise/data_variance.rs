@@ -33,7 +33,7 @@ const MIN_VARIANCE_OVER_POWER: f64 = 1e-24;
 pub(in crate::identify) struct Noise {
     /// E|H − E H|² at every line, in the squared unit of the FRF.
     pub variance: Vec<f64>,
-    /// Fraction proportional to |H|²; 0 where it is not estimated.
+    /// Fraction proportional to |H|²; empty where it is not estimated.
     pub force_fraction: Vec<f64>,
     /// Whether the data supply them (variance or coherence).
     pub measured: bool,
@@ -41,47 +41,64 @@ pub(in crate::identify) struct Noise {
     pub common_fraction: f64,
 }
 
-/// Variances of all FRFs of a set on a range of lines.
-pub(in crate::identify) fn noise_of_set(set: &FrfSet, lines: &Range<usize>) -> Vec<Noise> {
-    let estimated: Vec<Option<VarianceSamples>> = (0..set.len())
-        .map(|i| estimated(set, i, lines.clone()))
-        .collect();
+/// Variances of all FRFs of a set on a range of lines, each converted with its number: those of one
+/// reference are held at a time.
+pub(in crate::identify) fn noise_of_set<T: Clone + Send + Sync>(
+    set: &FrfSet,
+    lines: &Range<usize>,
+    convert: impl Fn(usize, Noise) -> T + Sync,
+) -> Vec<T> {
+    let raised = |i: usize, mut noise: Noise| {
+        let values = set.values(i)[lines.clone()].iter();
+        raise_to_minimum(&mut noise.variance, values.map(Complex64::norm_sqr));
+        convert(i, noise)
+    };
     let mut references: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
     for (i, function) in set.functions().iter().enumerate() {
-        if estimated[i].is_some() {
+        if is_estimated(set, i) {
             references.entry(&function.reference).or_default().push(i);
         }
     }
     let mut measured = BTreeMap::new();
     for group in references.into_values() {
-        let samples: Vec<&VarianceSamples> = group
-            .iter()
-            .filter_map(|i| estimated[*i].as_ref())
+        let samples = group.par_iter();
+        let samples: Vec<VarianceSamples> = samples
+            .filter_map(|i| estimated(set, *i, lines.clone()))
             .collect();
-        let smooth = variance_model::smooth(&samples);
+        let smooth = variance_model::smooth(&samples[..], |_, smooth| smooth);
+        let samples: Vec<&VarianceSamples> = samples.iter().collect();
         let common_fraction = common_fraction_from_variances(&samples, &smooth);
-        let smooth = smooth.into_iter().map(|smooth| (smooth, common_fraction));
-        measured.extend(group.into_iter().zip(smooth));
+        let noise = |(i, smooth): (&usize, SmoothedVariance)| {
+            let noise = Noise {
+                variance: smooth.variance,
+                force_fraction: smooth.force_fraction,
+                measured: true,
+                common_fraction,
+            };
+            (*i, raised(*i, noise))
+        };
+        measured.par_extend(group.par_iter().zip(smooth).map(noise));
     }
     let of_function = |i: usize| {
-        let values = &set.values(i)[lines.clone()];
-        let supplied: Option<&(SmoothedVariance, f64)> = measured.get(&i);
-        let mut noise = supplied.map_or_else(
-            || SmoothedVariance {
+        let measured: Option<&T> = measured.get(&i);
+        measured.cloned().unwrap_or_else(|| {
+            let values = &set.values(i)[lines.clone()];
+            let noise = Noise {
                 variance: NoiseSquares::of_second_differences(values).variance(),
-                force_fraction: vec![0.0; values.len()],
-            },
-            |(smooth, _)| smooth.clone(),
-        );
-        raise_to_minimum(&mut noise.variance, values.iter().map(Complex64::norm_sqr));
-        Noise {
-            variance: noise.variance,
-            force_fraction: noise.force_fraction,
-            measured: supplied.is_some(),
-            common_fraction: supplied.map_or(0.0, |(_, fraction)| *fraction),
-        }
+                force_fraction: Vec::new(),
+                measured: false,
+                common_fraction: 0.0,
+            };
+            raised(i, noise)
+        })
     };
     (0..set.len()).into_par_iter().map(of_function).collect()
+}
+
+/// Whether the data supply the variance of an FRF, or coherence and number of averages.
+fn is_estimated(set: &FrfSet, i: usize) -> bool {
+    let averages = set.functions()[i].averages;
+    set.variance(i).is_some() || set.coherence(i).is_some() && averages >= Some(2)
 }
 
 /// The variances that the data supply for an FRF.

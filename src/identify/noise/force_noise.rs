@@ -24,6 +24,7 @@ use crate::dof::Dof;
 use crate::frf::Function;
 
 use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::line_noise::LineNoise;
 use crate::identify::data::residual::Residual;
 use crate::identify::noise::line_correlation::LineCorrelation;
 use crate::identify::noise::variance_model::{SmoothedVariance, VarianceSamples};
@@ -127,22 +128,16 @@ impl ForceNoise {
         &self.line_correlation
     }
 
-    /// Estimate from the residual of a fit on all lines, with the variance of the noise and its
-    /// force fraction by FRF and line, and the line correlation of the response noise.
+    /// Estimate from the residual of a fit on all lines, with the noise of each FRF, and the line
+    /// correlation of the response noise.
     pub fn estimated_from(
         &self,
         rest: &Residual,
         frfs: &BandFrfs,
-        variance: &[Vec<f64>],
-        force_fraction: &[Vec<f64>],
+        noise: &[LineNoise],
         response_correlation: &LineCorrelation,
     ) -> Self {
-        let response = ModelResponse {
-            rest,
-            frfs,
-            variance,
-            force_fraction,
-        };
+        let response = ModelResponse { rest, frfs, noise };
         let groups: Vec<Vec<ResponseLine>> = self
             .groups
             .iter()
@@ -254,8 +249,7 @@ fn trigamma(mut x: f64) -> f64 {
 struct ModelResponse<'a> {
     rest: &'a Residual,
     frfs: &'a BandFrfs,
-    variance: &'a [Vec<f64>],
-    force_fraction: &'a [Vec<f64>],
+    noise: &'a [LineNoise],
 }
 
 impl ModelResponse<'_> {
@@ -263,13 +257,14 @@ impl ModelResponse<'_> {
         let mut sums = vec![Sums::default(); lines.len()];
         for &f in group {
             let rest = self.rest.of(f, lines.clone());
-            let values = &self.frfs.values[f][lines.clone()];
-            let variance = &self.variance[f][lines.clone()];
-            let force_fraction = &self.force_fraction[f][lines.clone()];
-            let frf_lines = values.iter().zip(variance).zip(rest).zip(force_fraction);
-            for (sum, (((value, variance), rest), fraction)) in sums.iter_mut().zip(frf_lines) {
+            let values = self.frfs.values.of(f, lines.clone());
+            let stds = self.noise[f].stds(lines.clone());
+            let force_fraction = self.noise[f].force_fractions(lines.clone());
+            let frf_lines = values.iter().zip(stds).zip(rest).enumerate();
+            for (sum, (k, ((value, std), rest))) in sums.iter_mut().zip(frf_lines) {
                 // Noise common to response and residual would look like force noise.
-                let h = value / variance.sqrt() - rest;
+                let h = value / std - rest;
+                let fraction = force_fraction.map_or(0.0, |fractions| f64::from(fractions[k]));
                 sum.product += h.conj() * rest;
                 sum.square += h.norm_sqr();
                 sum.power += rest.norm_sqr();

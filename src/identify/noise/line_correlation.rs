@@ -118,7 +118,10 @@ impl LineCorrelation {
             let (enough_segments, longest) =
                 (noise.segments.len() >= LONG_SEGMENTS, noise.longest_lag());
             let decays = || {
-                (longest / 2..=longest).all(|lag| noise.product(lag).norm() < MAX_DISTANT_PRODUCT)
+                let mut lags = longest / 2..longest + 1;
+                std::iter::from_fn(|| next_lags(&mut lags, LAGS_AT_ONCE))
+                    .flat_map(|lags| noise.products(lags))
+                    .all(|product| product.norm() < MAX_DISTANT_PRODUCT)
             };
             enough_segments && noise.similarity() < MAX_FRF_SIMILARITY && decays()
         };
@@ -285,26 +288,30 @@ fn sums_of_lags(series: &[PhaseParts], first: usize) -> [(Complex64, f64); LAGS_
     )
 }
 
-/// Phases of the residual in segments where it does not exceed the noise.
-struct NoiseSegments {
-    /// Lines of each segment, all of one length.
-    segments: Vec<Range<usize>>,
-    /// By FRF and line; 0 where the residual is 0.
-    phases: Vec<Vec<Complex64>>,
-    /// Lines of the band.
-    lines: usize,
+/// The next lags of a range, at most a given number; `None` at its end.
+fn next_lags(lags: &mut Range<usize>, most: usize) -> Option<Range<usize>> {
+    let next = lags.start..lags.end.min(lags.start + most);
+    lags.start = next.end;
+    (!next.is_empty()).then_some(next)
 }
 
-impl NoiseSegments {
+/// Segments where the residual does not exceed the noise.
+struct NoiseSegments<'a> {
+    /// Lines of each segment, all of one length.
+    segments: Vec<Range<usize>>,
+    rest: &'a Residual,
+}
+
+impl<'a> NoiseSegments<'a> {
     /// Divides the band into at most `most` segments; `None` where too few are noise alone.
-    fn new(rest: &Residual, most: usize) -> Option<Self> {
-        let (lines, functions) = (rest.lines.len(), rest.values.ncols());
+    fn new(rest: &'a Residual, most: usize) -> Option<Self> {
+        let (lines, functions) = (rest.lines.len(), rest.functions());
         let count = (lines / MIN_SEGMENT_LINES).clamp(1, most);
         let length = lines / count;
         let power = |segment: &Range<usize>| {
             let of = |f: usize| {
-                let values = rest.values.col_as_slice(f)[segment.clone()].iter();
-                values.map(Complex64::norm_sqr).sum::<f64>()
+                let values = rest.of(f, on_lines(rest, segment));
+                values.map(|value| value.norm_sqr()).sum::<f64>()
             };
             (0..functions).map(of).sum::<f64>() / (length * functions) as f64
         };
@@ -316,14 +323,17 @@ impl NoiseSegments {
         if (segments.len() as f64) < MIN_SEGMENT_FRACTION * count as f64 {
             return None;
         }
-        let phases = (0..functions)
-            .into_par_iter()
-            .map(|f| rest.values.col_as_slice(f).iter().map(phase).collect());
-        Some(Self {
-            segments,
-            phases: phases.collect(),
-            lines,
-        })
+        Some(Self { segments, rest })
+    }
+
+    fn functions(&self) -> usize {
+        self.rest.functions()
+    }
+
+    /// Phases of an FRF on the lines of a segment; 0 where the residual is 0.
+    fn phases(&self, function: usize, segment: &Range<usize>) -> Vec<Complex64> {
+        let values = self.rest.of(function, on_lines(self.rest, segment));
+        values.map(phase).collect()
     }
 
     fn length(&self) -> usize {
@@ -336,11 +346,19 @@ impl NoiseSegments {
     }
 
     fn correlation(&self) -> LineCorrelation {
-        let values = (self.segments.len() * self.length() * self.phases.len()) as f64;
+        let values = (self.segments.len() * self.length() * self.functions()) as f64;
         let limit = MIN_LAG_STDS * (MEDIAN_VARIANCE_RATIO / (2.0 * values)).sqrt();
         let mut lags = Vec::new();
+        let mut products = Vec::new();
         for lag in 1..=self.longest_lag() {
-            let product = self.product(lag);
+            if products.len() < lag {
+                // White noise ends at the first lag, other noise after dozens.
+                let last = (2 * lag - 1)
+                    .min(lag + LAGS_AT_ONCE - 1)
+                    .min(self.longest_lag());
+                products.extend(self.products(lag..last + 1));
+            }
+            let product = products[lag - 1];
             // Lags after the first insignificant one are noise, and a fit of many columns leaves a
             // little correlation.
             let limit = limit.max(MIN_LAG_CORRELATION);
@@ -352,39 +370,63 @@ impl NoiseSegments {
         let count = lags.len();
         // The first rejected lag enters the mean: noise in a part of the record has zeros there.
         let tail_factor = if count < self.longest_lag() {
-            let stop = correlation(self.product(count + 1));
+            let stop = correlation(products[count]);
             tail_coefficient(&[lags.as_slice(), &[stop]].concat(), 0)
         } else {
             tail_coefficient(&lags, count / 2)
         };
-        let tail = (count + 1..=self.lines).filter(|_| count > 0);
+        let tail = (count + 1..=self.rest.lines.len()).filter(|_| count > 0);
         lags.extend(tail.map(|m| Complex64::new(0.0, tail_factor / m as f64)));
         LineCorrelation { lags }
     }
 
-    /// Median over the segments of the mean product of phases `lag` lines apart.
-    fn product(&self, lag: usize) -> Complex64 {
-        let products: Vec<Complex64> = self
-            .segments
-            .par_iter()
-            .map(|segment| mean_product(&self.phases, segment.clone(), lag))
-            .collect();
-        Complex64::new(
-            median(products.iter().map(|p| p.re).collect()),
-            median(products.iter().map(|p| p.im).collect()),
-        )
+    /// Median over the segments of the mean product of phases a lag apart, for each of some lags,
+    /// lines.
+    fn products(&self, lags: Range<usize>) -> Vec<Complex64> {
+        let of_segment = |segment: &Range<usize>| self.mean_products(segment, lags.clone());
+        let products: Vec<Vec<Complex64>> = self.segments.par_iter().map(of_segment).collect();
+        let of_lag = |index: usize| {
+            Complex64::new(
+                median(products.iter().map(|products| products[index].re).collect()),
+                median(products.iter().map(|products| products[index].im).collect()),
+            )
+        };
+        (0..lags.len()).map(of_lag).collect()
+    }
+
+    /// Mean products of the phases of a segment a lag apart.
+    fn mean_products(&self, segment: &Range<usize>, lags: Range<usize>) -> Vec<Complex64> {
+        let mut sums = vec![Complex64::ZERO; lags.len()];
+        for f in 0..self.functions() {
+            let phases = self.phases(f, segment);
+            for (sum, lag) in sums.iter_mut().zip(lags.clone()) {
+                let pairs = phases.iter().zip(&phases[lag..]);
+                *sum += pairs.map(|(a, b)| a * b.conj()).sum::<Complex64>();
+            }
+        }
+        let pairs = lags.map(|lag| ((segment.len() - lag) * self.functions()) as f64);
+        sums.iter()
+            .zip(pairs)
+            .map(|(sum, pairs)| sum / pairs)
+            .collect()
     }
 
     /// Similarity of neighbouring FRFs: mean square of their mean product of phases over a segment.
     fn similarity(&self) -> f64 {
-        let square = |(a, b): (&Vec<Complex64>, &Vec<Complex64>), segment: &Range<usize>| {
-            let product = segment.clone().map(|k| a[k] * b[k].conj());
-            (product.sum::<Complex64>() / self.length() as f64).norm_sqr()
+        let sum = |segment: &Range<usize>| {
+            let mut before = self.phases(0, segment);
+            let square = |f: usize| {
+                let now = self.phases(f, segment);
+                let products = before.iter().zip(&now).map(|(a, b)| a * b.conj());
+                let mean = products.sum::<Complex64>() / self.length() as f64;
+                before = now;
+                mean.norm_sqr()
+            };
+            (1..self.functions()).map(square).sum::<f64>()
         };
-        let pairs = || self.phases.iter().zip(&self.phases[1..]);
-        let sum = |segment| pairs().map(|pair| square(pair, segment)).sum::<f64>();
-        let sum: f64 = self.segments.iter().map(sum).sum();
-        sum / (pairs().count() * self.segments.len()) as f64
+        let sums: Vec<f64> = self.segments.par_iter().map(sum).collect();
+        let pairs = (self.functions() - 1) * self.segments.len();
+        sums.iter().sum::<f64>() / pairs as f64
     }
 }
 
@@ -397,23 +439,18 @@ fn tail_coefficient(lags: &[Complex64], from: usize) -> f64 {
     sum / (lags.len() - from).max(1) as f64
 }
 
-fn phase(value: &Complex64) -> Complex64 {
+/// Lines of a segment, which counts from the first line of the residual.
+fn on_lines(rest: &Residual, segment: &Range<usize>) -> Range<usize> {
+    rest.lines.start + segment.start..rest.lines.start + segment.end
+}
+
+fn phase(value: Complex64) -> Complex64 {
     let size = value.norm_sqr().sqrt();
     if size > 0.0 && size.is_finite() {
         value / size
     } else {
         Complex64::ZERO
     }
-}
-
-fn mean_product(phases: &[Vec<Complex64>], segment: Range<usize>, lag: usize) -> Complex64 {
-    let last = segment.end - lag;
-    let product = |values: &Vec<Complex64>| -> Complex64 {
-        (segment.start..last)
-            .map(|k| values[k] * values[k + lag].conj())
-            .sum()
-    };
-    phases.iter().map(product).sum::<Complex64>() / ((last - segment.start) * phases.len()) as f64
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> f64 {

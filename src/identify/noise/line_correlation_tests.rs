@@ -18,7 +18,7 @@ fn decaying(lines: usize, functions: usize, at_end: f64) -> linalg::ComplexMatri
 fn white_noise_has_no_correlation() {
     let noise: Vec<Vec<Complex64>> = (0..4).map(|f| white_noise(2000, 1.0, 3 + f)).collect();
     let rest = linalg::complex_matrix(2000, 4, |k, f| noise[f][k]);
-    let rest = Residual::of_all(rest);
+    let rest = Residual::of_all(&rest);
     assert_eq!(
         LineCorrelation::from_residual(&rest),
         Some(LineCorrelation::WHITE)
@@ -34,7 +34,7 @@ fn noise_factor_under_an_exponential_window_is_that_of_theory() {
         let size = size_of(&noise);
         let rest = linalg::complex_matrix(8192, 6, |k, f| size * noise[(k, f)]);
         let estimated =
-            LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
+            LineCorrelation::from_residual(&Residual::of_all(&rest)).expect("lines enough");
         for ratio in [3.0, 60.0] {
             let (step, decay) = (std::f64::consts::TAU, ratio * at_end);
             // T = 1 s: factor 2aT ∫ e^(−2(σ+a)t) dt 2σ/(1 − e^(−2aT)), and with (1 − u)² for the
@@ -84,7 +84,7 @@ fn noise_decay_rate_is_estimated_and_smoothed_noise_has_none() {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
         let estimated =
-            LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
+            LineCorrelation::from_residual(&Residual::of_all(&rest)).expect("lines enough");
         estimated.decay(std::f64::consts::TAU)
     };
     for at_end in [4.0, 10.0, 40.0] {
@@ -110,7 +110,7 @@ fn noise_factor_of_noise_in_a_quarter_of_the_record_is_that_of_theory() {
         })
         .collect();
     let rest = linalg::complex_matrix(8192, 6, |k, f| columns[f][k]);
-    let estimated = LineCorrelation::from_residual(&Residual::of_all(rest)).expect("lines enough");
+    let estimated = LineCorrelation::from_residual(&Residual::of_all(&rest)).expect("lines enough");
     let factor = estimated.amplitude_noise_factor(60.0, std::f64::consts::TAU);
     assert!((factor / 4.0 - 1.0).abs() < 0.15, "{factor}");
 }
@@ -120,7 +120,7 @@ fn correlated_noise_is_separated_from_missing_modes() {
     let noise_correlation = |rest: linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / rest.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * rest[(k, f)]);
-        LineCorrelation::of_correlated_noise(&Residual::of_all(rest))
+        LineCorrelation::of_correlated_noise(&Residual::of_all(&rest))
     };
     let noise = decaying(4096, 4, 40.0);
     assert!(noise_correlation(noise.clone()).is_some());
@@ -150,7 +150,7 @@ fn correlated_noise_is_separated_from_missing_modes() {
 fn a_residual_above_the_noise_gives_no_correlation() {
     let rest = linalg::complex_matrix(400, 2, |k, _| Complex64::new(0.0, 0.1 * k as f64) - 40.0);
     assert_eq!(
-        LineCorrelation::from_residual(&Residual::of_all(rest)),
+        LineCorrelation::from_residual(&Residual::of_all(&rest)),
         None
     );
 }
@@ -181,7 +181,7 @@ fn frfs_differ_with_independent_noise_and_not_with_a_common_profile() {
     let differ = |noise: &linalg::ComplexMatrix| {
         let size = ((4096 * 4) as f64).sqrt() / noise.norm_l2();
         let rest = linalg::complex_matrix(4096, 4, |k, f| size * noise[(k, f)]);
-        LineCorrelation::frfs_have_independent_noise(&Residual::of_all(rest))
+        LineCorrelation::frfs_have_independent_noise(&Residual::of_all(&rest))
     };
     let independent = decaying(4096, 4, 100.0);
     assert!(differ(&independent));

@@ -11,11 +11,14 @@ use rayon::prelude::*;
 use crate::frf::FrfSet;
 
 use crate::identify::data::band_frfs::BandFrfs;
+use crate::identify::data::line_noise::LineNoise;
 use crate::identify::data::residual::Residual;
 use crate::identify::noise::data_variance::{self, Noise};
 use crate::identify::noise::force_noise::ForceNoise;
 use crate::identify::noise::line_correlation::{LineCorrelation, median};
-use crate::identify::noise::residual_variance::{self, ResidualVariance, ResponseVariance};
+use crate::identify::noise::residual_variance::{
+    ReferenceResidual, ResponseVariance, estimate_variances,
+};
 use crate::identify::noise::variance_model::SmoothedVariance;
 
 /// Minimum number of FRFs whose profiles separate correlated noise from modes.
@@ -35,6 +38,9 @@ const NEGLIGIBLE_NOISE_OVER_RESPONSE: f64 = 1e-5;
 /// `aliases_near_the_band_edge_draw_no_pole_away`.
 const MIN_NOISE_OVER_MISFIT: f64 = 0.03;
 
+/// Relative error of a variance that is held in single precision.
+const ROUND_OFF: f64 = 1e-6;
+
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum VarianceSource {
@@ -49,16 +55,15 @@ enum VarianceSource {
 /// Noise model of the FRFs of a band.
 #[derive(Clone)]
 pub(in crate::identify) struct NoiseModel {
-    /// Variance E|H − E H|² of every value, (m/N)², positive: by FRF and line.
-    pub variance: Vec<Vec<f64>>,
-    /// Fraction of every variance that is force noise, as far as it is estimated.
-    pub force_fraction: Vec<Vec<f64>>,
+    /// Noise of each FRF by line: the variance E|H − E H|², positive, and the fraction of it that
+    /// is force noise, as far as it is estimated.
+    pub by_frf: Vec<LineNoise>,
     /// Line correlation of the noise, as far as it is estimated.
     pub line_correlation: LineCorrelation,
     /// Force noise common to the FRFs of one reference, as far as it is estimated.
     pub force_noise: ForceNoise,
-    /// Variances of each FRF as supplied with the data, where they were.
-    stated: Vec<Option<SmoothedVariance>>,
+    /// Noise of each FRF as supplied with the data, where it was.
+    stated: Vec<Option<LineNoise>>,
     /// Statistic that estimates the noise where the data have no variances.
     variance_source: VarianceSource,
     /// Minimum variance of each FRF, in its measured quantity.
@@ -69,31 +74,35 @@ pub(in crate::identify) struct NoiseModel {
     includes_correlation: bool,
 }
 
+/// Noise of an FRF before any residual exists.
+#[derive(Clone)]
+struct DataNoise {
+    by_line: LineNoise,
+    is_stated: bool,
+    /// Common fraction of the force noise of its reference.
+    common_fraction: f64,
+}
+
 impl NoiseModel {
     /// Noise of a set on the lines of a band, before any residual exists.
     pub fn new(set: &FrfSet, frfs: &BandFrfs) -> Self {
-        let noise = data_variance::noise_of_set(set, &frfs.lines_of_set);
-        let force_fraction = noise
-            .iter()
-            .map(|frf_noise| frf_noise.force_fraction.clone())
-            .collect();
         let window = LineCorrelation::of_window(set.added_damping_rad_s, frfs.step, frfs.lines());
+        let of_receptance = |f: usize, noise: Noise| {
+            let variance = noise.variance.iter().zip(frfs.measured_scale[f].iter());
+            let variance: Vec<f64> = variance.map(|(v, s)| v / (s * s)).collect();
+            DataNoise {
+                by_line: LineNoise::new(&variance, &noise.force_fraction),
+                is_stated: noise.measured,
+                common_fraction: noise.common_fraction,
+            }
+        };
+        let noise = data_variance::noise_of_set(set, &frfs.lines_of_set, of_receptance);
         let common_fraction = |f: usize| noise[f].common_fraction;
         let force_noise = ForceNoise::from_variances(set.functions(), common_fraction, &window);
-        let of_receptance = |(noise, scale): (Noise, &Arc<Vec<f64>>)| {
-            let variance = noise.variance.iter().zip(scale.iter());
-            let receptance_noise = SmoothedVariance {
-                variance: variance.map(|(v, s)| v / (s * s)).collect(),
-                force_fraction: noise.force_fraction,
-            };
-            let variance = receptance_noise.variance.clone();
-            (variance, noise.measured.then_some(receptance_noise))
-        };
-        let noise = noise.into_par_iter().zip(&frfs.measured_scale);
-        let (variance, stated) = noise.map(of_receptance).unzip();
+        let stated = |noise: &DataNoise| noise.is_stated.then(|| noise.by_line.clone());
+        let stated = noise.iter().map(stated).collect();
         let mut model = Self {
-            variance,
-            force_fraction,
+            by_frf: noise.into_iter().map(|noise| noise.by_line).collect(),
             line_correlation: window,
             force_noise,
             stated,
@@ -108,10 +117,8 @@ impl NoiseModel {
 
     /// The noise of some of the FRFs, by their numbers.
     pub fn sample(&self, functions: &[usize]) -> Self {
-        let of = |values: &[Vec<f64>]| functions.iter().map(|f| values[*f].clone()).collect();
         Self {
-            variance: of(&self.variance),
-            force_fraction: of(&self.force_fraction),
+            by_frf: functions.iter().map(|f| self.by_frf[*f].clone()).collect(),
             line_correlation: self.line_correlation.clone(),
             force_noise: self.force_noise.sample(functions),
             stated: functions.iter().map(|f| self.stated[*f].clone()).collect(),
@@ -127,20 +134,19 @@ impl NoiseModel {
         self.stated.iter().all(Option::is_some)
     }
 
-    /// The variances by FRF and line, where the data supply those of all FRFs.
-    pub fn stated_variance(&self) -> Option<&[Vec<f64>]> {
-        self.is_stated().then_some(&self.variance)
+    /// The noise of each FRF, where the data supply that of all FRFs.
+    pub fn stated_noise(&self) -> Option<&[LineNoise]> {
+        self.is_stated().then_some(&self.by_frf)
     }
 
     /// Standard deviation of the noise of an FRF at one line, m/N.
     pub fn std(&self, function: usize, line: usize) -> f64 {
-        self.variance[function][line].sqrt()
+        self.by_frf[function].std(line)
     }
 
     /// Mean variance of an FRF over some lines, (m/N)².
     pub fn mean_variance(&self, function: usize, lines: Range<usize>) -> f64 {
-        let count = lines.len().max(1) as f64;
-        self.variance[function][lines].iter().sum::<f64>() / count
+        self.by_frf[function].mean_variance(lines)
     }
 
     /// Whether the noise is correlated between frequency lines although the data state no window;
@@ -167,13 +173,9 @@ impl NoiseModel {
 
     /// Estimates the force noise from the residual of a fit.
     pub fn estimate_force_noise(&mut self, frfs: &BandFrfs, rest: &Residual) {
-        self.force_noise = self.force_noise.estimated_from(
-            rest,
-            frfs,
-            &self.variance,
-            &self.force_fraction,
-            &self.line_correlation,
-        );
+        self.force_noise =
+            self.force_noise
+                .estimated_from(rest, frfs, &self.by_frf, &self.line_correlation);
     }
 
     /// Whether a residual above the second differences is correlated noise: each FRF has an
@@ -200,7 +202,7 @@ impl NoiseModel {
             self.estimate_variance(frfs, rest);
             return true;
         }
-        rest.rescale(&self.variance, &before.variance);
+        rest.rescale(&self.by_frf, &before.by_frf);
         *self = before;
         false
     }
@@ -214,29 +216,27 @@ impl NoiseModel {
     }
 
     fn estimate_variance(&mut self, frfs: &BandFrfs, rest: &mut Residual) {
-        let mut now = vec![SmoothedVariance::default(); frfs.functions()];
+        let mut now = self.by_frf.clone();
         for group in self.force_noise.groups() {
-            let residual = |f: &usize| self.residual_of_frf(*f, frfs, rest);
-            let smoothed =
-                residual_variance::estimate_variances(group.par_iter().map(residual).collect());
-            let scaled = |(f, smoothed): (&usize, SmoothedVariance)| {
-                let scale = &frfs.measured_scale[*f];
-                (*f, self.as_receptance(*f, scale, smoothed))
+            let residual = ResidualOfGroup {
+                model: self,
+                frfs,
+                rest,
+                group,
+                lines_per_effective_line: self.line_correlation.lines_per_effective_line(),
             };
-            let scaled: Vec<(usize, SmoothedVariance)> =
-                group.par_iter().zip(smoothed).map(scaled).collect();
-            for (f, smoothed) in scaled {
-                now[f] = smoothed;
+            let scaled = |index: usize, smoothed: SmoothedVariance| {
+                let f = group[index];
+                self.as_receptance(f, &frfs.measured_scale[f], smoothed)
+            };
+            let estimates = estimate_variances(&residual, scaled);
+            for (f, noise) in group.iter().zip(estimates) {
+                now[*f] = noise;
             }
         }
-        let (now, force_fraction) = now
-            .into_iter()
-            .map(|smoothed| (smoothed.variance, smoothed.force_fraction))
-            .unzip();
-        let before = std::mem::replace(&mut self.variance, now);
-        self.force_fraction = force_fraction;
+        let before = std::mem::replace(&mut self.by_frf, now);
         self.raise_to_dynamic_range(frfs);
-        rest.rescale(&before, &self.variance);
+        rest.rescale(&before, &self.by_frf);
     }
 
     /// Raises every variance to [`MIN_NOISE_OVER_RESPONSE`] of the strongest response: a far weaker
@@ -244,12 +244,10 @@ impl NoiseModel {
     /// minimum is constant over the lines in the measured quantity, as noise is.
     fn raise_to_dynamic_range(&mut self, frfs: &BandFrfs) {
         let (min_variances, scales) = (&self.min_variances, &frfs.measured_scale);
-        let raise = |(f, variance): (usize, &mut Vec<f64>)| {
-            for (v, s) in variance.iter_mut().zip(scales[f].iter()) {
-                *v = v.max(min_variances[f] / (s * s));
-            }
+        let raise = |(f, noise): (usize, &mut LineNoise)| {
+            noise.raise(scales[f].iter().map(|s| min_variances[f] / (s * s)));
         };
-        self.variance.par_iter_mut().enumerate().for_each(raise);
+        self.by_frf.par_iter_mut().enumerate().for_each(raise);
     }
 
     /// Whether the noise is so low that the misfit of a good model can be larger, in all FRFs whose
@@ -257,12 +255,13 @@ impl NoiseModel {
     pub fn may_be_below_misfit(&self, frfs: &BandFrfs) -> bool {
         let is_low = |f: usize| {
             let scales = frfs.measured_scale[f].iter();
-            let power = frfs.values[f].iter().zip(scales.clone());
+            let values = frfs.values.all_of(f);
+            let power = values.iter().zip(scales.clone());
             let power: f64 = power.map(|(h, s)| h.norm_sqr() * s * s).sum();
-            let noise = self.variance[f].iter().zip(scales).map(|(v, s)| v * s * s);
-            let noise = median(noise.collect());
+            let noise = self.by_frf[f].variances(0..frfs.lines()).zip(scales);
+            let noise = median(noise.map(|(v, s)| v * s * s).collect());
             let limit = NEGLIGIBLE_NOISE_OVER_RESPONSE.powi(2) * power / frfs.lines() as f64;
-            noise <= self.min_variances[f] || noise < limit
+            noise <= (1.0 + ROUND_OFF) * self.min_variances[f] || noise < limit
         };
         (0..frfs.functions()).all(is_low)
     }
@@ -276,8 +275,9 @@ impl NoiseModel {
     /// lines in the measured quantity: of the median of the squared residual.
     pub fn raise_to_misfit(&mut self, frfs: &BandFrfs, rest: &Residual) {
         for f in 0..frfs.functions() {
-            let residual = rest.of(f, 0..frfs.lines()).iter();
-            let scales = self.variance[f].iter().zip(frfs.measured_scale[f].iter());
+            let residual = rest.of(f, 0..frfs.lines());
+            let variances = self.by_frf[f].variances(0..frfs.lines());
+            let scales = variances.zip(frfs.measured_scale[f].iter());
             let squares = residual
                 .zip(scales)
                 .map(|(r, (v, s))| r.norm_sqr() * v * s * s);
@@ -289,61 +289,83 @@ impl NoiseModel {
         self.raise_to_dynamic_range(frfs);
     }
 
-    /// Residual of FRF f, in its measured quantity.
-    fn residual_of_frf(&self, f: usize, frfs: &BandFrfs, rest: &Residual) -> ResidualVariance {
-        let scale = &frfs.measured_scale[f];
-        let values = frfs.values[f].iter().zip(scale.iter());
-        let deviations = self.variance[f].iter().zip(scale.iter());
-        let residual = rest.of(f, 0..frfs.lines()).iter().zip(deviations);
-        let residual: Vec<Complex64> = residual
-            .map(|(rest, (v, s))| rest * (v.sqrt() * s))
-            .collect();
-        let squared = |(v, s): (&f64, &f64)| v * s * s;
-        let source = match &self.stated[f] {
-            Some(stated) => {
-                let variances = stated.variance.iter().zip(scale.iter());
-                ResponseVariance::Stated(variances.map(squared).collect())
-            }
-            None if self.variance_source == VarianceSource::SecondDifferences => {
-                ResponseVariance::SecondDifferences(
-                    self.line_correlation.second_difference_square(),
-                )
-            }
-            None => ResponseVariance::Level,
-        };
-        let measured: Vec<Complex64> = values.map(|(h, s)| h * s).collect();
-        ResidualVariance::new(
-            &measured,
-            &residual,
-            source,
-            self.line_correlation.lines_per_effective_line(),
-        )
-    }
-
-    /// Variances of the receptance f from those of its measured quantity.
-    fn as_receptance(
-        &self,
-        f: usize,
-        scale: &[f64],
-        measured: SmoothedVariance,
-    ) -> SmoothedVariance {
+    /// Noise of the receptance f from that of its measured quantity.
+    fn as_receptance(&self, f: usize, scale: &[f64], measured: SmoothedVariance) -> LineNoise {
         let variance = measured.variance.iter().zip(scale);
         let variance: Vec<f64> = variance.map(|(v, s)| v / (s * s)).collect();
-        SmoothedVariance {
-            force_fraction: match &self.stated[f] {
-                Some(stated) => force_fraction_of_raised_variances(stated, &variance),
-                None => measured.force_fraction,
-            },
-            variance,
+        match &self.stated[f] {
+            Some(stated) => {
+                let force_fraction = force_fraction_of_raised_variances(stated, &variance);
+                LineNoise::new(&variance, &force_fraction)
+            }
+            None => LineNoise::new(&variance, &measured.force_fraction),
         }
+    }
+}
+
+/// Residual of the FRFs of one reference, over the noise as estimated before.
+struct ResidualOfGroup<'a> {
+    model: &'a NoiseModel,
+    frfs: &'a BandFrfs,
+    rest: &'a Residual,
+    group: &'a [usize],
+    lines_per_effective_line: f64,
+}
+
+impl ReferenceResidual for ResidualOfGroup<'_> {
+    fn functions(&self) -> usize {
+        self.group.len()
+    }
+
+    fn lines(&self) -> usize {
+        self.frfs.lines()
+    }
+
+    fn values(&self, function: usize, lines: Range<usize>) -> Vec<Complex64> {
+        let f = self.group[function];
+        let values = self.frfs.values.of(f, lines.clone());
+        let values = values.iter().zip(&self.frfs.measured_scale[f][lines]);
+        values.map(|(h, s)| h * s).collect()
+    }
+
+    fn residual(&self, function: usize, lines: Range<usize>) -> Vec<Complex64> {
+        let f = self.group[function];
+        let stds = self.model.by_frf[f].stds(lines.clone());
+        let stds = stds.zip(&self.frfs.measured_scale[f][lines.clone()]);
+        let residual = self.rest.of(f, lines).zip(stds);
+        residual.map(|(rest, (std, s))| rest * (std * s)).collect()
+    }
+
+    fn source(&self, function: usize) -> ResponseVariance {
+        match &self.model.stated[self.group[function]] {
+            Some(_) => ResponseVariance::Stated,
+            None if self.model.variance_source == VarianceSource::SecondDifferences => {
+                let of_unit = self.model.line_correlation.second_difference_square();
+                ResponseVariance::SecondDifferences(of_unit)
+            }
+            None => ResponseVariance::Level,
+        }
+    }
+
+    fn stated(&self, function: usize) -> Option<Vec<f64>> {
+        let f = self.group[function];
+        let stated = self.model.stated[f].as_ref()?;
+        let scale = self.frfs.measured_scale[f].iter();
+        let variances = stated.variances(0..self.lines()).zip(scale);
+        Some(variances.map(|(v, s)| v * s * s).collect())
+    }
+
+    fn lines_per_effective_line(&self) -> f64 {
+        self.lines_per_effective_line
     }
 }
 
 /// Minimum variance of each FRF, in its measured quantity.
 fn min_variances(frfs: &BandFrfs) -> Vec<f64> {
     let mut strongest = vec![0.0f64; frfs.lines()];
-    for values in frfs.values.iter() {
-        for (largest, h) in strongest.iter_mut().zip(values) {
+    for f in 0..frfs.functions() {
+        let values = frfs.values.all_of(f);
+        for (largest, h) in strongest.iter_mut().zip(values.iter()) {
             *largest = largest.max(h.norm_sqr());
         }
     }
@@ -357,13 +379,13 @@ fn min_variances(frfs: &BandFrfs) -> Vec<f64> {
 
 /// Force fraction of increased variances, where the increase over the stated variance is response
 /// noise.
-fn force_fraction_of_raised_variances(stated: &SmoothedVariance, variance: &[f64]) -> Vec<f64> {
-    let variances = stated
-        .variance
-        .iter()
-        .zip(&stated.force_fraction)
-        .zip(variance);
-    variances
-        .map(|((before, fraction), v)| 1.0 - (1.0 - fraction) * before / v)
-        .collect()
+fn force_fraction_of_raised_variances(stated: &LineNoise, variance: &[f64]) -> Vec<f64> {
+    let lines = 0..variance.len();
+    let fractions = stated.force_fractions(lines.clone());
+    let raised = |((k, before), v): ((usize, f64), &f64)| {
+        let fraction = fractions.map_or(0.0, |fractions| f64::from(fractions[k]));
+        1.0 - (1.0 - fraction) * before / v
+    };
+    let variances = stated.variances(lines).enumerate().zip(variance);
+    variances.map(raised).collect()
 }

@@ -33,7 +33,7 @@ impl NoiseModel {
             .line_correlation()
             .amplitude_noise_factor(root.decay(), frfs.step);
         let parts = self.energy_splits(frfs, root, 1, |k, f| {
-            frfs.values[f][k] - contribution(frfs, root, k, f)
+            frfs.values.at(f, k) - contribution(frfs, root, k, f)
         });
         let across: f64 = parts.iter().map(|part| part.across).sum();
         let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
@@ -54,7 +54,7 @@ impl NoiseModel {
             .force_noise
             .line_correlation()
             .pole_noise_factor(root.decay(), frfs.step);
-        let parts = self.energy_splits(frfs, root, 2, |k, f| frfs.values[f][k]);
+        let parts = self.energy_splits(frfs, root, 2, |k, f| frfs.values.at(f, k));
         let across: f64 = parts.iter().map(|part| part.across).sum();
         let whole: f64 = parts.iter().map(|part| part.across + part.along).sum();
         let along: f64 = parts.iter().map(|part| part.along * part.excess).sum();
@@ -76,7 +76,7 @@ impl NoiseModel {
             return self.force_noise.groups().iter().flatten().map(of).sum();
         }
         // Noise common to response and residual would look like force noise.
-        let response = |f: usize| frfs.values[f][line] / self.std(f, line) - rest.at(f, line);
+        let response = |f: usize| frfs.values.at(f, line) / self.std(f, line) - rest.at(f, line);
         let of = |(number, group): (usize, &Vec<usize>)| {
             let part = split_by_direction(group, &value, response);
             part.across + part.along / self.force_noise.variance_ratio(number, line)

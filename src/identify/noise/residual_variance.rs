@@ -10,11 +10,15 @@
 //!   because a missing mode adds little to them there.
 //! - `b` at resonances: from the residual itself, with `a` fixed.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::identify::noise::data_variance::{NoiseSquares, raise_to_minimum};
-use crate::identify::noise::variance_model::{self, SmoothedVariance, VarianceSamples};
+use crate::identify::noise::variance_model::{
+    self, EstimatedVariances, SmoothedVariance, VarianceSamples,
+};
 
 /// Number of estimates of the response noise with the force noise subtracted, and its minimum over
 /// the estimate without: medians of some hundred lines scatter no more.
@@ -28,21 +32,37 @@ const MAX_LOG_SCATTER: f64 = 0.035;
 /// Lines whose sums fit into the nearest cache.
 const CACHE_LINES: usize = 1024;
 
-/// Residual of one FRF, from which its noise is estimated.
-pub(in crate::identify) struct ResidualVariance {
-    /// Squared residual at every line, with |H|² as measured and the variance of the response
-    /// noise.
-    samples: VarianceSamples,
-    /// Squares that estimate the response noise, where the data supply no variance.
-    squares: Option<NoiseSquares>,
-    /// |H|² of the fit alone, which contains no noise of the line.
-    fitted: Vec<f64>,
+/// Residual of the FRFs of one reference, which is read on the lines where it is needed, in the
+/// measured quantity.
+pub(in crate::identify) trait ReferenceResidual: Sync {
+    /// Number of FRFs.
+    fn functions(&self) -> usize;
+
+    /// Number of lines of each, three at least.
+    fn lines(&self) -> usize;
+
+    /// Measured values of an FRF on a range of lines.
+    fn values(&self, function: usize, lines: Range<usize>) -> Vec<Complex64>;
+
+    /// Residual of an FRF on a range of lines.
+    fn residual(&self, function: usize, lines: Range<usize>) -> Vec<Complex64>;
+
+    /// Source of the response noise of an FRF.
+    fn source(&self, function: usize) -> ResponseVariance;
+
+    /// Variance of the response noise of an FRF as supplied with the data; `None` where that is not
+    /// its source.
+    fn stated(&self, function: usize) -> Option<Vec<f64>>;
+
+    /// Number of lines with the information of one.
+    fn lines_per_effective_line(&self) -> f64;
 }
 
 /// Source of the response noise of an FRF.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::identify) enum ResponseVariance {
     /// Variances supplied with the data.
-    Stated(Vec<f64>),
+    Stated,
     /// Second differences of the residual; with the mean square of those of unit noise, 6 for white
     /// noise.
     SecondDifferences(f64),
@@ -50,182 +70,262 @@ pub(in crate::identify) enum ResponseVariance {
     Level,
 }
 
-impl ResidualVariance {
-    /// Residual of H with its source of response noise; `lines_per_effective_line` lines have the
-    /// information of one.
-    pub fn new(
-        values: &[Complex64],
-        residual: &[Complex64],
-        source: ResponseVariance,
-        lines_per_effective_line: f64,
-    ) -> Self {
-        let power = values.iter().map(Complex64::norm_sqr).collect();
-        let fit = values.iter().zip(residual);
-        let fitted = fit.map(|(h, residual)| (h - residual).norm_sqr()).collect();
-        let energy: Vec<f64> = residual.iter().map(Complex64::norm_sqr).collect();
-        let (response_noise, squares) = match source {
-            ResponseVariance::Stated(variance) => (variance, None),
-            ResponseVariance::SecondDifferences(of_unit) => {
-                let mut squares = NoiseSquares::of_second_differences(residual);
-                squares.values.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
-                (squares.variance(), Some(squares))
-            }
-            ResponseVariance::Level => {
-                let squares = NoiseSquares::of_level(&energy);
-                (squares.variance(), Some(squares))
-            }
-        };
-        let mut new = Self {
-            samples: VarianceSamples {
-                variance: energy,
-                power,
-                degrees_of_freedom: Some(2.0),
-                lines_per_effective_line,
-                response_noise: None,
-            },
-            squares,
-            fitted,
-        };
-        new.set_response_noise(response_noise);
-        new
-    }
-
-    /// Second differences on some lines, over the response noise as estimated before: response
-    /// noise is the slowly varying part.
-    fn differences_at(&self, lines: &[usize]) -> Option<VarianceSamples> {
-        let squares = self.squares.as_ref()?;
-        let response_noise = self.samples.response_noise.as_ref()?;
-        let mean = |k: &usize| std::f64::consts::LN_2 * squares.values[*k] / response_noise[*k];
-        let power = |k: &usize| self.fitted[*k] / response_noise[*k];
-        Some(VarianceSamples {
-            variance: lines.iter().map(mean).collect(),
-            power: lines.iter().map(power).collect(),
-            degrees_of_freedom: Some(2.0),
-            lines_per_effective_line: self.samples.lines_per_effective_line
-                * squares.differences_per_effective_line?,
-            response_noise: None,
-        })
-    }
-
-    fn difference_squares(&self) -> Option<&NoiseSquares> {
-        let squares = self.squares.as_ref();
-        squares.filter(|squares| squares.differences_per_effective_line.is_some())
-    }
-
-    /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.
-    fn estimate_with_force_noise(&mut self, force_noise_coefficient: &[f64]) {
-        let Some(squares) = self.difference_squares() else {
-            return;
-        };
-        let force = self
-            .fitted
-            .iter()
-            .zip(force_noise_coefficient)
-            .map(|(p, b)| b * p);
-        let estimates = squares
-            .response_noise(force)
-            .into_iter()
-            .zip(squares.variance());
-        let raised = estimates.map(|(v, without)| v.max(MIN_RESPONSE_NOISE_RATIO * without));
-        self.set_response_noise(raised.collect());
-    }
-
-    /// Raises variances to the sum of response noise and given force noise.
-    fn raise_to_joint_estimate(
-        &self,
-        smooth: &mut SmoothedVariance,
-        force_noise_coefficient: &[f64],
-    ) {
-        let (Some(response_noise), Some(_)) =
-            (&self.samples.response_noise, self.difference_squares())
-        else {
-            return;
-        };
-        for (k, b) in force_noise_coefficient.iter().enumerate() {
-            let minimum = response_noise[k] + b * self.fitted[k];
-            if smooth.variance[k] < minimum {
-                smooth.variance[k] = minimum;
-                smooth.force_fraction[k] = 1.0 - response_noise[k] / minimum;
-            }
-        }
-    }
-
-    /// Sets the variance of the response noise, raised to the minimum where the data supply none.
-    fn set_response_noise(&mut self, mut variance: Vec<f64>) {
-        if self.squares.is_some() {
-            raise_to_minimum(&mut variance, self.samples.power.iter().copied());
-        }
-        self.samples.response_noise = Some(variance);
-    }
+/// Residual of the FRFs of a reference with their response noise.
+struct NoiseEstimate<'a, R: ?Sized> {
+    residual: &'a R,
+    /// Response noise of each FRF by line.
+    response_noise: Vec<Vec<f64>>,
 }
 
-/// Estimates the variances of the FRFs of one reference from the residual of a fit.
+/// Estimates the variances of the FRFs of one reference from the residual of a fit, and converts
+/// those of each, with its number.
 ///
 /// The response noise is supplied with the data; else it is constant over the lines, estimated from
 /// second differences, which the residual of a missing mode hardly changes, or from the level where
 /// correlated noise makes second differences small. Force noise under a window is smooth over the
 /// lines and proportional to |H|²; the residual in all resonances together determines it better
 /// than the variances of a few impacts do.
-pub(in crate::identify) fn estimate_variances(
-    mut functions: Vec<ResidualVariance>,
-) -> Vec<SmoothedVariance> {
+pub(in crate::identify) fn estimate_variances<T: Send>(
+    residual: &(impl ReferenceResidual + ?Sized),
+    convert: impl Fn(usize, SmoothedVariance) -> T + Sync,
+) -> Vec<T> {
+    let mut estimate = NoiseEstimate::new(residual);
     let mut force_noise_coefficient = Vec::new();
     for _ in 0..JOINT_ESTIMATES {
-        let estimate = force_noise_outside_resonances(&functions);
-        if estimate.iter().all(|b| *b <= 0.0) {
+        let coefficient = estimate.force_noise_outside_resonances();
+        if coefficient.iter().all(|b| *b <= 0.0) {
             break;
         }
-        force_noise_coefficient = estimate;
-        functions
-            .par_iter_mut()
-            .for_each(|frf| frf.estimate_with_force_noise(&force_noise_coefficient));
+        force_noise_coefficient = coefficient;
+        estimate.subtract_force_noise(&force_noise_coefficient);
     }
-    let unstated = functions.iter_mut().filter(|frf| frf.squares.is_some());
-    share_profile(
-        unstated
-            .filter_map(|frf| frf.samples.response_noise.as_mut())
-            .collect(),
-    );
-    let samples: Vec<&VarianceSamples> = functions.iter().map(|frf| &frf.samples).collect();
-    let mut smooth = variance_model::smooth(&samples);
-    let pairs = smooth.par_iter_mut().zip(&functions);
-    pairs.for_each(|(smooth, frf)| frf.raise_to_joint_estimate(smooth, &force_noise_coefficient));
-    smooth
+    let unstated = estimate.response_noise.iter_mut().enumerate();
+    let unstated = unstated.filter(|(f, _)| residual.source(*f) != ResponseVariance::Stated);
+    share_profile(unstated.map(|(_, noise)| noise).collect());
+    variance_model::smooth(&estimate, |f, mut smooth| {
+        estimate.raise_to_joint_estimate(f, &mut smooth, &force_noise_coefficient);
+        convert(f, smooth)
+    })
 }
 
-/// Force noise coefficient b at every line, from second differences outside resonances: a missing
-/// mode adds little to these there, and much within its resonance.
-fn force_noise_outside_resonances(functions: &[ResidualVariance]) -> Vec<f64> {
-    let differences = functions
-        .iter()
-        .filter(|frf| frf.difference_squares().is_some());
-    let powers: Vec<&[f64]> = differences.map(|frf| &frf.fitted[..]).collect();
-    let Some(lines) = powers.first().map(|power| power.len()) else {
-        return Vec::new();
-    };
-    let mut whole = vec![0.0; lines];
-    for power in powers {
-        let level = power.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let sums = whole.iter_mut().zip(power);
-        sums.for_each(|(sum, p)| *sum += p / level);
+impl<'a, R: ReferenceResidual + ?Sized> NoiseEstimate<'a, R> {
+    /// Response noise of the FRFs where there is no force noise.
+    fn new(residual: &'a R) -> Self {
+        let of_squares = |f: usize, squares: NoiseSquares| {
+            let mut variance = squares.variance();
+            raise(residual, f, &mut variance);
+            variance
+        };
+        let response_noise = |f: usize| match residual.source(f) {
+            ResponseVariance::Stated => residual.stated(f).unwrap_or_default(),
+            ResponseVariance::SecondDifferences(of_unit) => {
+                of_squares(f, second_differences(&all_of(residual, f), of_unit))
+            }
+            ResponseVariance::Level => {
+                let energy = all_of(residual, f);
+                let energy: Vec<f64> = energy.iter().map(Complex64::norm_sqr).collect();
+                of_squares(f, NoiseSquares::of_level(&energy))
+            }
+        };
+        let functions = (0..residual.functions()).into_par_iter();
+        Self {
+            residual,
+            response_noise: functions.map(response_noise).collect(),
+        }
     }
-    let mut sorted = whole.clone();
-    let max_power =
-        MAX_POWER_OVER_MEDIAN * *sorted.select_nth_unstable_by(lines / 2, f64::total_cmp).1;
-    let outside: Vec<usize> = (0..lines).filter(|k| whole[*k] <= max_power).collect();
-    let Some(last) = outside.len().checked_sub(1) else {
-        return Vec::new();
-    };
-    let samples: Vec<VarianceSamples> = functions
-        .par_iter()
-        .filter_map(|frf| frf.differences_at(&outside))
-        .collect();
-    let force_noise_coefficient =
-        variance_model::force_noise_coefficient(&samples.iter().collect::<Vec<_>>());
-    let next = |k: usize| outside.partition_point(|line| *line < k).min(last);
-    (0..lines)
-        .map(|k| force_noise_coefficient[next(k)])
-        .collect()
+
+    /// Mean square of the second differences of unit noise, where the response noise of an FRF is
+    /// estimated from them.
+    fn differences_of_unit(&self, function: usize) -> Option<f64> {
+        match self.residual.source(function) {
+            ResponseVariance::SecondDifferences(of_unit) => Some(of_unit),
+            ResponseVariance::Stated | ResponseVariance::Level => None,
+        }
+    }
+
+    /// |H|² of the fit alone, which contains no noise of the line.
+    fn fitted(&self, function: usize, lines: Range<usize>) -> Vec<f64> {
+        let values = self.residual.values(function, lines.clone());
+        let fit = values.iter().zip(self.residual.residual(function, lines));
+        fit.map(|(h, residual)| (h - residual).norm_sqr()).collect()
+    }
+
+    /// Force noise coefficient b at every line, from second differences outside resonances: a
+    /// missing mode adds little to these there, and much within its resonance.
+    fn force_noise_outside_resonances(&self) -> Vec<f64> {
+        let functions = 0..self.residual.functions();
+        let functions: Vec<usize> = functions
+            .filter(|f| self.differences_of_unit(*f).is_some())
+            .collect();
+        if functions.is_empty() {
+            return Vec::new();
+        }
+        let lines = self.residual.lines();
+        let level = |f: &usize| self.fitted(*f, 0..lines).iter().sum::<f64>();
+        let levels: Vec<f64> = functions.par_iter().map(level).collect();
+        let mut whole = vec![0.0; lines];
+        let pieces = whole.par_chunks_mut(CACHE_LINES).enumerate();
+        pieces.for_each(|(number, sums)| {
+            let first = number * CACHE_LINES;
+            for (f, level) in functions.iter().zip(&levels) {
+                let level = level.max(f64::MIN_POSITIVE);
+                let power = self.fitted(*f, first..first + sums.len());
+                let sums = sums.iter_mut().zip(power);
+                sums.for_each(|(sum, p)| *sum += p / level);
+            }
+        });
+        let mut sorted = whole.clone();
+        let max_power =
+            MAX_POWER_OVER_MEDIAN * *sorted.select_nth_unstable_by(lines / 2, f64::total_cmp).1;
+        let outside: Vec<usize> = (0..lines).filter(|k| whole[*k] <= max_power).collect();
+        let Some(last) = outside.len().checked_sub(1) else {
+            return Vec::new();
+        };
+        let force_noise_coefficient = variance_model::force_noise_coefficient(&Differences {
+            estimate: self,
+            functions: &functions,
+            lines: &outside,
+        });
+        let next = |k: usize| outside.partition_point(|line| *line < k).min(last);
+        (0..lines)
+            .map(|k| force_noise_coefficient[next(k)])
+            .collect()
+    }
+
+    /// Estimates the response noise with the given force noise, a fraction of |H|², subtracted.
+    fn subtract_force_noise(&mut self, force_noise_coefficient: &[f64]) {
+        let lines = 0..self.residual.lines();
+        let estimate = |f: usize| {
+            let of_unit = self.differences_of_unit(f)?;
+            let squares = second_differences(&all_of(self.residual, f), of_unit);
+            let fitted = self.fitted(f, lines.clone());
+            let force = fitted.iter().zip(force_noise_coefficient);
+            let estimates = squares
+                .response_noise(force.map(|(p, b)| b * p))
+                .into_iter()
+                .zip(squares.variance());
+            let raised = estimates.map(|(v, without)| v.max(MIN_RESPONSE_NOISE_RATIO * without));
+            let mut raised: Vec<f64> = raised.collect();
+            raise(self.residual, f, &mut raised);
+            Some(raised)
+        };
+        let functions = (0..self.residual.functions()).into_par_iter();
+        let estimates: Vec<Option<Vec<f64>>> = functions.map(estimate).collect();
+        for (noise, estimate) in self.response_noise.iter_mut().zip(estimates) {
+            if let Some(estimate) = estimate {
+                *noise = estimate;
+            }
+        }
+    }
+
+    /// Raises variances to the sum of response noise and given force noise.
+    fn raise_to_joint_estimate(
+        &self,
+        function: usize,
+        smooth: &mut SmoothedVariance,
+        force_noise_coefficient: &[f64],
+    ) {
+        if force_noise_coefficient.is_empty() || self.differences_of_unit(function).is_none() {
+            return;
+        }
+        let response_noise = &self.response_noise[function];
+        let fitted = self.fitted(function, 0..self.residual.lines());
+        for (k, b) in force_noise_coefficient.iter().enumerate() {
+            let minimum = response_noise[k] + b * fitted[k];
+            if smooth.variance[k] < minimum {
+                smooth.variance[k] = minimum;
+                smooth.force_fraction[k] = 1.0 - response_noise[k] / minimum;
+            }
+        }
+    }
+}
+
+/// Squared residual at every line, with |H|² as measured and the variance of the response noise.
+impl<R: ReferenceResidual + ?Sized> EstimatedVariances for NoiseEstimate<'_, R> {
+    fn functions(&self) -> usize {
+        self.residual.functions()
+    }
+
+    fn lines(&self) -> usize {
+        self.residual.lines()
+    }
+
+    fn samples(&self, function: usize, lines: Range<usize>) -> VarianceSamples {
+        let squares = |values: Vec<Complex64>| values.iter().map(Complex64::norm_sqr).collect();
+        VarianceSamples {
+            variance: squares(self.residual.residual(function, lines.clone())),
+            power: squares(self.residual.values(function, lines.clone())),
+            degrees_of_freedom: Some(2.0),
+            lines_per_effective_line: self.residual.lines_per_effective_line(),
+            response_noise: Some(self.response_noise[function][lines].to_vec()),
+        }
+    }
+}
+
+/// Second differences on some lines, over the response noise as estimated before: response noise is
+/// the slowly varying part.
+struct Differences<'a, R: ?Sized> {
+    estimate: &'a NoiseEstimate<'a, R>,
+    functions: &'a [usize],
+    /// Ascending.
+    lines: &'a [usize],
+}
+
+impl<R: ReferenceResidual + ?Sized> EstimatedVariances for Differences<'_, R> {
+    fn functions(&self) -> usize {
+        self.functions.len()
+    }
+
+    fn lines(&self) -> usize {
+        self.lines.len()
+    }
+
+    fn samples(&self, function: usize, lines: Range<usize>) -> VarianceSamples {
+        let f = self.functions[function];
+        let (estimate, all) = (self.estimate, self.estimate.residual.lines());
+        let lines = &self.lines[lines];
+        let span = lines
+            .first()
+            .map_or(0..0, |first| *first..lines[lines.len() - 1] + 1);
+        let of_unit = estimate.differences_of_unit(f).unwrap_or(f64::INFINITY);
+        // With a neighbour on either side, and three lines at least.
+        let start = span.start.saturating_sub(1).min(all - 3);
+        let end = (span.end + 1).max(start + 3).min(all);
+        let residual = estimate.residual.residual(f, start..end);
+        let squares = second_differences(&residual, of_unit);
+        let fitted = estimate.fitted(f, span.clone());
+        let response_noise = &estimate.response_noise[f];
+        let mean =
+            |k: &usize| std::f64::consts::LN_2 * squares.values[*k - start] / response_noise[*k];
+        let power = |k: &usize| fitted[*k - span.start] / response_noise[*k];
+        let differences_per_line = squares.differences_per_effective_line.unwrap_or(1.0);
+        VarianceSamples {
+            variance: lines.iter().map(mean).collect(),
+            power: lines.iter().map(power).collect(),
+            degrees_of_freedom: Some(2.0),
+            lines_per_effective_line: estimate.residual.lines_per_effective_line()
+                * differences_per_line,
+            response_noise: None,
+        }
+    }
+}
+
+/// Raises variances of the response noise of an FRF to the rounding error of its values.
+fn raise(residual: &(impl ReferenceResidual + ?Sized), function: usize, variance: &mut [f64]) {
+    let values = residual.values(function, 0..residual.lines());
+    raise_to_minimum(variance, values.iter().map(Complex64::norm_sqr));
+}
+
+/// Residual of an FRF on all lines.
+fn all_of(residual: &(impl ReferenceResidual + ?Sized), function: usize) -> Vec<Complex64> {
+    residual.residual(function, 0..residual.lines())
+}
+
+/// Squared second differences of a residual; `of_unit` is the mean square of those of unit noise.
+fn second_differences(residual: &[Complex64], of_unit: f64) -> NoiseSquares {
+    let mut squares = NoiseSquares::of_second_differences(residual);
+    squares.values.iter_mut().for_each(|v| *v *= 6.0 / of_unit);
+    squares
 }
 
 /// Sets variances that differ from a common profile only by the scatter of such estimates to that
@@ -265,6 +365,53 @@ mod tests {
     use crate::identify::noise::residual_variance::*;
     use crate::identify::synthetic::white_noise;
 
+    /// FRFs as measured, with their residuals and the variance of all responses, where it is
+    /// stated.
+    #[derive(Default)]
+    struct Reference {
+        values: Vec<Vec<Complex64>>,
+        residuals: Vec<Vec<Complex64>>,
+        stated: Vec<f64>,
+    }
+
+    impl ReferenceResidual for Reference {
+        fn functions(&self) -> usize {
+            self.values.len()
+        }
+
+        fn lines(&self) -> usize {
+            self.values[0].len()
+        }
+
+        fn values(&self, function: usize, lines: Range<usize>) -> Vec<Complex64> {
+            self.values[function][lines].to_vec()
+        }
+
+        fn residual(&self, function: usize, lines: Range<usize>) -> Vec<Complex64> {
+            self.residuals[function][lines].to_vec()
+        }
+
+        fn source(&self, function: usize) -> ResponseVariance {
+            match self.stated.get(function) {
+                Some(_) => ResponseVariance::Stated,
+                None => ResponseVariance::SecondDifferences(6.0),
+            }
+        }
+
+        fn stated(&self, function: usize) -> Option<Vec<f64>> {
+            let stated = self.stated.get(function)?;
+            Some(vec![*stated; self.lines()])
+        }
+
+        fn lines_per_effective_line(&self) -> f64 {
+            1.0
+        }
+    }
+
+    fn estimates(reference: &Reference) -> Vec<SmoothedVariance> {
+        estimate_variances(reference, |_, smooth| smooth)
+    }
+
     #[test]
     fn residual_gives_force_noise_in_addition_to_response_noise() {
         // Resonances 20 lines wide; response noise of variance 1e-6, and force noise of 1 % of the
@@ -274,19 +421,16 @@ mod tests {
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
         let white = white_noise(4040, 1e-4 / 40.0, 3);
         let force = |k: usize| white[k..k + 40].iter().sum::<Complex64>();
-        let functions: Vec<_> = (0..6)
-            .map(|f| {
-                let response = white_noise(4000, 1e-6, 10 + f);
-                let rest = (0..4000).map(|k| response[k] + force(k) * values[k]);
-                ResidualVariance::new(
-                    &values,
-                    &rest.collect::<Vec<_>>(),
-                    ResponseVariance::SecondDifferences(6.0),
-                    1.0,
-                )
-            })
-            .collect();
-        let smoothed = estimate_variances(functions);
+        let residual = |f: u64| {
+            let response = white_noise(4000, 1e-6, 10 + f);
+            let rest = (0..4000).map(|k| response[k] + force(k) * values[k]);
+            rest.collect()
+        };
+        let smoothed = estimates(&Reference {
+            values: vec![values.clone(); 6],
+            residuals: (0..6).map(residual).collect(),
+            stated: Vec::new(),
+        });
         let between = smoothed.iter().map(|frf| frf.variance[500]).sum::<f64>() / 6.0;
         assert!((between / 1.05e-6 - 1.0).abs() < 0.15, "{between}");
         // Half a dozen independent errors within each of eight resonances: their mean square is
@@ -305,14 +449,17 @@ mod tests {
         let values: Vec<Complex64> = (0..4000).map(clean).collect();
         let estimates = |force_fraction: f64| {
             let force = white_noise(4000, force_fraction, 3);
+            let stated = |f: u64| if f == 5 { 1e-5 } else { 1e-6 };
             let residual = |f: u64| {
-                let stated = if f == 5 { 1e-5 } else { 1e-6 };
-                let response = white_noise(4000, stated, 10 + f);
+                let response = white_noise(4000, stated(f), 10 + f);
                 let rest = (0..4000).map(|k| response[k] + force[k] * values[k]);
-                let stated = ResponseVariance::Stated(vec![stated; 4000]);
-                ResidualVariance::new(&values, &rest.collect::<Vec<_>>(), stated, 1.0)
+                rest.collect()
             };
-            estimate_variances((0..6).map(residual).collect())
+            estimates(&Reference {
+                values: vec![values.clone(); 6],
+                residuals: (0..6).map(residual).collect(),
+                stated: (0..6).map(stated).collect(),
+            })
         };
         let top = |frf: &SmoothedVariance| {
             let tops = (0..8).flat_map(|n| 240 + 500 * n..260 + 500 * n);
@@ -354,7 +501,8 @@ mod tests {
         };
         let of_force = 1e-4;
         let mut truth = Vec::new();
-        let functions = (0..9).map(|f| {
+        let mut reference = Reference::default();
+        for f in 0..9 {
             let of_response = if f < 8 { 1e-11 } else { 1.0 };
             let scale = if f < 8 { 1.0 } else { 1e-3 };
             let values: Vec<Complex64> = (0..4000).map(|k| scale * value(f, k)).collect();
@@ -367,14 +515,10 @@ mod tests {
             let variance = values.iter().map(|h| of_response + of_force * h.norm_sqr());
             truth.push(variance.collect::<Vec<f64>>());
             let measured: Vec<Complex64> = values.iter().zip(&rest).map(|(h, e)| h + e).collect();
-            ResidualVariance::new(
-                &measured,
-                &rest,
-                ResponseVariance::SecondDifferences(6.0),
-                1.0,
-            )
-        });
-        let estimates = estimate_variances(functions.collect());
+            reference.values.push(measured);
+            reference.residuals.push(rest);
+        }
+        let estimates = estimates(&reference);
         for (estimate, truth) in estimates.iter().zip(&truth) {
             let pairs = estimate.variance.iter().zip(truth);
             let log_ratios = pairs.map(|(v, expected)| (v / expected).ln());

@@ -79,79 +79,68 @@ pub(in crate::identify) struct SmoothedVariance {
     pub force_fraction: Vec<f64>,
 }
 
-/// Smooths the variances of all FRFs of one reference over the lines; a variance far above its
-/// neighbours is unchanged.
-pub(in crate::identify) fn smooth(functions: &[&VarianceSamples]) -> Vec<SmoothedVariance> {
-    let lines = functions
-        .iter()
-        .map(|frf| frf.variance.len())
-        .max()
-        .unwrap_or(0);
+/// Variances of the FRFs of one reference, which are read on the lines where they are needed: those
+/// of all lines would take several times the memory of the FRFs.
+pub(in crate::identify) trait EstimatedVariances: Sync {
+    /// Number of FRFs.
+    fn functions(&self) -> usize;
+
+    /// Number of lines of each.
+    fn lines(&self) -> usize;
+
+    /// Variances of an FRF on a range of lines.
+    fn samples(&self, function: usize, lines: Range<usize>) -> VarianceSamples;
+}
+
+impl EstimatedVariances for [VarianceSamples] {
+    fn functions(&self) -> usize {
+        self.len()
+    }
+
+    fn lines(&self) -> usize {
+        self.first().map_or(0, |frf| frf.variance.len())
+    }
+
+    fn samples(&self, function: usize, lines: Range<usize>) -> VarianceSamples {
+        let frf = &self[function];
+        VarianceSamples {
+            variance: frf.variance[lines.clone()].to_vec(),
+            power: frf.power[lines.clone()].to_vec(),
+            response_noise: frf.response_noise.as_ref().map(|a| a[lines].to_vec()),
+            ..*frf
+        }
+    }
+}
+
+/// Smooths the variances of all FRFs of one reference over the lines and converts those of each,
+/// with its number; a variance far above its neighbours is unchanged.
+pub(in crate::identify) fn smooth<T: Send>(
+    variances: &(impl EstimatedVariances + ?Sized),
+    convert: impl Fn(usize, SmoothedVariance) -> T + Sync,
+) -> Vec<T> {
+    let (functions, lines) = (variances.functions(), variances.lines());
     let segments = segments(lines);
-    let is_residual = functions.iter().any(|frf| frf.response_noise.is_some());
+    let first_line = |f: usize| variances.samples(f, 0..lines.min(1));
+    let is_residual = (0..functions).any(|f| first_line(f).response_noise.is_some());
     let limit = if is_residual {
         MAX_RESIDUAL_COEFFICIENT
     } else {
         f64::INFINITY
     };
-    let force_noise_coefficient = per_segment(functions, &segments, limit);
-    let smoothed = |frf: &&VarianceSamples| {
-        let max_ratio = frf.max_outlier_ratio();
-        let segment_level = |(lines, b): (&Range<usize>, &f64)| {
-            frf.mean_response_noise(lines.clone(), *b, max_ratio)
-        };
-        let of_response: Vec<f64> = segments
-            .iter()
-            .zip(&force_noise_coefficient)
-            .map(segment_level)
-            .collect();
-        let mut smooth = SmoothedVariance {
-            variance: Vec::with_capacity(lines),
-            force_fraction: Vec::with_capacity(lines),
-        };
-        for start in (0..frf.variance.len()).step_by(BLOCK_LINES) {
-            let block = start..(start + BLOCK_LINES).min(frf.variance.len());
-            let around = start.saturating_sub(MARGIN_LINES)
-                ..(block.end + MARGIN_LINES).min(frf.variance.len());
-            let position = (block.start as f64 + 0.5 * BLOCK_LINES as f64) / lines as f64;
-            let (b, response) = (
-                interpolate(&force_noise_coefficient, position),
-                interpolate(&of_response, position),
-            );
-            let fraction = |force: f64, response: f64| {
-                let ratio = force / (response + force);
-                if ratio.is_finite() { ratio } else { 0.0 }
-            };
-            let force = frf.power[block.clone()].iter().map(|p| b * p);
-            if let Some(stated) = &frf.response_noise {
-                for (a, force) in stated[block].iter().zip(force) {
-                    smooth.variance.push(a + force);
-                    smooth.force_fraction.push(fraction(force, *a));
-                }
-                continue;
-            }
-            let a = frf.mean_response_noise(around, b, max_ratio);
-            for (estimate, force) in frf.variance[block].iter().zip(force) {
-                let is_outlier = *estimate > max_ratio * (a + force);
-                smooth
-                    .variance
-                    .push(if is_outlier { *estimate } else { a + force });
-                // Of a few dozen lines, `a` absorbs the random error of b.
-                let force_fraction = fraction(force, response);
-                smooth
-                    .force_fraction
-                    .push(if is_outlier { 0.0 } else { force_fraction });
-            }
-        }
-        smooth
+    let force_noise_coefficient = per_segment(variances, &segments, limit);
+    let smoothed = |f: usize| {
+        let frf = variances.samples(f, 0..lines);
+        convert(f, frf.smoothed(&segments, &force_noise_coefficient))
     };
-    functions.par_iter().map(smoothed).collect()
+    (0..functions).into_par_iter().map(smoothed).collect()
 }
 
 /// b at every line, from all FRFs of one reference, limited as for a residual.
-pub(in crate::identify) fn force_noise_coefficient(functions: &[&VarianceSamples]) -> Vec<f64> {
-    let lines = functions.first().map_or(0, |frf| frf.variance.len());
-    let coefficients = per_segment(functions, &segments(lines), MAX_RESIDUAL_COEFFICIENT);
+pub(in crate::identify) fn force_noise_coefficient(
+    variances: &(impl EstimatedVariances + ?Sized),
+) -> Vec<f64> {
+    let lines = variances.lines();
+    let coefficients = per_segment(variances, &segments(lines), MAX_RESIDUAL_COEFFICIENT);
     let position = |k: usize| (k as f64 + 0.5) / lines as f64;
     (0..lines)
         .map(|k| interpolate(&coefficients, position(k)))
@@ -175,63 +164,103 @@ fn interpolate(values: &[f64], position: f64) -> f64 {
 
 /// b of every segment. Force noise does not end with a segment: one without a significant estimate
 /// takes that of the nearest segment with one, unless its likelihood contradicts it.
-fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit: f64) -> Vec<f64> {
-    let max_ratios: Vec<f64> = functions
-        .iter()
-        .map(|frf| frf.max_outlier_ratio())
-        .collect();
-    let medians_of_segment = |lines: &Range<usize>| -> Vec<f64> {
-        // With a stated response noise no median is needed.
-        let median = |frf: &&VarianceSamples| match frf.response_noise {
-            Some(_) => 0.0,
-            None => frf.median(lines.clone()),
-        };
-        functions.iter().map(median).collect()
+fn per_segment(
+    variances: &(impl EstimatedVariances + ?Sized),
+    segments: &[Range<usize>],
+    limit: f64,
+) -> Vec<f64> {
+    let likeliest = |lines: &Range<usize>| {
+        SegmentVariances::new(variances, lines.clone()).likeliest_coefficient(limit)
     };
-    let medians: Vec<Vec<f64>> = segments.par_iter().map(medians_of_segment).collect();
-    let likelihoods_of = |frfs: &[usize], n: usize, tried: &[f64]| -> Vec<f64> {
+    let estimates: Vec<Option<f64>> = segments.par_iter().map(likeliest).collect();
+    let completed = |n: usize| {
+        estimates[n].or_else(|| {
+            let others = (0..estimates.len()).filter_map(|m| Some((m.abs_diff(n), estimates[m]?)));
+            let (_, nearest) = others.min_by_key(|(distance, _)| *distance)?;
+            let segment = SegmentVariances::new(variances, segments[n].clone());
+            let likelihood = segment.likelihoods(&[0.0, nearest]);
+            (likelihood[1] > likelihood[0] - MIN_LIKELIHOOD_GAIN).then_some(nearest)
+        })
+    };
+    (0..estimates.len())
+        .into_par_iter()
+        .map(|n| completed(n).unwrap_or(0.0))
+        .collect()
+}
+
+/// Variances of all FRFs of a reference on the lines of a segment.
+struct SegmentVariances {
+    frfs: Vec<VarianceSamples>,
+    medians: Vec<f64>,
+    max_ratios: Vec<f64>,
+}
+
+impl SegmentVariances {
+    fn new(variances: &(impl EstimatedVariances + ?Sized), lines: Range<usize>) -> Self {
+        let functions = 0..variances.functions();
+        let frfs: Vec<VarianceSamples> = functions
+            .map(|f| variances.samples(f, lines.clone()))
+            .collect();
+        // With a stated response noise no median is needed.
+        let median = |frf: &VarianceSamples| match frf.response_noise {
+            Some(_) => 0.0,
+            None => frf.median(0..lines.len()),
+        };
+        Self {
+            medians: frfs.iter().map(median).collect(),
+            max_ratios: max_outlier_ratios(&frfs),
+            frfs,
+        }
+    }
+
+    /// Log-likelihood of every trial value of b.
+    fn likelihoods(&self, tried: &[f64]) -> Vec<f64> {
+        self.likelihoods_in(0..self.frfs.len(), tried)
+    }
+
+    /// The same in some of the FRFs.
+    fn likelihoods_in(&self, frfs: impl Iterator<Item = usize>, tried: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; tried.len()];
         for f in frfs {
-            let (lines, median) = (segments[n].clone(), medians[n][*f]);
-            let terms = functions[*f].likelihoods(lines, median, tried, max_ratios[*f]);
+            let terms = self.frfs[f].likelihoods(self.medians[f], tried, self.max_ratios[f]);
             sums.iter_mut()
                 .zip(terms)
                 .for_each(|(sum, term)| *sum += term);
         }
         sums
-    };
-    let all: Vec<usize> = (0..functions.len()).collect();
-    let likelihoods = |n: usize, tried: &[f64]| likelihoods_of(&all, n, tried);
-    let not_excluded = |n: usize, tried: Vec<f64>| -> Vec<f64> {
-        if functions.len() <= EXCLUDING_FRFS {
+    }
+
+    /// Trial values that the FRFs with the most information do not exclude.
+    fn not_excluded(&self, tried: Vec<f64>) -> Vec<f64> {
+        if self.frfs.len() <= EXCLUDING_FRFS {
             return tried;
         }
-        let mut best = all.clone();
-        sort_descending_by(&mut best, |f| {
-            functions[*f].information(segments[n].clone())
-        });
-        let likelihood = likelihoods_of(&best[..EXCLUDING_FRFS], n, &tried);
+        let mut best: Vec<usize> = (0..self.frfs.len()).collect();
+        sort_descending_by(&mut best, |f| self.frfs[*f].information());
+        best.truncate(EXCLUDING_FRFS);
+        let likelihood = self.likelihoods_in(best.into_iter(), &tried);
         let limit = likelihood[0] - MIN_LIKELIHOOD_GAIN;
         let with_likelihood = tried.into_iter().zip(likelihood);
         let kept = with_likelihood.filter(|(_, likelihood)| *likelihood >= limit);
         kept.map(|(b, _)| b).collect()
-    };
-    let mean = |n: usize, frf: &&VarianceSamples| {
-        let sum = |values: &[f64]| values[segments[n].clone()].iter().sum::<f64>();
-        sum(&frf.variance) / sum(&frf.power)
-    };
-    let likeliest = |n: usize| -> Option<f64> {
+    }
+
+    /// The b of the largest likelihood, where it is significant and below a limit.
+    fn likeliest_coefficient(&self, limit: f64) -> Option<f64> {
+        let mean = |frf: &VarianceSamples| {
+            frf.variance.iter().sum::<f64>() / frf.power.iter().sum::<f64>()
+        };
         // Force noise alone in the FRFs of the strongest response over their noise: b is common,
         // and a response near 0 would allow any b.
-        let means = functions.iter().map(|frf| mean(n, frf));
+        let means = self.frfs.iter().map(mean);
         let mut means: Vec<f64> = means.filter(|b| b.is_finite() && *b > 0.0).collect();
         means.sort_by(f64::total_cmp);
         let max_coefficient = means.get(means.len() / STRONGEST_ONE_IN)?.min(limit);
         let tried = (0..TRIAL_VALUES)
             .map(|step| max_coefficient * TRIAL_RATIO * TRIAL_RATIO.powi(-(step as i32)));
         let tried: Vec<f64> = std::iter::once(0.0).chain(tried).collect();
-        let tried = not_excluded(n, tried);
-        let likelihood = likelihoods(n, &tried);
+        let tried = self.not_excluded(tried);
+        let likelihood = self.likelihoods(&tried);
         let best = (1..tried.len()).max_by(|a, b| likelihood[*a].total_cmp(&likelihood[*b]))?;
         // The maximum between two trial values may have twice the gain.
         if likelihood[best] <= likelihood[0] + 0.5 * MIN_LIKELIHOOD_GAIN {
@@ -240,7 +269,7 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
         let (mut low, mut high) = (tried[best] / TRIAL_RATIO, tried[best] * TRIAL_RATIO);
         let step = |low: f64, high: f64| GOLDEN_SECTION * (high - low);
         let mut inner = [high - step(low, high), low + step(low, high)];
-        let mut of_inner = likelihoods(n, &inner);
+        let mut of_inner = self.likelihoods(&inner);
         for _ in 1..SEARCH_STEPS {
             let replaced = if of_inner[0] < of_inner[1] {
                 low = inner[0];
@@ -253,28 +282,83 @@ fn per_segment(functions: &[&VarianceSamples], segments: &[Range<usize>], limit:
                 of_inner.swap(0, 1);
                 0
             };
-            of_inner[replaced] = likelihoods(n, &inner[replaced..=replaced])[0];
+            of_inner[replaced] = self.likelihoods(&inner[replaced..=replaced])[0];
         }
         let better = usize::from(of_inner[1] > of_inner[0]);
         let (b, gain) = (inner[better], of_inner[better] - likelihood[0]);
         (gain > MIN_LIKELIHOOD_GAIN && b <= limit).then_some(b)
+    }
+}
+
+/// Maximum outlier ratio of each FRF: a quantile takes longer than a pass over a segment.
+fn max_outlier_ratios(frfs: &[VarianceSamples]) -> Vec<f64> {
+    let mut last: Option<(f64, f64)> = None;
+    let ratio = |frf: &VarianceSamples| {
+        let freedom = frf.freedom();
+        let known = last.filter(|(of, _)| of.to_bits() == freedom.to_bits());
+        let (_, ratio) = *last.insert(known.unwrap_or_else(|| (freedom, frf.max_outlier_ratio())));
+        ratio
     };
-    let estimates: Vec<Option<f64>> = (0..segments.len()).into_par_iter().map(likeliest).collect();
-    let completed = |n: usize| {
-        estimates[n].or_else(|| {
-            let others = (0..estimates.len()).filter_map(|m| Some((m.abs_diff(n), estimates[m]?)));
-            let (_, nearest) = others.min_by_key(|(distance, _)| *distance)?;
-            let likelihood = likelihoods(n, &[0.0, nearest]);
-            (likelihood[1] > likelihood[0] - MIN_LIKELIHOOD_GAIN).then_some(nearest)
-        })
-    };
-    (0..estimates.len())
-        .into_par_iter()
-        .map(|n| completed(n).unwrap_or(0.0))
-        .collect()
+    frfs.iter().map(ratio).collect()
 }
 
 impl VarianceSamples {
+    /// Variances without their scatter, with b of each segment.
+    fn smoothed(
+        &self,
+        segments: &[Range<usize>],
+        force_noise_coefficient: &[f64],
+    ) -> SmoothedVariance {
+        let lines = self.variance.len();
+        let max_ratio = self.max_outlier_ratio();
+        let segment_level = |(lines, b): (&Range<usize>, &f64)| {
+            self.mean_response_noise(lines.clone(), *b, max_ratio)
+        };
+        let of_response: Vec<f64> = segments
+            .iter()
+            .zip(force_noise_coefficient)
+            .map(segment_level)
+            .collect();
+        let mut smooth = SmoothedVariance {
+            variance: Vec::with_capacity(lines),
+            force_fraction: Vec::with_capacity(lines),
+        };
+        for start in (0..lines).step_by(BLOCK_LINES) {
+            let block = start..(start + BLOCK_LINES).min(lines);
+            let around = start.saturating_sub(MARGIN_LINES)..(block.end + MARGIN_LINES).min(lines);
+            let position = (block.start as f64 + 0.5 * BLOCK_LINES as f64) / lines as f64;
+            let (b, response) = (
+                interpolate(force_noise_coefficient, position),
+                interpolate(&of_response, position),
+            );
+            let fraction = |force: f64, response: f64| {
+                let ratio = force / (response + force);
+                if ratio.is_finite() { ratio } else { 0.0 }
+            };
+            let force = self.power[block.clone()].iter().map(|p| b * p);
+            if let Some(stated) = &self.response_noise {
+                for (a, force) in stated[block].iter().zip(force) {
+                    smooth.variance.push(a + force);
+                    smooth.force_fraction.push(fraction(force, *a));
+                }
+                continue;
+            }
+            let a = self.mean_response_noise(around, b, max_ratio);
+            for (estimate, force) in self.variance[block].iter().zip(force) {
+                let is_outlier = *estimate > max_ratio * (a + force);
+                smooth
+                    .variance
+                    .push(if is_outlier { *estimate } else { a + force });
+                // Of a few dozen lines, `a` absorbs the random error of b.
+                let force_fraction = fraction(force, response);
+                smooth
+                    .force_fraction
+                    .push(if is_outlier { 0.0 } else { force_fraction });
+            }
+        }
+        smooth
+    }
+
     fn freedom(&self) -> f64 {
         let stated = self.degrees_of_freedom.filter(|freedom| *freedom > 0.0);
         stated.unwrap_or(DEFAULT_FREEDOM).clamp(1.0, MAX_FREEDOM)
@@ -288,11 +372,11 @@ impl VarianceSamples {
         })
     }
 
-    /// Information on b on some lines where there is little of it, `Σ p²/v²` with the mean of v.
-    fn information(&self, lines: Range<usize>) -> f64 {
-        let squares: f64 = self.power[lines.clone()].iter().map(|p| p * p).sum();
-        let variance: f64 = self.variance[lines.clone()].iter().sum();
-        squares / (variance / lines.len() as f64).powi(2)
+    /// Information on b where there is little of it, `Σ p²/v²` with the mean of v.
+    fn information(&self) -> f64 {
+        let squares: f64 = self.power.iter().map(|p| p * p).sum();
+        let variance: f64 = self.variance.iter().sum();
+        squares / (variance / self.variance.len() as f64).powi(2)
     }
 
     /// `a` of some lines for a given b: the mean of the variances minus force noise, weighted by
@@ -328,20 +412,14 @@ impl VarianceSamples {
         )
     }
 
-    /// Log-likelihood of every trial value of b, with the median of the variances of the lines.
-    fn likelihoods(
-        &self,
-        lines: Range<usize>,
-        median: f64,
-        tried: &[f64],
-        max_ratio: f64,
-    ) -> Vec<f64> {
-        let (variance, power) = (&self.variance[lines.clone()], &self.power[lines.clone()]);
+    /// Log-likelihood of every trial value of b, with the median of the variances.
+    fn likelihoods(&self, median: f64, tried: &[f64], max_ratio: f64) -> Vec<f64> {
+        let (variance, power) = (&self.variance, &self.power);
         let of = |b: &f64| {
             let sum = if let Some(noise) = &self.response_noise {
-                deviance(&noise[lines.clone()], variance, power, *b, max_ratio)
+                deviance(noise, variance, power, *b, max_ratio)
             } else {
-                let mean = self.mean_from_median(median, lines.clone(), *b, max_ratio);
+                let mean = self.mean_from_median(median, 0..variance.len(), *b, max_ratio);
                 deviance(&vec![mean; variance.len()], variance, power, *b, max_ratio)
             };
             -0.5 * self.freedom() / self.lines_per_effective_line * sum
@@ -532,7 +610,7 @@ mod tests {
             lines_per_effective_line: 1.0,
             response_noise: None,
         };
-        smooth(&[&samples]).remove(0)
+        smooth(&[samples][..], |_, smooth| smooth).remove(0)
     }
 
     #[test]
@@ -597,8 +675,7 @@ mod tests {
         let mut found = 0;
         for draw in 0..8 {
             let all: Vec<VarianceSamples> = (0..384).map(|f| samples(1000 * draw + f)).collect();
-            let functions: Vec<&VarianceSamples> = all.iter().collect();
-            let b = per_segment(&functions, &segments(LINES), f64::INFINITY)[0];
+            let b = per_segment(&all[..], &segments(LINES), f64::INFINITY)[0];
             found += usize::from((b / coefficient - 1.0).abs() < 0.5);
         }
         assert!(found >= 7, "{found} of 8");

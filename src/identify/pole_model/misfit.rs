@@ -119,8 +119,9 @@ impl FindingContext<'_> {
             self.data.frfs.functions(),
         );
         let of = |f: usize| {
-            let power =
-                |k: usize| self.data.frfs.values[f][k].norm_sqr() / self.data.noise.variance[f][k];
+            let power = |k: usize| {
+                self.data.frfs.values.at(f, k).norm_sqr() / self.data.noise.by_frf[f].variance(k)
+            };
             lines.clone().map(power).sum::<f64>()
         };
         (0..functions).map(of).sum::<f64>() / (lines.len() * functions) as f64

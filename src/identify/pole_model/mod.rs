@@ -209,6 +209,8 @@ impl PoleModel {
     /// residual. Returns whether the level of an FRF or the correlation changed.
     pub fn estimate_noise(&mut self) -> bool {
         mark_unconverged(&mut self.poles);
+        // They are of the noise before.
+        self.compressed_bands.clear();
         let (levels, correlation) = (self.levels(), self.data.noise.line_correlation.clone());
         let mut residual = self.residual();
         self.data.estimate_noise(&mut residual);
@@ -270,7 +272,8 @@ impl PoleModel {
         let profile = |lambda| frfs.line_shape.pole(frfs.omega[line], lambda);
         let (of_pole, of_conjugate) = (profile(pole.lambda), profile(pole.lambda.conj()));
         move |f| {
-            let fitted = frfs.values[f][line] - residual.at(f, line) * self.data.noise.std(f, line);
+            let fitted =
+                frfs.values.at(f, line) - residual.at(f, line) * self.data.noise.std(f, line);
             let residue = pole.residues[f];
             fitted - residue * of_pole - residue.conj() * of_conjugate
         }

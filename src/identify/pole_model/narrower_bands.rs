@@ -151,10 +151,10 @@ impl<'a> PoleFit<'a> {
         let mut projected = vec![Complex64::ZERO; lines.len()];
         for (f, (a, level)) in pole.residues.iter().zip(&level).enumerate() {
             let residual = model.residual.of(f, lines.clone());
-            let variance = &data.noise.variance[f][lines.clone()];
-            let values = residual.iter().zip(variance).zip(&noise_profile);
-            for (sum, ((r, variance), noise_profile)) in projected.iter_mut().zip(values) {
-                *sum += a.conj() / level * r * (variance.sqrt() / (level * noise_profile));
+            let stds = data.noise.by_frf[f].stds(lines.clone());
+            let values = residual.zip(stds).zip(&noise_profile);
+            for (sum, ((r, std), noise_profile)) in projected.iter_mut().zip(values) {
+                *sum += a.conj() / level * r * (std / (level * noise_profile));
             }
         }
         let weights = pole.residues.iter().zip(&level);

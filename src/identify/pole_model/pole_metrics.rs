@@ -109,8 +109,10 @@ pub(in crate::identify) fn pole_metrics(
     let metrics = |pole: &ModelPole| {
         let lines = lines_of_pole(&data.frfs, pole);
         let of = |f: usize| {
-            let power = |k: usize| data.frfs.values[f][k].norm_sqr() / data.noise.variance[f][k];
-            lines.clone().map(power).sum::<f64>()
+            let values = data.frfs.values.of(f, lines.clone());
+            let variances = data.noise.by_frf[f].variances(lines.clone());
+            let powers = values.iter().zip(variances).map(|(h, v)| h.norm_sqr() / v);
+            powers.sum::<f64>()
         };
         let whole: f64 = (0..data.frfs.functions()).map(of).sum();
         let reduced_chi_square = residual_chi_square(data, &described, pole);

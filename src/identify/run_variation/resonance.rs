@@ -79,13 +79,14 @@ impl<'a> Resonance<'a> {
         let explained = pole_columns(data.frfs.line_shape, &omega, &farther)
             * residues(&farther, data.frfs.functions());
         let aligned = linalg::complex_matrix(omega.len(), data.frfs.functions(), |k, f| {
-            let value = data.frfs.values[f][lines.start + k] - explained[(k, f)];
+            let value = data.frfs.values.at(f, lines.start + k) - explained[(k, f)];
             value / over(k, f)
         });
         let modes_near: Vec<&ShiftedMode> =
             (shifted.iter()).filter(|mode| near(mode.lambda)).collect();
         let mut values = aligned.clone();
-        for (run, functions) in runs.iter().enumerate() {
+        let shifted_runs = runs.iter().filter(|_| !modes_near.is_empty());
+        for (run, functions) in shifted_runs.enumerate() {
             for (f, k) in functions
                 .iter()
                 .flat_map(|f| (0..omega.len()).map(move |k| (*f, k)))

@@ -124,10 +124,10 @@ impl<'a> RunMeans<'a> {
             for &f in run {
                 let factor = pole.residues[f].conj() / level[f];
                 let residual = self.residual.of(f, lines.clone());
-                let variance = &self.data.noise.variance[f][lines.clone()];
-                let values = residual.iter().zip(variance).zip(&noise_profile);
-                for (((r, variance), profile), g) in values.zip(&derivative) {
-                    along += g.conj() * factor * r * (variance.sqrt() / (level[f] * profile));
+                let stds = self.data.noise.by_frf[f].stds(lines.clone());
+                let values = residual.zip(stds).zip(&noise_profile);
+                for (((r, std), profile), g) in values.zip(&derivative) {
+                    along += g.conj() * factor * r * (std / (level[f] * profile));
                 }
                 weight += factor.norm_sqr();
             }

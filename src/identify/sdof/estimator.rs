@@ -53,10 +53,10 @@ impl<M: SingleModeMethod> PoleEstimator for SingleModeEstimator<M> {
     fn estimate(&self, set: &FrfSet, band: Band) -> Result<PoleTable, IdentifyError> {
         let data = FitData::new(set, band)?;
         let frfs = &data.frfs;
-        let indicator = DetectionSpectrum::new(frfs, data.noise.stated_variance());
+        let indicator = DetectionSpectrum::new(frfs, data.noise.stated_noise());
         let mut found = peak_detection::search(
             frfs,
-            &data.noise.variance,
+            &data.noise.by_frf,
             &indicator,
             self.options.false_alarm_probability,
         );

@@ -1,0 +1,148 @@
+//! The noise of an FRF has at every line a standard deviation and the fraction of its variance that
+//! is force noise.
+//!
+//! Both are in single precision, half the memory of the FRFs otherwise: noise is known to some per
+//! cent, single precision to 6e-8. Standard deviations are relative to the largest one, so that
+//! FRFs of any size have them. Copies share the numbers.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Lines that are summed at once: each sum waits for the one before.
+const LANES: usize = 8;
+
+/// Noise of one FRF by line.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::identify) struct LineNoise {
+    /// Largest standard deviation, m/N.
+    largest: f64,
+    /// Standard deviation over the largest one.
+    relative: Arc<[f32]>,
+    /// Fraction of the variance that is force noise; `None` where it is 0 at all lines.
+    force_fraction: Option<Arc<[f32]>>,
+}
+
+impl LineNoise {
+    /// Noise of given variances, (m/N)², with their force fractions; none where there is no force
+    /// noise.
+    pub fn new(variance: &[f64], force_fraction: &[f64]) -> Self {
+        let mut noise = Self {
+            largest: 0.0,
+            relative: Arc::new([]),
+            force_fraction: None,
+        };
+        noise.set_variance(variance);
+        if force_fraction.iter().any(|fraction| *fraction != 0.0) {
+            let fractions = force_fraction.iter().map(|fraction| *fraction as f32);
+            noise.force_fraction = Some(fractions.collect());
+        }
+        noise
+    }
+
+    fn set_variance(&mut self, variance: &[f64]) {
+        self.largest = variance.iter().copied().fold(0.0, f64::max).sqrt();
+        let relative =
+            |variance: &f64| ((variance.sqrt() / self.largest) as f32).max(f32::MIN_POSITIVE);
+        self.relative = variance.iter().map(relative).collect();
+    }
+
+    /// Number of lines.
+    pub fn lines(&self) -> usize {
+        self.relative.len()
+    }
+
+    /// Standard deviation at a line, m/N.
+    #[inline]
+    pub fn std(&self, line: usize) -> f64 {
+        self.largest * f64::from(self.relative[line])
+    }
+
+    /// Standard deviations on a range of lines, m/N.
+    #[inline]
+    pub fn stds(&self, lines: Range<usize>) -> impl ExactSizeIterator<Item = f64> + Clone {
+        let largest = self.largest;
+        let relative = self.relative[lines].iter();
+        relative.map(move |relative| largest * f64::from(*relative))
+    }
+
+    /// Variance at a line, (m/N)².
+    #[inline]
+    pub fn variance(&self, line: usize) -> f64 {
+        let std = self.std(line);
+        std * std
+    }
+
+    /// Variances on a range of lines, (m/N)².
+    #[inline]
+    pub fn variances(&self, lines: Range<usize>) -> impl ExactSizeIterator<Item = f64> + Clone {
+        self.stds(lines).map(|std| std * std)
+    }
+
+    /// Mean variance on a range of lines, (m/N)².
+    pub fn mean_variance(&self, lines: Range<usize>) -> f64 {
+        let count = lines.len().max(1) as f64;
+        let (lanes, last) = self.relative[lines].as_chunks::<LANES>();
+        let square = |relative: f32| f64::from(relative) * f64::from(relative);
+        let mut sums = [0.0; LANES];
+        for relative in lanes {
+            for lane in 0..LANES {
+                sums[lane] += square(relative[lane]);
+            }
+        }
+        let last: f64 = last.iter().map(|relative| square(*relative)).sum();
+        let sum = sums.iter().sum::<f64>() + last;
+        self.largest * self.largest * (sum / count)
+    }
+
+    /// Fractions of the variance that are force noise on a range of lines, where there are any.
+    pub fn force_fractions(&self, lines: Range<usize>) -> Option<&[f32]> {
+        self.force_fraction
+            .as_ref()
+            .map(|fractions| &fractions[lines])
+    }
+
+    /// Raises every variance to a minimum at its line.
+    pub fn raise(&mut self, minimum: impl Iterator<Item = f64> + Clone) {
+        let pairs = self.variances(0..self.lines()).zip(minimum);
+        let is_below = |(variance, minimum): (f64, f64)| variance < minimum;
+        if pairs.clone().any(is_below) {
+            let raised = pairs.map(|(variance, minimum)| variance.max(minimum));
+            let raised: Vec<f64> = raised.collect();
+            self.set_variance(&raised);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_of_any_size_is_exact_to_single_precision() {
+        for size in [1e-300, 1e-40, 1.0, 1e150] {
+            let variance = [4.0, 1e-12, 0.25, 3.0].map(|v| v * size);
+            let noise = LineNoise::new(&variance, &[0.0, 0.5, 0.0, 1.0]);
+            for (k, v) in variance.into_iter().enumerate() {
+                assert!((noise.variance(k) / v - 1.0).abs() < 3e-7, "{size} {k}");
+            }
+            assert_eq!(noise.force_fractions(1..4), Some(&[0.5, 0.0, 1.0][..]));
+        }
+        assert_eq!(
+            LineNoise::new(&[1.0; 3], &[0.0; 3]).force_fractions(0..3),
+            None
+        );
+    }
+
+    #[test]
+    fn raised_noise_changes_where_it_is_below_the_minimum() {
+        let mut noise = LineNoise::new(&[1.0, 4.0, 9.0], &[0.0; 3]);
+        let before = noise.clone();
+        noise.raise([1.0, 1.0, 1.0].into_iter());
+        assert_eq!(noise, before);
+        noise.raise([16.0, 1.0, 10.0].into_iter());
+        let raised: Vec<f64> = noise.variances(0..3).collect();
+        for (v, expected) in raised.into_iter().zip([16.0, 4.0, 10.0]) {
+            assert!((v / expected - 1.0).abs() < 3e-7);
+        }
+    }
+}
