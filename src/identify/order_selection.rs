@@ -293,8 +293,7 @@ impl Candidate {
     fn orthogonalise(&mut self, basis: &ComplexMatrix) {
         for _ in 0..2 {
             let components = linalg::adjoint_product(basis, self.values.as_ref());
-            self.values =
-                linalg::subtract_product(self.values.as_ref(), basis, &components, |_, _| ());
+            self.values = linalg::subtract_product(self.values.as_ref(), basis, &components);
             self.normalise();
         }
     }
@@ -373,7 +372,7 @@ impl<'a> Fitted<'a> {
     /// Adds columns to the fit, each with the degrees of freedom of `noise_factor` lines.
     fn add(&mut self, columns: &ComplexMatrix, noise_factor: f64) {
         let amplitudes = linalg::adjoint_product(columns, self.rest.as_ref());
-        self.rest = linalg::subtract_product(self.rest.as_ref(), columns, &amplitudes, |_, _| ());
+        self.rest = linalg::subtract_product(self.rest.as_ref(), columns, &amplitudes);
         self.used_freedom += noise_factor * columns.ncols() as f64;
         let first = self.basis.ncols();
         let column = |k: usize, c: usize| match c.checked_sub(first) {

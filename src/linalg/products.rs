@@ -13,14 +13,8 @@ use super::{ComplexMatrix, ComplexView};
 /// Columns of a product that one thread forms.
 const COLUMNS_PER_BLOCK: usize = 48;
 
-/// `B − A C` with something done to every column, some columns of it at a time in the caller's
-/// pool.
-pub fn subtract_product(
-    b: ComplexView<'_>,
-    a: &ComplexMatrix,
-    c: &ComplexMatrix,
-    then: impl Fn(usize, &mut [Complex64]) + Sync,
-) -> ComplexMatrix {
+/// `B − A C`, some columns of it at a time in the caller's pool.
+pub fn subtract_product(b: ComplexView<'_>, a: &ComplexMatrix, c: &ComplexMatrix) -> ComplexMatrix {
     let mut whole = Mat::zeros(b.nrows(), b.ncols());
     let of_block = |(number, mut block): (usize, MatMut<'_, Complex64>)| {
         let (first, count) = (number * COLUMNS_PER_BLOCK, block.ncols());
@@ -33,7 +27,6 @@ pub fn subtract_product(
             -Complex64::ONE,
             faer::Par::Seq,
         );
-        for_each_block_column(first, block, &then);
     };
     let blocks = column_blocks(&mut whole);
     blocks.into_par_iter().enumerate().for_each(of_block);

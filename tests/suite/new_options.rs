@@ -447,8 +447,10 @@ fn lists_of_points_alone_are_no_recordings() {
     assert!(found.contains("2 points, as by --points"), "{found}");
     let scene = |name: &str| std::fs::read_to_string(path(&format!("{name}/scene.toml"))).unwrap();
     assert_eq!(scene("found"), scene("stated").replace("stated", "found"));
-    for beside in [&["--points", &a][..], &[&a][..]] {
-        let error = fail([&["new", &path("twice"), &hit, &b], beside].concat());
+    let twice = path("twice");
+    for beside in [vec!["--points", &a], vec![&a]] {
+        let arguments = ["new", &twice, &hit, &b].into_iter();
+        let error = fail(arguments.chain(beside));
         assert!(error.contains("one list of points"), "{error}");
     }
     // Samples that are counted are a record.

@@ -50,7 +50,7 @@ impl FrfValues {
     #[inline]
     pub fn at(&self, function: usize, line: usize) -> Complex64 {
         let frf = &self.frfs[function];
-        let measured = frf.measured[frf.first + line];
+        let measured = frf.measured[frf.first..][..self.lines][line];
         match &frf.factors {
             Some(factors) => factors[line] * measured,
             None => measured,
@@ -60,7 +60,7 @@ impl FrfValues {
     /// Receptances of an FRF on a range of lines.
     pub fn of(&self, function: usize, lines: Range<usize>) -> Cow<'_, [Complex64]> {
         let frf = &self.frfs[function];
-        let measured = &frf.measured[frf.first + lines.start..frf.first + lines.end];
+        let measured = &frf.measured[frf.first..][..self.lines][lines.clone()];
         match &frf.factors {
             Some(factors) => {
                 let pairs = factors[lines].iter().zip(measured);

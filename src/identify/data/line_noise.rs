@@ -1,38 +1,46 @@
 //! The noise of an FRF has at every line a standard deviation and the fraction of its variance that
 //! is force noise.
 //!
-//! Both are in single precision, half the memory of the FRFs otherwise: noise is known to some per
-//! cent, single precision to 6e-8. Standard deviations are relative to the largest one, so that
-//! FRFs of any size have them. Copies share the numbers.
+//! Both are in single precision, a quarter of the memory of the FRF each, in place of a half: noise
+//! is known to some per cent, single precision to 6e-8. Standard deviations are relative to a scale
+//! of the FRF, so that FRFs of any size have them. Copies share the numbers.
 
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Maximum rounding of a force fraction: of variances that are converted from accelerances and back
+/// it is 1e-15. Larger, at 0.1: force noise is lost. Smaller, at 0: fractions of FRFs without force
+/// noise take memory.
+const MAX_ROUNDING: f64 = 1e-6;
 /// Lines that are summed at once: each sum waits for the one before.
 const LANES: usize = 8;
 
 /// Noise of one FRF by line.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct LineNoise {
-    /// Largest standard deviation, m/N.
-    largest: f64,
-    /// Standard deviation over the largest one.
+    /// Geometric mean of the smallest and the largest standard deviation, m/N: their ratio may be
+    /// that of the largest and the smallest number in single precision.
+    scale: f64,
+    /// Standard deviation over the scale.
     relative: Arc<[f32]>,
     /// Fraction of the variance that is force noise; `None` where it is 0 at all lines.
     force_fraction: Option<Arc<[f32]>>,
 }
 
 impl LineNoise {
-    /// Noise of given variances, (m/N)², with their force fractions; none where there is no force
-    /// noise.
+    /// Noise of given variances, (m/N)², with the force fraction of each. Fractions of rounding are
+    /// those of no force noise.
     pub fn new(variance: &[f64], force_fraction: &[f64]) -> Self {
         let mut noise = Self {
-            largest: 0.0,
+            scale: 0.0,
             relative: Arc::new([]),
             force_fraction: None,
         };
         noise.set_variance(variance);
-        if force_fraction.iter().any(|fraction| *fraction != 0.0) {
+        if force_fraction
+            .iter()
+            .any(|fraction| fraction.abs() > MAX_ROUNDING)
+        {
             let fractions = force_fraction.iter().map(|fraction| *fraction as f32);
             noise.force_fraction = Some(fractions.collect());
         }
@@ -40,9 +48,18 @@ impl LineNoise {
     }
 
     fn set_variance(&mut self, variance: &[f64]) {
-        self.largest = variance.iter().copied().fold(0.0, f64::max).sqrt();
-        let relative =
-            |variance: &f64| ((variance.sqrt() / self.largest) as f32).max(f32::MIN_POSITIVE);
+        let stds = variance.iter().map(|variance| variance.sqrt());
+        let usual = stds.filter(|std| *std > 0.0 && std.is_finite());
+        let (least, most) = usual.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), std| {
+            (least.min(std), most.max(std))
+        });
+        self.scale = match most > 0.0 {
+            true => least.sqrt() * most.sqrt(),
+            false => 1.0,
+        };
+        let relative = |variance: &f64| {
+            ((variance.sqrt() / self.scale) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
+        };
         self.relative = variance.iter().map(relative).collect();
     }
 
@@ -54,15 +71,15 @@ impl LineNoise {
     /// Standard deviation at a line, m/N.
     #[inline]
     pub fn std(&self, line: usize) -> f64 {
-        self.largest * f64::from(self.relative[line])
+        self.scale * f64::from(self.relative[line])
     }
 
     /// Standard deviations on a range of lines, m/N.
     #[inline]
     pub fn stds(&self, lines: Range<usize>) -> impl ExactSizeIterator<Item = f64> + Clone {
-        let largest = self.largest;
+        let scale = self.scale;
         let relative = self.relative[lines].iter();
-        relative.map(move |relative| largest * f64::from(*relative))
+        relative.map(move |relative| scale * f64::from(*relative))
     }
 
     /// Variance at a line, (m/N)².
@@ -91,7 +108,7 @@ impl LineNoise {
         }
         let last: f64 = last.iter().map(|relative| square(*relative)).sum();
         let sum = sums.iter().sum::<f64>() + last;
-        self.largest * self.largest * (sum / count)
+        self.scale * self.scale * (sum / count)
     }
 
     /// Fractions of the variance that are force noise on a range of lines, where there are any.
@@ -127,10 +144,34 @@ mod tests {
             }
             assert_eq!(noise.force_fractions(1..4), Some(&[0.5, 0.0, 1.0][..]));
         }
-        assert_eq!(
-            LineNoise::new(&[1.0; 3], &[0.0; 3]).force_fractions(0..3),
-            None
-        );
+        let without = LineNoise::new(&[1.0; 3], &[0.0, 1e-16, -1e-16]);
+        assert_eq!(without.force_fractions(0..3), None);
+    }
+
+    #[test]
+    fn an_outlier_leaves_the_noise_of_the_other_lines() {
+        // An unknown variance, beside noise of 1e-20 m/N.
+        let variance = [3.4e38, 1e-40, 2e-40];
+        let noise = LineNoise::new(&variance, &[0.0; 3]);
+        for (k, v) in variance.into_iter().enumerate() {
+            assert!((noise.variance(k) / v - 1.0).abs() < 3e-7, "{k}");
+        }
+        let noise = LineNoise::new(&[f64::NAN, 4.0, 0.0, f64::INFINITY], &[0.0; 4]);
+        assert!(noise.std(0).is_nan() && noise.std(2) < 1e-30 && noise.std(3) > 1e30);
+        assert!((noise.std(1) - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_mean_variance_is_that_of_its_lines_alone() {
+        let variance: Vec<f64> = (0..19).map(|k| f64::from(k * k + 1)).collect();
+        let noise = LineNoise::new(&variance, &[0.0; 19]);
+        for lines in [0..19, 3..16, 18..19] {
+            let mean = variance[lines.clone()].iter().sum::<f64>() / lines.len() as f64;
+            assert!(
+                (noise.mean_variance(lines.clone()) / mean - 1.0).abs() < 3e-7,
+                "{lines:?}"
+            );
+        }
     }
 
     #[test]

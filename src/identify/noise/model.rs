@@ -38,8 +38,9 @@ const NEGLIGIBLE_NOISE_OVER_RESPONSE: f64 = 1e-5;
 /// `aliases_near_the_band_edge_draw_no_pole_away`.
 const MIN_NOISE_OVER_MISFIT: f64 = 0.03;
 
-/// Relative error of a variance that is held in single precision.
-const ROUND_OFF: f64 = 1e-6;
+/// Maximum relative rounding of a variance whose standard deviation is held in single precision,
+/// which is 1.2e-7. Smaller, at 0: noise at its minimum is not recognised as such.
+const MAX_RELATIVE_ROUNDING: f64 = 1e-6;
 
 /// Statistic of the residual from which noise variances are estimated when the data supply none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -261,7 +262,7 @@ impl NoiseModel {
             let noise = self.by_frf[f].variances(0..frfs.lines()).zip(scales);
             let noise = median(noise.map(|(v, s)| v * s * s).collect());
             let limit = NEGLIGIBLE_NOISE_OVER_RESPONSE.powi(2) * power / frfs.lines() as f64;
-            noise <= (1.0 + ROUND_OFF) * self.min_variances[f] || noise < limit
+            noise <= (1.0 + MAX_RELATIVE_ROUNDING) * self.min_variances[f] || noise < limit
         };
         (0..frfs.functions()).all(is_low)
     }

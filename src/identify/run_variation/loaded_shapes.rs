@@ -337,6 +337,16 @@ mod tests {
     }
 
     #[test]
+    fn a_heavy_roving_sensor_at_a_point_of_large_motion_makes_no_further_mode() {
+        // The mass lowers the second frequency by 4.5 % at one point, by 1 % at most at others.
+        let mut structure = structure(1.0);
+        structure.modes[1].2[4] = 3.0;
+        let model = found(&loaded(&structure, &["1:+Z"], |point| (point, 0.01)));
+        let hz: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
+        assert_eq!(hz.len(), 3, "{hz:?}");
+    }
+
+    #[test]
     fn a_roving_mass_makes_no_repeated_root() {
         let mut structure = structure(0.02);
         structure.modes[1].2[1] = -0.05;
