@@ -56,7 +56,7 @@ pub const FAMILIES: &[Family] = &[
         let exact = exact(&structure);
         with_white_noise(exact, unchanged(&structure), random)
     }),
-    Family::new("roving sensor with mass", [0.06, 0.15], mass_loading),
+    Family::new("roving sensor with mass", [0.03, 0.02], mass_loading),
     Family::new("shift between runs, large", [0.03, 0.06], |random| {
         shift_between_runs(random, (0.05, 0.6), 1)
     }),
