@@ -27,7 +27,8 @@ use super::wrapping::{DEFAULT_WIDTH, wrapped};
     name = "modalign",
     version,
     propagate_version = true,
-    arg_required_else_help = true
+    arg_required_else_help = true,
+    after_help = "Examples:\n  modalign inspect hits.uff                   # what a file holds\n  modalign new bar hits.uff --model beam      # drafts the folder bar: a scene and a model\n  modalign run bar -o out                     # modes, comparison and report\nExit codes: 0 done; 1 done, but a limit is missed or data are lacking; 2 error.\nCOLUMNS sets the width of the screen."
 )]
 pub struct Cli {
     /// The verb.

@@ -283,8 +283,8 @@ pub(super) fn reasons_without_support(result: &UpdateResult) -> Option<String> {
     })
 }
 
-/// The first optima of about the same objective, `most` of them, each with what separates it from the
-/// best, and the number of further ones.
+/// The first optima of about the same objective, `most` of them, each with what separates it from
+/// the best, and the number of further ones.
 pub(super) fn alternatives_text(result: &UpdateResult, most: usize) -> Option<String> {
     let text = |other: &Alternative| {
         let parameters = result.parameters.iter().zip(&other.values);

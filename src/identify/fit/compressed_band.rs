@@ -41,8 +41,9 @@ const MAX_POLYNOMIAL_ERROR_OVER_NOISE: f64 = 1e-6;
 const MAX_END_DIFFERENCE: f64 = 1.0 / 32.0;
 /// Minimum length of a segment, lines.
 const MIN_SEGMENT_LINES: usize = 48;
-/// Fits and steps that read a compressed band, and segments that are renewed once meanwhile: means
-/// over the fits of `tests/bench/identify.rs`.
+/// Fits and steps that read a compressed band, and segments that are renewed once meanwhile, on
+/// average over an identification from 900 FRFs. They decide the number of segments, and with it
+/// the time alone: `segments_explain_the_same_energy_as_the_lines`.
 const FITS_PER_BAND: usize = 8;
 const STEPS_PER_BAND: usize = 14;
 const RENEWED_SEGMENTS: usize = 3;
@@ -243,8 +244,9 @@ impl CompressedBand {
         let counts =
             halves.take_while(|count| *count == 1 || self.lines.len() >= count * MIN_SEGMENT_LINES);
         let ranges = counts.map(|count| equal_ranges(&self.lines, count));
-        let ranges = ranges.min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        ranges.unwrap_or_default()
+        let costs = ranges.map(|ranges| (cost(&ranges), ranges));
+        let cheapest = costs.min_by(|a, b| a.0.total_cmp(&b.0));
+        cheapest.map_or_else(Vec::new, |(_, ranges)| ranges)
     }
 
     /// Coordinates of the values minus the known response, without that of `members`, the numbers

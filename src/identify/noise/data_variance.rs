@@ -55,16 +55,17 @@ pub(in crate::identify) fn noise_of_set<T: Clone + Send + Sync>(
     };
     let mut references: BTreeMap<&Dof, Vec<usize>> = BTreeMap::new();
     for (i, function) in set.functions().iter().enumerate() {
-        if is_estimated(set, i) {
-            references.entry(&function.reference).or_default().push(i);
-        }
+        references.entry(&function.reference).or_default().push(i);
     }
     let mut measured = BTreeMap::new();
     for group in references.into_values() {
-        let samples = group.par_iter();
-        let samples: Vec<VarianceSamples> = samples
-            .filter_map(|i| estimated(set, *i, lines.clone()))
-            .collect();
+        let with_samples = group
+            .into_par_iter()
+            .filter_map(|i| Some((i, estimated(set, i, lines.clone())?)));
+        let (group, samples): (Vec<usize>, Vec<VarianceSamples>) = with_samples.unzip();
+        if samples.is_empty() {
+            continue;
+        }
         let smooth = variance_model::smooth(&samples[..], |_, smooth| smooth);
         let samples: Vec<&VarianceSamples> = samples.iter().collect();
         let common_fraction = common_fraction_from_variances(&samples, &smooth);
@@ -95,13 +96,8 @@ pub(in crate::identify) fn noise_of_set<T: Clone + Send + Sync>(
     (0..set.len()).into_par_iter().map(of_function).collect()
 }
 
-/// Whether the data supply the variance of an FRF, or coherence and number of averages.
-fn is_estimated(set: &FrfSet, i: usize) -> bool {
-    let averages = set.functions()[i].averages;
-    set.variance(i).is_some() || set.coherence(i).is_some() && averages >= Some(2)
-}
-
-/// The variances that the data supply for an FRF.
+/// The variances that the data supply for an FRF; `None` without them, and without coherence and
+/// number of averages.
 fn estimated(set: &FrfSet, i: usize, lines: Range<usize>) -> Option<VarianceSamples> {
     let values = &set.values(i)[lines.clone()];
     let Function {
