@@ -44,8 +44,8 @@ pub use matrix::{
 };
 pub use order::{sort_ascending_by, sort_descending_by};
 pub use products::{
-    RowProduct, StackedPart, add_square, adjoint_product, adjoint_product_from, for_each_column,
-    stacked_difference, subtract_product, subtract_row_products,
+    Append, Fill, RowProduct, StackedPart, add_square, adjoint_product, adjoint_product_from,
+    for_each_column, stacked_difference, subtract_product, subtract_row_products,
 };
 pub use scaled_pair::SymmetricModes;
 pub use semidefinite::{

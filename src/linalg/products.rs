@@ -33,6 +33,11 @@ pub fn subtract_product(b: ComplexView<'_>, a: &ComplexMatrix, c: &ComplexMatrix
     whole
 }
 
+/// Copies some rows of a column.
+pub type Fill<'a> = dyn Fn(usize, Range<usize>, &mut [Complex64]) + Sync + 'a;
+/// Converts some rows of a column, and appends them.
+pub type Append<'a, T> = dyn Fn(usize, Range<usize>, &[Complex64], &mut Vec<T>) + Sync + 'a;
+
 /// `A C` on some rows.
 pub struct RowProduct<'a> {
     /// The rows.
@@ -48,8 +53,8 @@ pub struct RowProduct<'a> {
 pub fn subtract_row_products<T: Send>(
     columns: usize,
     products: &[RowProduct<'_>],
-    fill: &(dyn Fn(usize, Range<usize>, &mut [Complex64]) + Sync),
-    append: &(dyn Fn(usize, Range<usize>, &[Complex64], &mut Vec<T>) + Sync),
+    fill: &Fill<'_>,
+    append: &Append<'_, T>,
 ) -> Vec<Vec<T>> {
     let rows = products.iter().map(|product| product.rows.len()).sum();
     let of_block = |number: usize| {

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// Maximum rounding of a force fraction, and of a variance over its value: of variances that are
 /// converted from accelerances and back 1e-15, of single precision 1.2e-7. Larger, at 0.1: force
-/// noise is lost. Smaller, at 0: fractions of FRFs without force noise take memory, and noise at its
-/// minimum changes. Tests `noise_of_any_size_is_exact_to_single_precision`,
+/// noise is lost. Smaller, at 0: fractions of FRFs without force noise take memory, and noise at
+/// its minimum changes. Tests `noise_of_any_size_is_exact_to_single_precision`,
 /// `raised_noise_changes_where_it_is_below_the_minimum`.
 const MAX_ROUNDING: f64 = 1e-6;
 /// Lines that are summed at once: each sum waits for the one before.
