@@ -98,7 +98,7 @@ pub(super) static VERDICT_TEXTS: &Group = &[
     (
         "next_update_support",
         Text {
-            english: "Next, as the supports of test and model differ: correct the one that is wrong ({}).",
+            english: "Next, as supports of test and model differ: correct the wrong one ({}).",
             chinese: "下一步 (试验与模型的支承不同)：请更正其中有误的一个 ({})。",
         },
     ),

@@ -166,7 +166,7 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
     if has(Code::SupportDiffers) {
         let code = explained(Code::SupportDiffers);
         return Some(format!(
-            "Next, as the supports of test and model differ: correct the one that is wrong ({code})."
+            "Next, as supports of test and model differ: correct the wrong one ({code})."
         ));
     }
     let at_bound = |parameter: &&UpdatedParameter| parameter.verdict == ParameterVerdict::AtBound;
