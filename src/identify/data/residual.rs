@@ -25,8 +25,8 @@ const SEGMENT_LINES: usize = 256;
 /// Distance from the middle of a segment, in half-lengths, from which polynomials represent the
 /// response of a pole, and their number: the error is below `1/T_18(3)`, 3e-14 of the response.
 ///
-/// A smaller distance or number: at 1.5, or with 12 polynomials, the error exceeds 1e-9. Larger:
-/// the prediction takes longer. Test `far_poles_are_predicted_as_on_the_lines`.
+/// Larger: the prediction takes longer. Smaller: the error grows, to 1e-9 of the response by the
+/// bound for 12 polynomials, which no test notices yet.
 const POLYNOMIAL_DISTANCE: f64 = 3.0;
 const POLYNOMIALS: usize = 18;
 
