@@ -14,14 +14,19 @@ use std::sync::Arc;
 /// its minimum changes. Tests `noise_of_any_size_is_exact_to_single_precision`,
 /// `raised_noise_changes_where_it_is_below_the_minimum`.
 const MAX_ROUNDING: f64 = 1e-6;
+/// Largest finite standard deviation in units of the scale, between the limits of single precision,
+/// 1e-38 and 3e38. Larger, at 1e38: an infinite one is no larger than three finite ones. Smaller, at
+/// 1: beside an unknown variance of 3e38, noise of other lines below 1e-19 m/N is lost
+/// (`an_outlier_leaves_the_noise_of_the_other_lines`).
+const LARGEST: f64 = 1e20;
 /// Lines that are summed at once: each sum waits for the one before.
 const LANES: usize = 8;
 
 /// Noise of one FRF by line.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct LineNoise {
-    /// Geometric mean of the smallest and the largest standard deviation, m/N: their ratio may be
-    /// that of the largest and the smallest number in single precision.
+    /// About the largest finite standard deviation, m/N, over [`LARGEST`]: a power of two, so that
+    /// variances in single precision stay what they are where others change.
     scale: f64,
     /// Standard deviation over the scale.
     relative: Arc<[f32]>,
@@ -51,12 +56,9 @@ impl LineNoise {
 
     fn set_variance(&mut self, variance: &[f64]) {
         let stds = variance.iter().map(|variance| variance.sqrt());
-        let usual = stds.filter(|std| *std > 0.0 && std.is_finite());
-        let (least, most) = usual.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), std| {
-            (least.min(std), most.max(std))
-        });
-        self.scale = match most > 0.0 {
-            true => least.sqrt() * most.sqrt(),
+        let largest = stds.filter(|std| std.is_finite()).fold(0.0, f64::max);
+        self.scale = match largest > 0.0 {
+            true => (largest / LARGEST).log2().floor().exp2(),
             false => 1.0,
         };
         let relative = |variance: &f64| {
@@ -159,8 +161,14 @@ mod tests {
             assert!((noise.variance(k) / v - 1.0).abs() < 3e-7, "{k}");
         }
         let noise = LineNoise::new(&[f64::NAN, 4.0, 0.0, f64::INFINITY], &[0.0; 4]);
-        assert!(noise.std(0).is_nan() && noise.std(2) < 1e-30 && noise.std(3) > 1e30);
+        assert!(noise.std(0).is_nan() && noise.std(2) < 1e-30 && noise.std(3) > 1e18);
         assert!((noise.std(1) - 2.0).abs() < 1e-6);
+        // A line without noise.
+        let noise = LineNoise::new(&[1e-20, f64::MIN_POSITIVE, 4e-20], &[0.0; 3]);
+        for (k, v) in [(0, 1e-20), (2, 4e-20)] {
+            assert!((noise.variance(k) / v - 1.0).abs() < 3e-7, "{k}");
+        }
+        assert!(noise.std(1) < 1e-60);
     }
 
     #[test]
@@ -187,5 +195,11 @@ mod tests {
         for (v, expected) in raised.into_iter().zip([16.0, 4.0, 10.0]) {
             assert!((v / expected - 1.0).abs() < 3e-7);
         }
+        // The larger scale leaves the others as they are, to the last bit.
+        let mut noise = LineNoise::new(&[0.1, 0.2, 0.3], &[0.0; 3]);
+        let before: Vec<f64> = noise.variances(0..3).collect();
+        noise.raise([7e9, 0.0, 0.0].into_iter());
+        let after: Vec<f64> = noise.variances(0..3).collect();
+        assert_eq!(before[1..], after[1..]);
     }
 }
