@@ -89,6 +89,33 @@ fn modes_of_frfs_smoothed_over_three_lines_are_found_once() {
 }
 
 #[test]
+fn a_single_mode_of_smoothed_frfs_is_found_once() {
+    // The wide mode needs no second pole.
+    let modes = [(40.0, 0.005, FIRST), (70.0, 0.03, SECOND)];
+    let model = identified(&measured(&modes, 3));
+    let hz: Vec<f64> = model.modes.iter().map(|mode| mode.frequency_hz).collect();
+    assert_eq!(hz.len(), 2, "{hz:?}");
+    let mut findings = model.findings.iter();
+    assert!(findings.any(|finding| finding.code == Code::PolesMerged));
+    // The sum of the two poles is the mode, so that a weak one far away keeps its shape.
+    let modes = [(40.0, 0.005, FIRST), (70.0, 0.03, SECOND.map(|v| 0.1 * v))];
+    let model = identified(&measured(&modes, 3));
+    let mpc: Vec<Option<f64>> = model.modes.iter().map(|mode| mode.mpc).collect();
+    assert!(mpc.iter().all(|mpc| *mpc > Some(0.99)), "{mpc:?}");
+}
+
+#[test]
+fn two_modes_of_one_shape_stay() {
+    // 1.5 lines apart, as smoothing leaves poles, but the second has half of the residue.
+    let modes = [
+        (40.0, 0.005, FIRST),
+        (40.075, 0.005, FIRST.map(|v| 0.7 * v)),
+    ];
+    let model = identified(&measured(&modes, 1));
+    assert_eq!(model.modes.len(), 2);
+}
+
+#[test]
 fn close_modes_of_different_shapes_are_not_merged() {
     // A tenth of a half-power bandwidth apart.
     let model = identified(&measured(
