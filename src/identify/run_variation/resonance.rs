@@ -28,8 +28,9 @@ pub(super) struct Resonance<'a> {
     pub(super) profile: BandProfile,
     /// Values over the noise, of aligned runs: lines × FRFs.
     pub(super) aligned: ComplexMatrix,
-    /// Values over the noise, as measured.
-    values: ComplexMatrix,
+    /// Values over the noise, as measured; `None` where no mode nearby shifts, so that they are the
+    /// aligned ones.
+    values: Option<ComplexMatrix>,
     /// Profiles of out-of-band terms, with a curvature: lines × columns.
     background: ComplexMatrix,
     pub(super) group: Vec<&'a ModelPole>,
@@ -84,19 +85,22 @@ impl<'a> Resonance<'a> {
         });
         let modes_near: Vec<&ShiftedMode> =
             (shifted.iter()).filter(|mode| near(mode.lambda)).collect();
-        let mut values = aligned.clone();
-        let shifted_runs = runs.iter().filter(|_| !modes_near.is_empty());
-        for (run, functions) in shifted_runs.enumerate() {
-            for (f, k) in functions
-                .iter()
-                .flat_map(|f| (0..omega.len()).map(move |k| (*f, k)))
-            {
-                let corrections = modes_near
+        let as_measured = || {
+            let mut values = aligned.clone();
+            for (run, functions) in runs.iter().enumerate() {
+                for (f, k) in functions
                     .iter()
-                    .map(|mode| mode.correction(data.frfs.line_shape, f, run, omega[k]));
-                values[(k, f)] -= corrections.sum::<Complex64>() / over(k, f);
+                    .flat_map(|f| (0..omega.len()).map(move |k| (*f, k)))
+                {
+                    let corrections = modes_near
+                        .iter()
+                        .map(|mode| mode.correction(data.frfs.line_shape, f, run, omega[k]));
+                    values[(k, f)] -= corrections.sum::<Complex64>() / over(k, f);
+                }
             }
-        }
+            values
+        };
+        let values = (!modes_near.is_empty()).then(as_measured);
         let other = |j: &usize| !group.contains(j);
         Some(Self {
             aligned,
@@ -149,7 +153,7 @@ impl<'a> Resonance<'a> {
 
     /// Measured values over the noise: lines × FRFs.
     pub fn values(&self) -> &ComplexMatrix {
-        &self.values
+        self.values.as_ref().unwrap_or(&self.aligned)
     }
 }
 
