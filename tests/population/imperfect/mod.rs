@@ -178,13 +178,12 @@ fn codes(found: &ModalModel) -> String {
     names.join(" ")
 }
 
-/// Which half of the draws: `IMPERFECT_HALF` 1 for the held-out one.
+/// Which half of the draws: `IMPERFECT_HALF=1` for the held-out one.
 fn half() -> u64 {
     std::env::var("IMPERFECT_HALF").map_or(0, |half| half.parse().unwrap())
 }
 
 #[test]
-#[ignore = "takes an hour: cargo test --release --features population --test population imperfect -- --ignored --nocapture"]
 fn imperfect_data_keep_their_limits() {
     let only = std::env::var("IMPERFECT_FAMILY").unwrap_or_default();
     let mut all = Counts::default();
