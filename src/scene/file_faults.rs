@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use crate::geometry::Sensor;
-use crate::io::IoError;
+use crate::io::{HitGrouping, IoError};
+use crate::signal::TriggerOptions;
 
 use super::error::SceneError;
 use super::faults::Faults;
@@ -12,7 +13,7 @@ use super::ingest::{IngestOptions, check_files};
 use super::model::{OpenedModel, open_model};
 use super::modes_file::{ModesOptions, load_modes};
 use super::recording::{hammer_test, load_synth};
-use super::test_plan::{TestSource, test_source};
+use super::test_plan::{TestSource, listed_files, test_source};
 use super::typed::SceneFile;
 use super::update_options::check_parameter_names;
 
@@ -34,10 +35,14 @@ pub(super) fn collect_file_faults(
         }
     }
     for test in &typed.test {
-        // A fault of the source is known already.
-        if let Ok(source) = test_source(test, folder, path) {
-            collect_source_faults(&source, test.partial, path, faults);
-        }
+        // A fault of the source is known already; the files beside it can have further ones.
+        let source = test_source(test, folder, path).unwrap_or_else(|_| TestSource::Files {
+            files: listed_files(test, folder, path).0,
+            hits: HitGrouping::default(),
+            trigger: TriggerOptions::default(),
+            typed: Box::new(test.clone()),
+        });
+        collect_source_faults(&source, test.partial, path, faults);
     }
 }
 

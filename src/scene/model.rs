@@ -75,11 +75,24 @@ impl From<LoadedModes> for Theory {
     }
 }
 
-/// The keys that state the kind of a model file; lumped models and matrices may leave it out.
+/// The keys that state the kind of a model file, or show it where it is not stated.
 #[derive(Deserialize)]
 struct KindKeys {
     kind: Option<String>,
     matrices: Option<IgnoredAny>,
+    beam: Option<IgnoredAny>,
+}
+
+impl KindKeys {
+    /// The kind that is stated, or that of the parts; `None` for rigid bodies.
+    fn kind(self) -> Option<String> {
+        let shown = match (self.matrices, self.beam) {
+            (Some(_), _) => Some("matrices"),
+            (None, Some(_)) => Some("beam"),
+            (None, None) => None,
+        };
+        self.kind.or_else(|| shown.map(str::to_owned))
+    }
 }
 
 /// The key that says that the values of a model file are those of an example; the model itself
@@ -123,12 +136,11 @@ pub(super) fn model_of_text(
     overrides: &BTreeMap<String, f64>,
 ) -> Result<LoadedModel, SceneError> {
     let path = name.display().to_string();
-    let KindKeys { kind, matrices } = parse(text, &path)?;
+    let kind = parse::<KindKeys>(text, &path)?.kind();
     let mut faults = Faults::default();
     let tables = faults.take(parse::<SensorTables>(text, &path));
     let tables = tables.unwrap_or_default().sensor;
     let sensors_of_file = faults.take(sensors(&tables, &path)).unwrap_or_default();
-    let kind = kind.or_else(|| matrices.map(|_| "matrices".to_owned()));
     let model = faults.take(model_of_kind(kind.as_deref(), text, name));
     let (model, sensors_of_matrices) = faults.located(&path, text).finish(model)?;
     let sensors = match sensors_of_file.is_empty() {

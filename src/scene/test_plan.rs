@@ -9,13 +9,13 @@ use crate::axis::Band;
 use crate::dof::Dof;
 use crate::frf::HammerOptions;
 use crate::io::{HitGrouping, IoError};
-use crate::signal::TriggerOptions;
+use crate::signal::{SignalError, TriggerOptions};
 
 use super::columns;
 use super::error::{SceneError, value_error};
 use super::faults::Faults;
 use super::test_state::TestState;
-use super::typed::TestTable;
+use super::typed::{TestTable, TriggerTable};
 
 /// One test, ready to run.
 #[derive(Clone, Debug)]
@@ -160,63 +160,84 @@ fn describes_files(test: &TestTable) -> bool {
 }
 
 fn files_source(test: &TestTable, folder: &Path, path: &str) -> Result<TestSource, SceneError> {
-    let mut files = Vec::new();
-    for pattern in &test.files {
-        for found in expand(folder, pattern, path)? {
-            let stated = test
-                .file
-                .iter()
-                .find(|stated| folder.join(&stated.path) == found)
-                .cloned();
-            let response = stated.as_ref().and_then(|stated| stated.response.clone());
-            let reference = stated.as_ref().and_then(|stated| stated.reference.clone());
-            files.push(FilePlan {
-                path: found,
-                response,
-                reference,
-            });
-        }
-    }
-    if let Some(twice) =
-        (1..files.len()).find(|i| files[..*i].iter().any(|file| file.path == files[*i].path))
-    {
-        let got = format!("{} twice", files[twice].path.display());
-        return Err(value_error(path, "[[test]] files", &got, "each file once"));
-    }
-    if let Some(stated) = test.file.iter().find(|stated| {
-        !files
-            .iter()
-            .any(|file| file.path == folder.join(&stated.path))
-    }) {
-        return Err(value_error(
-            path,
-            "[[test.file]] path",
-            &format!("{:?}", stated.path),
-            "one of the test's files",
-        ));
-    }
+    let (files, mut faults) = listed_files(test, folder, path);
     let hits = match test.hits.as_deref() {
-        None => HitGrouping::Auto,
+        None => Ok(HitGrouping::Auto),
         Some(name) => HitGrouping::from_name(name).ok_or_else(|| {
-            value_error(
-                path,
-                "[[test]] hits",
-                &format!("{name:?}"),
-                "\"records\", \"files\" or \"trigger\"",
-            )
-        })?,
+            let expected = "\"records\", \"files\" or \"trigger\"";
+            value_error(path, "[[test]] hits", &format!("{name:?}"), expected)
+        }),
     };
-    let trigger = TriggerOptions {
-        level_n: test.trigger.level_n,
-        pretrigger_s: test.trigger.pretrigger_s,
-        length_s: test.trigger.length_s,
-    };
+    let hits = faults.take(hits);
+    let trigger = faults.take(trigger_options(&test.trigger, path));
+    let (hits, trigger) = faults.finish(hits.zip(trigger))?;
     Ok(TestSource::Files {
         files,
         hits,
         trigger,
         typed: Box::new(test.clone()),
     })
+}
+
+/// `[test.trigger]`.
+fn trigger_options(table: &TriggerTable, path: &str) -> Result<TriggerOptions, SceneError> {
+    let options = TriggerOptions {
+        level_n: table.level_n,
+        pretrigger_s: table.pretrigger_s,
+        length_s: table.length_s,
+    };
+    let checked = options.validate().map_err(|error| match error {
+        SignalError::WindowParameter {
+            parameter,
+            got,
+            expected,
+            ..
+        } => {
+            let key = format!("[test.trigger] {parameter}");
+            value_error(path, &key, &got.to_string(), expected)
+        }
+        other => value_error(path, "[test.trigger]", "these values", &other.to_string()),
+    });
+    checked.map(|()| options)
+}
+
+/// The files of a `[[test]]` as far as their list is right, and its faults.
+pub(super) fn listed_files(
+    test: &TestTable,
+    folder: &Path,
+    path: &str,
+) -> (Vec<FilePlan>, Faults<SceneError>) {
+    let mut faults = Faults::default();
+    let mut files: Vec<FilePlan> = Vec::new();
+    for pattern in &test.files {
+        for found in faults
+            .take(expand(folder, pattern, path))
+            .into_iter()
+            .flatten()
+        {
+            if files.iter().any(|file| file.path == found) {
+                let got = format!("{} twice", found.display());
+                faults.add(value_error(path, "[[test]] files", &got, "each file once"));
+                continue;
+            }
+            let mut stated = test.file.iter();
+            let stated = stated.find(|stated| folder.join(&stated.path) == found);
+            files.push(FilePlan {
+                path: found,
+                response: stated.and_then(|stated| stated.response.clone()),
+                reference: stated.and_then(|stated| stated.reference.clone()),
+            });
+        }
+    }
+    for stated in &test.file {
+        let is_listed = |file: &FilePlan| file.path == folder.join(&stated.path);
+        if !files.iter().any(is_listed) {
+            let got = format!("{:?}", stated.path);
+            let key = "[[test.file]] path";
+            faults.add(value_error(path, key, &got, "one of the test's files"));
+        }
+    }
+    (files, faults)
 }
 
 /// The files of one entry of `files`: itself, or the matches of its wildcards in order of name.

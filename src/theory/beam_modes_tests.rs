@@ -37,7 +37,7 @@ const CLAMPED_FREE: [f64; 4] = [
 pub(super) fn bar(elements: usize, start: End, end: End) -> BeamFile {
     let number = Value::Number;
     BeamFile {
-        kind: "beam".to_owned(),
+        kind: None,
         sensors: serde::de::IgnoredAny,
         schema: SCHEMA.to_owned(),
         title: "bar".to_owned(),

@@ -13,7 +13,7 @@ use super::{ParameterSpec, ParameterStatus, Support, TheoryError};
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-model/1";
 
-/// `kind = "beam"`: one or more Euler-Bernoulli beams with point masses and springs to ground. They
+/// `kind = "beam"`, or a model with `[[beam]]`: one or more Euler-Bernoulli beams with point masses and springs to ground. They
 /// do not touch one another.
 ///
 /// ```
@@ -65,8 +65,8 @@ pub const SCHEMA: &str = "modalign-model/1";
 pub struct BeamFile {
     /// [`SCHEMA`].
     pub schema: String,
-    /// `beam`.
-    pub kind: String,
+    /// `beam`, where it is stated.
+    pub kind: Option<String>,
     /// Title of the model.
     pub title: String,
     /// How the structure is held; shown by the matrices where not stated.

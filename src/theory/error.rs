@@ -61,6 +61,20 @@ pub enum TheoryError {
         /// Unit of all three.
         unit: String,
     },
+    /// A lower bound above the upper one.
+    #[error(
+        "parameter `{name}`: got lower = {lower} above upper = {upper} {unit}, expected lower <= upper"
+    )]
+    ReversedBounds {
+        /// Parameter.
+        name: String,
+        /// Lower bound.
+        lower: f64,
+        /// Upper bound.
+        upper: f64,
+        /// Unit of both.
+        unit: String,
+    },
     /// A part of a number of parts.
     #[error("parameter `{name}`: got {got}, expected a whole number")]
     NotWhole {

@@ -60,6 +60,16 @@ impl ParameterSpec {
     }
 
     fn check(&self, value: f64) -> Result<(), TheoryError> {
+        if let (Some(lower), Some(upper)) = (self.lower, self.upper)
+            && lower > upper
+        {
+            return Err(TheoryError::ReversedBounds {
+                name: self.name.clone(),
+                lower,
+                upper,
+                unit: self.unit.clone(),
+            });
+        }
         let above = self.lower.is_none_or(|lower| value >= lower);
         let below = self.upper.is_none_or(|upper| value <= upper);
         if value.is_finite() && above && below {
@@ -104,7 +114,8 @@ pub fn nominal_values(specs: &[ParameterSpec]) -> Vec<f64> {
 /// bounds (edges included), whole where it is a number of parts.
 ///
 /// # Errors
-/// [`TheoryError::ValueCount`]; [`TheoryError::OutOfBounds`]; [`TheoryError::NotWhole`].
+/// [`TheoryError::ValueCount`]; [`TheoryError::ReversedBounds`]; [`TheoryError::OutOfBounds`];
+/// [`TheoryError::NotWhole`].
 pub fn check_values(
     model: &str,
     specs: &[ParameterSpec],

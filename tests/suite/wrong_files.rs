@@ -116,6 +116,33 @@ const CASES: &[Case] = &[
             "did you mean `max_missed`?",
         ],
     ),
+    // The list of files has faults, and so have files of it.
+    (
+        Scene,
+        &[
+            (
+                "title = \"a table\"",
+                "title = \"a table\"\n[frf]\nforce_window_s = -0.1\nnoise_ratio = 0.0\nblock_length_s = nan",
+            ),
+            (
+                "files = [\"hits.csv\"]",
+                "files = [\"hits.csv\", \"missing.csv\", \"none*.csv\"]\nband_hz = [300.0, 20.0]\nhits = \"recods\"\ntrigger.level_n = -1.0",
+            ),
+            ("column = \"acceleration\"", "column = \"accel\""),
+        ],
+        &[
+            "9 faults",
+            ":4:18: [frf] force_window_s: got -0.1, expected 0 s or more",
+            ":5:15: [frf] noise_ratio: got 0, expected a positive number",
+            ":6:18: [frf] block_length_s: got NaN, expected a positive time",
+            "[[test]] files: got \"none*.csv\", which matches no file",
+            "band_hz: got [300.0, 20.0], expected",
+            "[[test]] hits: got \"recods\", expected",
+            "[test.trigger] level_n: got -1, expected a positive",
+            "missing.csv: cannot open: there is no such file",
+            "hits.csv:1: got columns force, acceleration, expected a column \"accel\"",
+        ],
+    ),
     (
         Model,
         &[
@@ -374,6 +401,13 @@ const CASES: &[Case] = &[
         Model,
         &[("[[spring]]\nname = \"s2\"", "[[sprng]]\nname = \"s2\"")],
         &["got unknown key `sprng`", "did you mean `spring`?"],
+    ),
+    (
+        Model,
+        &[("lower = 5.0e5", "lower = 5.0e6")],
+        &[
+            "model.toml:7:9: parameter `mount`: got lower = 5000000 above upper = 2000000 N/m, expected lower <= upper",
+        ],
     ),
     // Tables of modes.
     (

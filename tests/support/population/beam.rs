@@ -125,7 +125,7 @@ impl BeamSpec {
 fn file(length_m: f64, thickness_m: f64, [start, end]: [End; 2]) -> BeamFile {
     BeamFile {
         schema: SCHEMA.to_owned(),
-        kind: "beam".to_owned(),
+        kind: None,
         title: "drawn beam".to_owned(),
         support: None,
         example_values: false,
