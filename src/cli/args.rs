@@ -139,7 +139,9 @@ impl Verb {
 
 /// `run`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  modalign run measurements/cycloid-ball -o out")]
+#[command(
+    after_help = "Limits in scene.toml, of which a missed one is exit code 1:\n  [limits]\n  max_frequency_error_percent = 5    # of paired modes\n  min_mac = 0.9                      # of paired modes\n  max_missed = 0                     # model modes that the test should have shown\nExample:\n  modalign run measurements/cycloid-ball -o out"
+)]
 pub struct RunArgs {
     /// The scene: its folder, or its TOML file.
     pub scene: PathBuf,
@@ -538,7 +540,7 @@ pub struct SynthArgs {
 /// `check`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  modalign check out/comparison.json --against limits.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
+    after_help = "In limits.toml, or in scene.toml:\n  [limits]\n  max_frequency_error_percent = 5    # of paired modes\n  min_mac = 0.9                      # of paired modes\n  max_missed = 0                     # model modes that the test should have shown\nExamples:\n  modalign check out/comparison.json --against limits.toml --junit check.xml\n  modalign check modes.json --against modes.json             # an earlier result as the baseline"
 )]
 pub struct CheckArgs {
     /// The result: comparison.json, modes.json or update.json.

@@ -30,8 +30,8 @@ use super::study_args::BreakdownArgs;
 const VERB: &str = "study breakdown";
 
 /// Where the rest of the result is.
-const REST: &str =
-    "Ranges with intervals, failure modes, numerical stability: --full. Maps: -o DIR.";
+const REST: &str = "Ranges with intervals, failure modes, numerical stability: --full.";
+const FILES: &str = "Maps: -o DIR.";
 
 /// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when
 /// a file of the modes that are marked in the maps was partly bad.
@@ -101,7 +101,7 @@ pub fn breakdown(
             blocks.chain(rates).chain(kept.clone()).collect()
         },
     );
-    output.add_rest_note(REST);
+    output.add_rest_of_study(REST, FILES, args.output.is_some());
     output.add_json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
 }

@@ -174,7 +174,8 @@ fn compare_with_theory(
     };
     let mut page = comparison_page_of_all_tests(&comparison.table, &theory);
     page.extend(further.clone());
-    let next = without_sensors.then(|| next_with_sensors(args));
+    let has_pairs = comparison.table.summary.iter().any(|test| test.paired > 0);
+    let next = (without_sensors && has_pairs).then(|| next_with_sensors(args));
     let printed = CorrelationOutput::of_blocks(blocks, json)
         .with_page(page)
         .with_next(next);

@@ -95,10 +95,13 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
                 .collect()
         },
     );
-    output.add_rest_note(match args.output {
+    let rest = match args.output {
         Some(_) => "All hits and FRFs: --full.",
         None => "All hits and FRFs: --full; FRFs to a file: -o FILE.",
-    });
+    };
+    let file = args.output.as_deref().filter(|path| !is_stream(path));
+    let next = file.map(|path| format!("Next: modalign identify {}.", path.display()));
+    output.add_closing(next.into_iter().collect(), Some(rest));
     output.add_json(|| set_json(&set, usable, &hits, &list));
     output.add_findings(&data.findings);
     output.add_findings(&set.findings);

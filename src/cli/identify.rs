@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::Error;
 use crate::finding::Code;
 use crate::identify::{ESTIMATORS, IdentifyOptions, MethodOptions};
-use crate::io::{modes_to_json, read_selection, sha256_hex};
+use crate::io::{is_stream, modes_to_json, read_selection, sha256_hex};
 use crate::modal::InputFile;
 use crate::report::{
     Block, CsvText, INDICATOR_DEFINITIONS, Renderer, indicators_block, modes_block, modes_screen,
@@ -95,10 +95,16 @@ pub fn identify(
         |width| modes_screen(&name, &modes, ADVICE, width),
         || vec![modes_block(&name, &modes)],
     );
-    output.add_rest_note(match args.output {
+    let rest = match args.output {
         Some(_) => "All columns and notes: --full.",
         None => "All columns and notes: --full; modes with shapes to a file: -o modes.json.",
+    };
+    let file = args.output.as_deref().filter(|path| !is_stream(path));
+    let next = file.filter(|_| !modes.modes.is_empty()).map(|path| {
+        let test = path.display();
+        format!("Next: modalign correlate --test {test} --theory MODEL.")
     });
+    output.add_closing(next.into_iter().collect(), Some(rest));
     if let Some(path) = &args.stabilization {
         let poles = stabilization_block(&name, &identified.stabilization);
         output.add_file(path, CsvText.render(&[poles]));

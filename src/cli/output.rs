@@ -185,6 +185,15 @@ impl Output {
         self.add_closing(Vec::new(), Some(note));
     }
 
+    /// Says on the screen of a study where the rest of its result is, and that figures and files can
+    /// be had where none are written.
+    pub fn add_rest_of_study(&mut self, rest: &str, files: &str, is_written: bool) {
+        match is_written {
+            true => self.add_rest_note(rest),
+            false => self.add_rest_note(&format!("{rest} {files}")),
+        }
+    }
+
     /// Ends the result with the next step, and where the screen does not show all of it, with where
     /// the rest is.
     pub fn add_closing(&mut self, mut next: Vec<String>, rest: Option<&str>) {

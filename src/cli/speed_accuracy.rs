@@ -17,8 +17,8 @@ use super::study_args::SpeedAccuracyArgs;
 const VERB: &str = "study speed-accuracy";
 
 /// Where the rest of the result is.
-const REST: &str =
-    "Recommendations and the Pareto front: --full. All rows, times and figures: -o DIR.";
+const REST: &str = "Recommendations and the Pareto front: --full.";
+const FILES: &str = "All rows, times and figures: -o DIR.";
 
 /// Runs the study; exit code 1 when part of the files was bad.
 pub fn study(
@@ -40,7 +40,7 @@ pub fn study(
         |width| speed_accuracy_screen(&result, width),
         || speed_accuracy_blocks(&result),
     );
-    output.add_rest_note(REST);
+    output.add_rest_of_study(REST, FILES, args.output.is_some());
     output.add_json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }

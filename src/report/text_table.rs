@@ -410,6 +410,8 @@ pub(super) static TEXTS: Texts = Texts {
         other_configurations: "Not compared here: {}.", "此处未对比：{}。";
         chi_square: "Chi-square per degree of freedom {} ({} degrees of freedom; noise alone reaches {}).", "每自由度卡方 {} ({} 个自由度；仅噪声可达 {})。";
         next_new: "Next: modalign new {}", "下一步：modalign new {}";
+        next_identify: "Next: modalign identify {}.", "下一步：modalign identify {}。";
+        next_correlate: "Next: modalign correlate --test {} --theory MODEL.", "下一步：modalign correlate --test {} --theory MODEL。";
         all_hits_used: "Hits: all {} used.", "锤击：{} 次全部采用。";
         all_hits_of_tests_used: "Hits of {} tests: all {} used.", "{} 个试验的锤击：{} 次全部采用。";
         hits_of_tests_rejected: "Hits of {} tests: {} of {} used; rejected: {}.", "{} 个试验的锤击：采用 {} / {} 次；剔除：{}。";
