@@ -14,19 +14,19 @@ use std::sync::Arc;
 /// its minimum changes. Tests `noise_of_any_size_is_exact_to_single_precision`,
 /// `raised_noise_changes_where_it_is_below_the_minimum`.
 const MAX_ROUNDING: f64 = 1e-6;
-/// Largest finite standard deviation in units of the scale, between the limits of single precision,
-/// 1e-38 and 3e38. Larger, at 1e38: an infinite one is no larger than three finite ones. Smaller, at
-/// 1: beside an unknown variance of 3e38, noise of other lines below 1e-19 m/N is lost
-/// (`an_outlier_leaves_the_noise_of_the_other_lines`).
-const LARGEST: f64 = 1e20;
+/// Largest finite standard deviation over the scale; single precision holds 1e-38 to 3e38. Larger,
+/// at 1e38: an infinite standard deviation becomes three times the largest finite one. Smaller, at
+/// 1: beside an unknown variance of 3e38, noise below 1e-19 m/N is lost. Test:
+/// `an_outlier_leaves_the_noise_of_the_other_lines`.
+const MAX_RELATIVE_STD: f64 = 1e20;
 /// Lines that are summed at once: each sum waits for the one before.
 const LANES: usize = 8;
 
 /// Noise of one FRF by line.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::identify) struct LineNoise {
-    /// About the largest finite standard deviation, m/N, over [`LARGEST`]: a power of two, so that
-    /// variances in single precision stay what they are where others change.
+    /// The power of two below the largest finite standard deviation, m/N, over
+    /// [`MAX_RELATIVE_STD`]: variances of other lines stay what they are where one is raised.
     scale: f64,
     /// Standard deviation over the scale.
     relative: Arc<[f32]>,
@@ -58,7 +58,7 @@ impl LineNoise {
         let stds = variance.iter().map(|variance| variance.sqrt());
         let largest = stds.filter(|std| std.is_finite()).fold(0.0, f64::max);
         self.scale = match largest > 0.0 {
-            true => (largest / LARGEST).log2().floor().exp2(),
+            true => power_of_two_below(largest / MAX_RELATIVE_STD),
             false => 1.0,
         };
         let relative = |variance: &f64| {
@@ -112,7 +112,8 @@ impl LineNoise {
         }
         let last: f64 = last.iter().map(|relative| square(*relative)).sum();
         let sum = sums.iter().sum::<f64>() + last;
-        self.scale * self.scale * (sum / count)
+        // The square of the scale may be too small for a number.
+        self.scale * (self.scale * (sum / count))
     }
 
     /// Fractions of the variance that are force noise on a range of lines, where there are any.
@@ -134,6 +135,11 @@ impl LineNoise {
     }
 }
 
+/// The power of two that is a normal number or the next below it.
+fn power_of_two_below(number: f64) -> f64 {
+    f64::from_bits(number.to_bits() & f64::INFINITY.to_bits())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +151,8 @@ mod tests {
             let noise = LineNoise::new(&variance, &[0.0, 0.5, 0.0, 1.0]);
             for (k, v) in variance.into_iter().enumerate() {
                 assert!((noise.variance(k) / v - 1.0).abs() < 3e-7, "{size} {k}");
+                let mean = noise.mean_variance(k..k + 1);
+                assert!((mean / v - 1.0).abs() < 3e-7, "{size} {k}: {mean}");
             }
             assert_eq!(noise.force_fractions(1..4), Some(&[0.5, 0.0, 1.0][..]));
         }

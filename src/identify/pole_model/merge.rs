@@ -1,6 +1,7 @@
-//! FRFs that were smoothed over frequency lines have two poles of one shape and size for each mode,
-//! all at the same distance: the mean over three lines leaves poles 1.4 to 1.6 lines apart. The mean
-//! of the two replaces them.
+//! FRFs that were smoothed over frequency lines have two poles of one shape for each mode, all at
+//! the same distance: a mean over three lines leaves poles 1.4 to 1.6 lines apart, with equal
+//! residues. The mean of the two replaces them, where there are several pairs at one distance, or
+//! where a pair has equal residues and that distance.
 
 use num_complex::Complex64;
 
@@ -14,7 +15,7 @@ use crate::identify::fit::pole_covariance::add_noise_model_uncertainty;
 use crate::identify::pole_model::PoleModel;
 
 /// Distance of two poles of one mode, half-power bandwidths. Smoothing over three lines leaves
-/// poles 1.6 lines apart.
+/// poles 1.4 to 1.6 lines apart.
 const MAX_DISTANCE_BANDWIDTHS: f64 = 1.0;
 /// The same in frequency lines: a mode of a small mass that is tuned to another one may lie as near
 /// in bandwidths (`a_tuned_absorber_is_a_mode`).
@@ -26,10 +27,13 @@ const MAX_DECAY_RATIO: f64 = 1.5;
 /// all modes at one distance, two modes that the sensors do not separate are one pair.
 const MAX_DISTANCE_RATIO: f64 = 1.3;
 const MIN_PAIRS: usize = 2;
-/// Distance, lines, of the poles of a single pair: a symmetric mean over three lines leaves √2 with
-/// the weights of a Hann window and √(8/3) with equal ones, here with a margin of a twentieth.
+/// Distance, lines, of the poles that a symmetric mean over three lines leaves: √2 with the weights
+/// of a Hann window, √(8/3) with equal ones, here with a margin of a twentieth for noise. Wider, at
+/// 1.1 to 2: equal modes of one shape are merged (`two_modes_of_one_shape_stay`). Narrower, from
+/// 1.5: a mode under Hann weights stays two (`a_single_mode_of_smoothed_frfs_is_found_once`). Two
+/// modes of one shape and size within these limits are merged.
 const SMOOTHED_DISTANCE_LINES: [f64; 2] = [1.34, 1.71];
-/// Difference of the residues of a single pair over their sum: smoothing leaves equal residues.
+/// Difference of the residues of such a pair over their sum: smoothing leaves equal residues.
 /// Larger, at 0.4: two modes of one shape are merged (`two_modes_of_one_shape_stay`). Smaller, at
 /// 0.1: a smoothed mode stays two (`a_single_mode_of_smoothed_frfs_is_found_once`).
 const MAX_RESIDUE_DIFFERENCE: f64 = 0.2;
@@ -65,20 +69,19 @@ impl Merged {
 }
 
 impl PoleModel {
-    /// Merges the pairs of poles of one shape that lie at one distance of a few lines, and fits the
-    /// residues again.
+    /// Merges the pairs of poles of one shape that lie at one distance of a few lines, else those
+    /// that smoothing over three lines leaves, and fits the residues again.
     pub fn merge_same_shapes(&mut self) -> Vec<Merged> {
-        let pairs = self.same_shapes();
-        let distances = || pairs.iter().map(|(i, j)| self.lines_between(*i, *j));
-        let (shortest, longest) = (
-            distances().fold(f64::INFINITY, f64::min),
-            distances().fold(0.0, f64::max),
-        );
-        let are_alike = match pairs[..] {
-            [pair] => self.is_smoothed_mode(pair),
-            _ => pairs.len() >= MIN_PAIRS && longest <= MAX_DISTANCE_RATIO * shortest,
-        };
+        let mut pairs = self.same_shapes();
+        let distances = pairs.iter().map(|(i, j)| self.lines_between(*i, *j));
+        let distances: Vec<f64> = distances.collect();
+        let shortest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = distances.iter().copied().fold(0.0, f64::max);
+        let are_alike = pairs.len() >= MIN_PAIRS && longest <= MAX_DISTANCE_RATIO * shortest;
         if !are_alike {
+            pairs.retain(|pair| self.is_smoothed_mode(*pair));
+        }
+        if pairs.is_empty() {
             return Vec::new();
         }
         let mut merged = Vec::new();
