@@ -4,8 +4,7 @@
 use std::path::Path;
 
 use crate::geometry::Sensor;
-use crate::io::{HitGrouping, IoError};
-use crate::signal::TriggerOptions;
+use crate::io::IoError;
 
 use super::error::SceneError;
 use super::faults::Faults;
@@ -35,14 +34,19 @@ pub(super) fn collect_file_faults(
         }
     }
     for test in &typed.test {
-        // A fault of the source is known already; the files beside it can have further ones.
-        let source = test_source(test, folder, path).unwrap_or_else(|_| TestSource::Files {
-            files: listed_files(test, folder, path).0,
-            hits: HitGrouping::default(),
-            trigger: TriggerOptions::default(),
-            typed: Box::new(test.clone()),
-        });
-        collect_source_faults(&source, test.partial, path, faults);
+        // Faults of the table are known already; the files that it lists may have further ones.
+        match test_source(test, folder, path) {
+            Ok(source) => collect_source_faults(&source, test.partial, path, faults),
+            Err(_) => {
+                let options = IngestOptions {
+                    typed: Some(test),
+                    partial: test.partial,
+                    scene: path,
+                    ..IngestOptions::default()
+                };
+                faults.take(check_files(&listed_files(test, folder, path).0, &options));
+            }
+        }
     }
 }
 

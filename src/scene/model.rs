@@ -81,15 +81,16 @@ struct KindKeys {
     kind: Option<String>,
     matrices: Option<IgnoredAny>,
     beam: Option<IgnoredAny>,
+    body: Option<IgnoredAny>,
 }
 
 impl KindKeys {
-    /// The kind that is stated, or that of the parts; `None` for rigid bodies.
+    /// The kind that is stated, or that of the parts; `None` where neither is, as in lumped models.
     fn kind(self) -> Option<String> {
-        let shown = match (self.matrices, self.beam) {
-            (Some(_), _) => Some("matrices"),
-            (None, Some(_)) => Some("beam"),
-            (None, None) => None,
+        let shown = match (self.matrices, self.beam, self.body) {
+            (Some(_), ..) => Some("matrices"),
+            (None, Some(_), None) => Some("beam"),
+            _ => None,
         };
         self.kind.or_else(|| shown.map(str::to_owned))
     }

@@ -397,19 +397,19 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
             "block_length_s",
             table.block_length_s,
             &positive,
-            "a positive time",
+            "a finite time above 0 s",
         ),
         (
             "force_window_s",
             table.force_window_s,
             &not_negative,
-            "0 s or more",
+            "a finite time of 0 s or more",
         ),
         (
             "noise_ratio",
             table.noise_ratio,
             &positive,
-            "a positive number",
+            "a finite number above 0",
         ),
         (
             "response_window_end",

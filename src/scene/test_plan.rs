@@ -186,19 +186,29 @@ fn trigger_options(table: &TriggerTable, path: &str) -> Result<TriggerOptions, S
         pretrigger_s: table.pretrigger_s,
         length_s: table.length_s,
     };
-    let checked = options.validate().map_err(|error| match error {
-        SignalError::WindowParameter {
+    let none = TriggerOptions::default();
+    let of_level = TriggerOptions {
+        level_n: options.level_n,
+        ..none
+    };
+    let of_times = TriggerOptions {
+        level_n: None,
+        ..options
+    };
+    let mut faults = Faults::default();
+    for part in [of_level, of_times] {
+        if let Err(SignalError::WindowParameter {
             parameter,
             got,
             expected,
             ..
-        } => {
+        }) = part.validate()
+        {
             let key = format!("[test.trigger] {parameter}");
-            value_error(path, &key, &got.to_string(), expected)
+            faults.add(value_error(path, &key, &got.to_string(), expected));
         }
-        other => value_error(path, "[test.trigger]", "these values", &other.to_string()),
-    });
-    checked.map(|()| options)
+    }
+    faults.into_result().map(|()| options)
 }
 
 /// The files of a `[[test]]` as far as their list is right, and its faults.
@@ -229,7 +239,9 @@ pub(super) fn listed_files(
             });
         }
     }
-    for stated in &test.file {
+    // A file of a pattern without a match is not listed for that reason alone.
+    let stated_files = test.file.iter().filter(|_| faults.is_empty());
+    for stated in stated_files.collect::<Vec<_>>() {
         let is_listed = |file: &FilePlan| file.path == folder.join(&stated.path);
         if !files.iter().any(is_listed) {
             let got = format!("{:?}", stated.path);

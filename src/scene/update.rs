@@ -17,9 +17,11 @@ use super::SceneError;
 use super::configuration_tables::BASE_CONFIGURATION;
 use super::error::value_error;
 use super::expected::Expected;
+use super::faults::Faults;
 use super::file_faults::check_existence;
-use super::model::{LoadedModel, Theory, table_model};
+use super::model::{LoadedModel, OpenedModel, Theory, open_model};
 use super::model_name::named_model;
+use super::modes_file::is_modes_file;
 use super::plan::Scene;
 use super::run::{Comparison, NamedTest, compare_tests, run_test, theory_band};
 use super::sensor_findings::{named, unmoved_sensors};
@@ -69,6 +71,19 @@ impl SceneUpdate {
     pub fn all_tests(&self) -> impl Iterator<Item = &TestResult> + Clone {
         let others = self.configurations.iter().flat_map(|other| &other.tests);
         self.tests.iter().chain(others)
+    }
+
+    /// Names of the parameters of the model that could be free and are not.
+    pub fn not_freed(&self) -> Vec<&str> {
+        let freed = |name: &str| {
+            let mut parameters = self.result.parameters.iter();
+            parameters.any(|parameter| parameter.name == name)
+        };
+        let parameters = self.theory_before.parameters.iter();
+        let specs = parameters.map(|(spec, _)| spec);
+        let can_be_free = specs.filter(|spec| spec.name != MODIFICATION && !spec.whole);
+        let names = can_be_free.map(|spec| spec.name.as_str());
+        names.filter(|name| !freed(name)).collect()
     }
 
     /// The findings that bear on the update: those of the update and the comparison, and of the
@@ -144,14 +159,21 @@ pub struct ConfigurationUpdate {
 /// effect; those of the stages.
 pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
     let stated = scene.update.clone().unwrap_or_default();
-    check_existence(scene.tests.iter().map(|test| &test.source))?;
-    check_test_names(scene, &stated)?;
-    let scenes = scene.all_configurations()?;
-    let mut models = Vec::with_capacity(scenes.len());
-    for (_, configured) in &scenes {
-        models.push(opened_model(configured)?);
+    let mut faults = Faults::default();
+    faults.take(check_existence(scene.tests.iter().map(|test| &test.source)));
+    faults.take(check_test_names(scene, &stated));
+    let scenes = faults.take(scene.all_configurations());
+    let base = || vec![(BASE_CONFIGURATION.to_owned(), scene.clone())];
+    let scenes = scenes.unwrap_or_else(base);
+    let opened = scenes.iter();
+    let opened = opened.filter_map(|(_, configured)| faults.take(opened_model(configured)));
+    let models: Vec<(LoadedModel, Vec<Sensor>)> = opened.collect();
+    let band = faults.take(update_band(&stated, &scene.path));
+    if !faults.is_empty() {
+        let text = read_text(&scene.file).unwrap_or_default();
+        faults = faults.located(&scene.path, &text);
     }
-    let band = update_band(&stated, &scene.path)?;
+    let band = faults.finish(band)?;
     let mut all = Vec::with_capacity(scenes.len());
     for ((name, configured), (model, sensors)) in scenes.into_iter().zip(models) {
         let loaded = load(scene, &stated, name, configured, model, sensors)?;
@@ -216,10 +238,17 @@ pub fn update_scene(scene: &Scene) -> Result<SceneUpdate, SceneError> {
 /// The model of a configuration with the sensors on it, checked before the long work on the tests.
 fn opened_model(scene: &Scene) -> Result<(LoadedModel, Vec<Sensor>), SceneError> {
     let table = model_table_of(scene)?;
-    let model = table_model(table, &scene.folder, &scene.path)?.ok_or_else(|| {
+    let of_modes = || {
         let got = "a file of finished modes";
         value_error(&scene.path, "[model] file", got, "a model with parameters")
-    })?;
+    };
+    if is_modes_file(&named_model(table, &scene.folder, &scene.path)?) {
+        return Err(of_modes());
+    }
+    let opened = open_model(table, &scene.folder, &scene.path, &scene.sensors)?;
+    let OpenedModel::Model(model) = opened else {
+        return Err(of_modes());
+    };
     let sensors = sensors(&model, scene)?;
     check_moved_sensors(&model, &sensors, &scene.path)?;
     Ok((model, sensors))

@@ -13,8 +13,8 @@ use super::{ParameterSpec, ParameterStatus, Support, TheoryError};
 /// The schema that this version reads.
 pub const SCHEMA: &str = "modalign-model/1";
 
-/// `kind = "beam"`, or a model with `[[beam]]`: one or more Euler-Bernoulli beams with point masses and springs to ground. They
-/// do not touch one another.
+/// `kind = "beam"`, or a model with `[[beam]]`: one or more Euler-Bernoulli beams with point masses
+/// and springs to ground. They do not touch one another.
 ///
 /// ```
 /// # use modalign::theory::{BeamFile, BeamModel, TheoreticalModel};

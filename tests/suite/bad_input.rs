@@ -556,3 +556,32 @@ fn sensors_on_unknown_bodies_are_reported_with_an_unknown_key_of_the_model() {
         assert_eq!(error.contains("got body `baar`"), is_reported, "{error}");
     }
 }
+
+#[test]
+fn run_and_update_name_every_sensor_beside_its_beam() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = root().join("measurements/free-free-beam");
+    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
+    let scene = text("scene.toml")
+        .replace("at_m = [0.06, ", "at_m = [0.7, ")
+        .replace("at_m = [0.12, ", "at_m = [-0.1, ");
+    write(
+        folder.path(),
+        &[
+            ("model.toml", &text("model.toml")),
+            ("synth.toml", &text("synth.toml")),
+            ("scene.toml", &scene),
+        ],
+    );
+    for verb in ["run", "update"] {
+        let error = fail([verb, folder.path().to_str().unwrap()]);
+        for part in [
+            "2 faults",
+            "[[sensor]] 2:+Z",
+            "[[sensor]] 3:+Z",
+            "scene.toml:5",
+        ] {
+            assert!(error.contains(part), "{verb}: {part} is missing in {error}");
+        }
+    }
+}
