@@ -31,6 +31,7 @@ const VERB: &str = "study breakdown";
 
 /// Where the rest of the result is.
 const REST: &str = "Ranges with intervals, failure modes, numerical stability: --full.";
+/// The option that writes files.
 const FILES: &str = "Maps: -o DIR.";
 
 /// Computes the slices, or merges finished ones, and writes their maps and tables. Exit code 1 when
@@ -101,7 +102,7 @@ pub fn breakdown(
             blocks.chain(rates).chain(kept.clone()).collect()
         },
     );
-    output.add_rest_of_study(REST, FILES, args.output.is_some());
+    output.add_rest_of_study(REST, Some(FILES).filter(|_| args.output.is_none()));
     output.add_json(|| json::breakdown_to_json(&file));
     Ok(Outcome::missed_if(is_bad))
 }

@@ -22,6 +22,7 @@ use crate::scene::{
 use crate::signal::{Offset, TriggerOptions};
 
 use super::args::FrfArgs;
+use super::new_steps::shell_quoted;
 use super::outcome::Outcome;
 use super::output::{FRF_EXTENSIONS, Output, check_extension};
 use super::targets::{check_targets, input_files, targets};
@@ -100,7 +101,7 @@ pub fn frf(args: &FrfArgs, format: Option<&str>, output: &mut Output) -> Result<
         None => "All hits and FRFs: --full; FRFs to a file: -o FILE.",
     };
     let file = args.output.as_deref().filter(|path| !is_stream(path));
-    let next = file.map(|path| format!("Next: modalign identify {}.", path.display()));
+    let next = file.map(|path| format!("Next: modalign identify {}.", shell_quoted(path)));
     output.add_closing(next.into_iter().collect(), Some(rest));
     output.add_json(|| set_json(&set, usable, &hits, &list));
     output.add_findings(&data.findings);

@@ -17,6 +17,7 @@ use crate::scene::{
 };
 
 use super::args::IdentifyArgs;
+use super::new_steps::shell_quoted;
 use super::outcome::Outcome;
 use super::output::{MODES_EXTENSIONS, Output, check_extension};
 use super::targets::{check_targets, targets};
@@ -101,7 +102,7 @@ pub fn identify(
     };
     let file = args.output.as_deref().filter(|path| !is_stream(path));
     let next = file.filter(|_| !modes.modes.is_empty()).map(|path| {
-        let test = path.display();
+        let test = shell_quoted(path);
         format!("Next: modalign correlate --test {test} --theory MODEL.")
     });
     output.add_closing(next.into_iter().collect(), Some(rest));

@@ -92,7 +92,9 @@ pub(super) fn next_steps(
         ));
     }
     if !draft.points_without_position.is_empty() {
-        let points = first_names(&draft.points_without_position);
+        let mut points = draft.points_without_position.clone();
+        points.sort_by_cached_key(|point| point.parse::<u64>().unwrap_or(u64::MAX));
+        let points = first_names(&points);
         paragraphs.push(format!("No position is stated for: {points}."));
     }
     paragraphs.push(

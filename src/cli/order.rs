@@ -17,6 +17,7 @@ const VERB: &str = "study order";
 
 /// Where the rest of the result is.
 const REST: &str = "Reasons, and each mode with each method: --full.";
+/// The option that writes files.
 const FILES: &str = "With figures and files: -o DIR.";
 
 /// Asks what the scene needs. Exit code 1 when a test could not be asked or part of its files was
@@ -43,7 +44,7 @@ pub fn needs(
         output.add_results(VERB, figure_files(order_figures(&analysis), args.png));
     }
     output.add_result(|width| order_screen(&analysis, width), || blocks);
-    output.add_rest_of_study(REST, FILES, args.output.is_some());
+    output.add_rest_of_study(REST, Some(FILES).filter(|_| args.output.is_none()));
     output.add_json(|| json::order_to_json(&analysis));
     let is_bad = report_damage(&scene, output)?;
     Ok(Outcome::missed_if(is_bad || !analysis.failed.is_empty()))

@@ -185,12 +185,12 @@ impl Output {
         self.add_closing(Vec::new(), Some(note));
     }
 
-    /// Says on the screen of a study where the rest of its result is, and that figures and files can
-    /// be had where none are written.
-    pub fn add_rest_of_study(&mut self, rest: &str, files: &str, is_written: bool) {
-        match is_written {
-            true => self.add_rest_note(rest),
-            false => self.add_rest_note(&format!("{rest} {files}")),
+    /// Says on the screen of a study where the rest of its result is. `files`: the option that
+    /// writes files, where it was not given.
+    pub fn add_rest_of_study(&mut self, rest: &str, files: Option<&str>) {
+        match files {
+            None => self.add_rest_note(rest),
+            Some(files) => self.add_rest_note(&format!("{rest} {files}")),
         }
     }
 

@@ -18,6 +18,7 @@ const VERB: &str = "study speed-accuracy";
 
 /// Where the rest of the result is.
 const REST: &str = "Recommendations and the Pareto front: --full.";
+/// The option that writes files.
 const FILES: &str = "All rows, times and figures: -o DIR.";
 
 /// Runs the study; exit code 1 when part of the files was bad.
@@ -40,7 +41,7 @@ pub fn study(
         |width| speed_accuracy_screen(&result, width),
         || speed_accuracy_blocks(&result),
     );
-    output.add_rest_of_study(REST, FILES, args.output.is_some());
+    output.add_rest_of_study(REST, Some(FILES).filter(|_| args.output.is_none()));
     output.add_json(|| json::speed_accuracy_to_json(&result));
     Ok(Outcome::missed_if(report_damage(&scene, output)?))
 }

@@ -233,6 +233,10 @@ pub(super) static PHRASES: &[Text] = &[
         "单项修改见 [update] 中 explain = true",
     ),
     text("the single changes: --full", "单项修改见 --full"),
+    text(
+        "parameters that the update does not free: {}",
+        "修正未释放的模型参数：{}",
+    ),
     text("{} responses", "{} 个响应"),
     text("{} response", "{} 个响应"),
     text("{} excitation points", "{} 个激励点"),

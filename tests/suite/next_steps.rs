@@ -243,6 +243,15 @@ fn an_update_that_does_not_fit_says_what_to_check() {
         text.contains("explain = true in [update]"),
         "{screen}{findings}"
     );
+    // A parameter of the model that the scene leaves out is the first to try.
+    let one = freed.replace(", \"density\"", "");
+    write(folder, &[("bar/scene.toml", &(scene.clone() + &one))]);
+    let (screen, findings, _) = said(folder, "update bar");
+    let text = unwrapped(&screen);
+    assert!(
+        text.contains("parameters that the update does not free: density"),
+        "{screen}{findings}"
+    );
     write(
         folder,
         &[("bar/model.toml", &model), ("bar/scene.toml", &scene)],

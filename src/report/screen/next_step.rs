@@ -3,7 +3,7 @@
 
 use crate::correlate::{ComparisonTable, Row, Status, TestCell, mean_ratio};
 use crate::finding::{Code, Finding, Location, Severity};
-use crate::printable::counted;
+use crate::printable::{counted, listed};
 use crate::report::table::significant;
 use crate::scene::{Limits, Scene, SceneResult, SceneUpdate};
 use crate::update::{ParameterVerdict, UpdatedParameter};
@@ -13,6 +13,9 @@ use super::frequency_ratio::frequency_ratio;
 
 /// Maximum number of modes that agree by shape alone that a step names.
 const MAX_NAMED_MATCHES: usize = 4;
+
+/// Maximum number of parameters that a step names.
+const MAX_NAMED_PARAMETERS: usize = 4;
 
 /// The next step for the scene of this path; `None` where the model has no parameter to update.
 pub fn next_step(path: &str, scene: &Scene, result: &SceneResult) -> Option<String> {
@@ -178,13 +181,20 @@ pub fn step_after_update(update: &SceneUpdate) -> Option<String> {
         ));
     }
     if !result.fits() {
+        let not_freed = update.not_freed();
         let trials = match (&update.explanation, result.parameters.len()) {
-            (Some(_), _) => "the single changes: --full",
+            (Some(_), _) => "the single changes: --full".to_owned(),
+            // Of many, names are no advice.
+            _ if (1..=MAX_NAMED_PARAMETERS).contains(&not_freed.len()) => {
+                let names = listed(&not_freed);
+                format!("parameters that the update does not free: {names}")
+            }
             // A single change would be the update itself.
             (None, 1) => {
                 "a further [[parameter]], such as a mass at a sensor or the stiffness of a support"
+                    .to_owned()
             }
-            (None, _) => "single changes of it (explain = true in [update])",
+            (None, _) => "single changes of it (explain = true in [update])".to_owned(),
         };
         return Some(format!(
             "Next, as the updated model does not fit: support, positions and directions of sensors, and what the form of the model neglects; {trials}."
