@@ -390,40 +390,40 @@ fn hammer_options(table: &FrfTable, path: &str) -> Result<HammerOptions, SceneEr
         (Some(name), None) => Err(window(&format!("{name:?}"))),
         (Some(_), Some(_)) => Err(window("response_window_end beside it")),
     });
-    let not_negative = |value: f64| value >= 0.0;
-    let positive = |value: f64| value > 0.0;
-    let numbers: [(&str, Option<f64>, &dyn Fn(f64) -> bool, &str); 4] = [
-        (
-            "block_length_s",
-            table.block_length_s,
-            &positive,
-            "a finite time above 0 s",
-        ),
-        (
-            "force_window_s",
-            table.force_window_s,
-            &not_negative,
-            "a finite time of 0 s or more",
-        ),
-        (
-            "noise_ratio",
-            table.noise_ratio,
-            &positive,
-            "a finite number above 0",
-        ),
-        (
-            "response_window_end",
-            table.response_window_end,
-            &|value| value > 0.0 && value < 1.0,
-            "a fraction between 0 and 1",
-        ),
-    ];
-    for (name, value, is_accepted, expected) in numbers {
-        if let Some(got) = value.filter(|value| !(value.is_finite() && is_accepted(*value))) {
+    let mut check = |name: &str, value: Option<f64>, accepts: fn(f64) -> bool, expected: &str| {
+        if let Some(got) = value.filter(|value| !(value.is_finite() && accepts(*value))) {
             let key = format!("[frf] {name}");
             faults.add(value_error(path, &key, &got.to_string(), expected));
         }
-    }
+    };
+    let (length, hold) = (table.block_length_s, table.force_window_s);
+    check(
+        "block_length_s",
+        length,
+        |value| value > 0.0,
+        "a finite time above 0 s",
+    );
+    check(
+        "force_window_s",
+        hold,
+        |value| value >= 0.0,
+        "a finite time of 0 s or more",
+    );
+    let ratio = table.noise_ratio;
+    check(
+        "noise_ratio",
+        ratio,
+        |value| value > 0.0,
+        "a finite number above 0",
+    );
+    let is_fraction = |value: f64| value > 0.0 && value < 1.0;
+    let end = table.response_window_end;
+    check(
+        "response_window_end",
+        end,
+        is_fraction,
+        "a fraction between 0 and 1",
+    );
     let checked = estimator.zip(excitation).zip(response_window);
     let ((estimator, excitation), response_window) = faults.finish(checked)?;
     Ok(HammerOptions {
