@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::command::{fail, json, modalign, root, succeed, write};
 
 /// A copy of the main scene with its recording made beforehand, so that the file can be damaged.
-fn recorded_scene(folder: &Path) {
+pub fn recorded_scene(folder: &Path) {
     let source = root().join("measurements/free-free-beam");
     let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
     let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");

@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use crate::command::{root, write};
+use crate::bad_input::recorded_scene;
+use crate::command::write;
 use crate::first_steps::{POINTS, beam_modes, read, said, stated_values};
 
 /// A scene `bar` with five points, drafted with a beam.
@@ -547,13 +548,7 @@ fn an_update_counts_its_pairs_and_names_the_test_modes_without_one() {
 fn the_next_steps_lead_from_hits_to_a_comparison() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let source = root().join("measurements/free-free-beam");
-    let text = |name: &str| std::fs::read_to_string(source.join(name)).unwrap();
-    let spec = text("synth.toml").replace("samples = 32768", "samples = 4096");
-    write(
-        folder,
-        &[("model.toml", &text("model.toml")), ("synth.toml", &spec)],
-    );
+    recorded_scene(folder);
     let step = |command: &str| {
         let (screen, error, code) = said(folder, command);
         assert_eq!(code, Some(0), "{command}: {error}");
@@ -561,7 +556,6 @@ fn the_next_steps_lead_from_hits_to_a_comparison() {
         let next = lines.find_map(|line| line.strip_prefix("Next: modalign "));
         next.unwrap_or_default().trim_end_matches('.').to_owned()
     };
-    step("synth synth.toml -o hits.uff");
     let identify = step("frf hits.uff -o frfs.h5");
     let correlate = step(&format!("{identify} -o modes.json"));
     step(&correlate.replace("MODEL", "model.toml"));
